@@ -1,0 +1,230 @@
+"""The contract every component fulfils; adding a component means writing one file that does.
+
+1. Subclass `Component`, give it a `kind`, and take its *structure* (what fixes the number of variables:
+   ports, modal data, switches) as keyword arguments of `__init__`. A structure value is a number, a
+   string, a tuple or list or dictionary of those, or a NumPy array; nothing else, because an exported FMU
+   carries it in its resources.
+2. Declare in `__init__`, by calling `self._declare`, the parameters, inputs, outputs and observations as
+   `Quantity` tuples and the ports. *Outputs* are what other components are connected to and are computed in
+   every iteration; *observations* are outputs for people (energies, angles, torques) and are computed only
+   when somebody reads them. A quantity of size n becomes the scalars `name[1] ... name[n]`.
+3. Write five functions that keep no state of their own, all on flat `float64` arrays in declared order:
+
+       prepare(p)          -> constants       checks the parameters, derives what steps need
+       initial(c, u)       -> x               the state at the start, inputs already known
+       step(c, x, u, h)    -> x               over one communication step size h; never changes x in place
+       outputs(c, x, u)    -> y
+       observe(c, x, u)    -> z
+
+   The whole state is the one array x, so saving, restoring and serialising it is exact by construction.
+4. Give `example()`: a small instance that the tests over the registry run.
+
+Nothing else is to be edited: the FMU builder, the conformance tests, `fanfold list` and the component table
+of the README iterate over `REGISTRY`.
+
+World axes, SI units, radians. Quaternions are scalar first and rotate body into world coordinates.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+STORED_ENERGY = ("kinetic_energy", "potential_energy")
+"""Observations that the energy balance of a scene adds up as stored (J)."""
+DISSIPATED_ENERGY = "dissipated_energy"
+"""Observation that the energy balance adds up as dissipated since the start (J), never by difference."""
+
+
+class ComponentError(Exception):
+    """A sentence for the user: what is wrong with a value, and what it must be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """One declared variable: the single place where its unit, range, start value and meaning stand.
+
+    `size` scalars of `unit` (FMI unit syntax; "1" for none). `start` is one number for all or one per
+    scalar. `minimum` and `maximum` bound every scalar, inclusive. `variability` only matters for
+    parameters ("fixed" before the start only, "tunable" between steps) and inputs ("continuous",
+    "discrete").
+    """
+
+    name: str
+    unit: str
+    description: str
+    size: int = 1
+    start: float | tuple[float, ...] = 0.0
+    minimum: float | None = None
+    maximum: float | None = None
+    variability: Literal["fixed", "tunable", "continuous", "discrete"] = "continuous"
+
+    def scalar_names(self) -> tuple[str, ...]:
+        """Names of the scalars, `name` itself when there is one, else `name[1]`, ..."""
+        if self.size == 1:
+            return (self.name,)
+        return tuple(f"{self.name}[{i}]" for i in range(1, self.size + 1))
+
+    def start_values(self) -> Vector:
+        """Start values, shape (size,)."""
+        return np.broadcast_to(np.asarray(self.start, dtype=float), (self.size,)).copy()
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A place where mechanical power flows.
+
+    side "body": gives `position, orientation, velocity, angular_velocity`, takes `force, torque`.
+    side "connection": the other way round. All in world axes, torque about the port's origin.
+    """
+
+    name: str
+    side: Literal["body", "connection"]
+
+
+class Layout:
+    """Where each quantity sits in a flat array: `layout["name"]` is its slice, `size` the total length."""
+
+    def __init__(self, quantities: Iterable[Quantity]) -> None:
+        self.quantities = tuple(quantities)
+        self._slices: dict[str, slice] = {}
+        position = 0
+        for quantity in self.quantities:
+            if quantity.name in self._slices:
+                raise ComponentError(f"variable {quantity.name!r} is declared twice")
+            self._slices[quantity.name] = slice(position, position + quantity.size)
+            position += quantity.size
+        self.size = position
+
+    def __getitem__(self, name: str) -> slice:
+        """Slice of the named quantity; KeyError if there is none."""
+        return self._slices[name]
+
+    def __contains__(self, name: str) -> bool:
+        """Whether the quantity is declared here."""
+        return name in self._slices
+
+    def start_values(self) -> Vector:
+        """Start values of all quantities, shape (size,)."""
+        return np.concatenate([np.zeros(0), *(q.start_values() for q in self.quantities)])
+
+    def scalar_names(self) -> tuple[str, ...]:
+        """Names of all scalars in order."""
+        return tuple(name for q in self.quantities for name in q.scalar_names())
+
+
+def port_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
+    """Inputs and outputs of a port, each in the order they take in flat arrays (13 and 6 scalars)."""
+    n = port.name
+    motion = (
+        Quantity(f"{n}.position", "m", f"Position of port {n}, world axes", 3),
+        Quantity(f"{n}.orientation", "1", f"Quaternion of port {n}, scalar first", 4, (1.0, 0.0, 0.0, 0.0)),
+        Quantity(f"{n}.velocity", "m/s", f"Velocity of port {n}, world axes", 3),
+        Quantity(f"{n}.angular_velocity", "rad/s", f"Angular velocity of port {n}, world axes", 3),
+    )
+    wrench = (
+        Quantity(f"{n}.force", "N", f"Force on the body at port {n}, world axes", 3),
+        Quantity(f"{n}.torque", "N.m", f"Torque on the body about the origin of port {n}, world axes", 3),
+    )
+    return (wrench, motion) if port.side == "body" else (motion, wrench)
+
+
+REGISTRY: dict[str, type[Component]] = {}
+"""Every component by kind, filled by the class definitions themselves."""
+
+
+class Component(ABC):
+    """A mechanical component: declared variables and pure functions on a flat state. See the module."""
+
+    kind: ClassVar[str]
+    structure: Mapping[str, Any]
+    parameters: tuple[Quantity, ...]
+    inputs: tuple[Quantity, ...]
+    outputs_: tuple[Quantity, ...]
+    observations: tuple[Quantity, ...]
+    ports: tuple[Port, ...]
+    feedthrough: bool
+
+    def __init_subclass__(cls, **kwargs: object) -> None:
+        super().__init_subclass__(**kwargs)
+        if "kind" in cls.__dict__:
+            if cls.kind in REGISTRY:
+                raise TypeError(f"two components of kind {cls.kind!r}")
+            REGISTRY[cls.kind] = cls
+
+    def _declare(
+        self,
+        structure: Mapping[str, Any],
+        ports: Iterable[Port],
+        parameters: Iterable[Quantity] = (),
+        inputs: Iterable[Quantity] = (),
+        outputs: Iterable[Quantity] = (),
+        observations: Iterable[Quantity] = (),
+        feedthrough: bool = False,
+    ) -> None:
+        """Record the variables; those of the ports come first, in port order.
+
+        `feedthrough` says that outputs depend on inputs of the same instant (end-point wrenches).
+        """
+        self.structure = dict(structure)
+        self.ports = tuple(ports)
+        sides = [port_layout(port) for port in self.ports]
+        self.parameters = tuple(parameters)
+        self.inputs = tuple(q for side in sides for q in side[0]) + tuple(inputs)
+        self.outputs_ = tuple(q for side in sides for q in side[1]) + tuple(outputs)
+        self.observations = tuple(observations)
+        self.feedthrough = feedthrough
+        self.parameter_layout = Layout(self.parameters)
+        self.input_layout = Layout(self.inputs)
+        self.output_layout = Layout(self.outputs_)
+        self.observation_layout = Layout(self.observations)
+        Layout(self.parameters + self.inputs + self.outputs_ + self.observations)
+
+    def check_ranges(self, p: Vector) -> None:
+        """Raise `ComponentError` naming the first parameter that is not finite or out of its range."""
+        for quantity in self.parameters:
+            for name, value in zip(
+                quantity.scalar_names(), p[self.parameter_layout[quantity.name]], strict=True
+            ):
+                if not np.isfinite(value):
+                    raise ComponentError(f"{name} is {value}; it must be a finite number")
+                if quantity.minimum is not None and value < quantity.minimum:
+                    raise ComponentError(
+                        f"{name} = {value:g} {quantity.unit}; it must be at least {quantity.minimum:g}"
+                    )
+                if quantity.maximum is not None and value > quantity.maximum:
+                    raise ComponentError(
+                        f"{name} = {value:g} {quantity.unit}; it must be at most {quantity.maximum:g}"
+                    )
+
+    @abstractmethod
+    def prepare(self, p: Vector) -> Any:  # noqa: ANN401 - opaque to everybody but the component
+        """Check parameters (`ComponentError` with a sentence) and derive what the other functions need."""
+
+    @abstractmethod
+    def initial(self, c: Any, u: Vector) -> Vector:  # noqa: ANN401
+        """State at the start; the inputs hold their values of that instant."""
+
+    @abstractmethod
+    def step(self, c: Any, x: Vector, u: Vector, h: float) -> Vector:  # noqa: ANN401
+        """State after one communication step of size h (s); returns a new array."""
+
+    @abstractmethod
+    def outputs(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
+        """Outputs in declared order, shape (output_layout.size,)."""
+
+    @abstractmethod
+    def observe(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
+        """Observations in declared order, shape (observation_layout.size,)."""
+
+    @classmethod
+    @abstractmethod
+    def example(cls) -> Self:
+        """A small instance with every kind of variable the component can have."""
