@@ -145,10 +145,10 @@ class Component(ABC):
 
     kind: ClassVar[str]
     structure: Mapping[str, Any]
-    parameters: tuple[Quantity, ...]
-    inputs: tuple[Quantity, ...]
-    outputs_: tuple[Quantity, ...]
-    observations: tuple[Quantity, ...]
+    parameter_layout: Layout
+    input_layout: Layout
+    output_layout: Layout
+    observation_layout: Layout
     ports: tuple[Port, ...]
     feedthrough: bool
 
@@ -176,20 +176,21 @@ class Component(ABC):
         self.structure = dict(structure)
         self.ports = tuple(ports)
         sides = [port_layout(port) for port in self.ports]
-        self.parameters = tuple(parameters)
-        self.inputs = tuple(q for side in sides for q in side[0]) + tuple(inputs)
-        self.outputs_ = tuple(q for side in sides for q in side[1]) + tuple(outputs)
-        self.observations = tuple(observations)
         self.feedthrough = feedthrough
-        self.parameter_layout = Layout(self.parameters)
-        self.input_layout = Layout(self.inputs)
-        self.output_layout = Layout(self.outputs_)
-        self.observation_layout = Layout(self.observations)
-        Layout(self.parameters + self.inputs + self.outputs_ + self.observations)
+        self.parameter_layout = Layout(parameters)
+        self.input_layout = Layout((*(q for side in sides for q in side[0]), *inputs))
+        self.output_layout = Layout((*(q for side in sides for q in side[1]), *outputs))
+        self.observation_layout = Layout(observations)
+        Layout(q for layout in self.layouts for q in layout.quantities)  # names are unique across all four
+
+    @property
+    def layouts(self) -> tuple[Layout, Layout, Layout, Layout]:
+        """Parameters, inputs, outputs, observations."""
+        return (self.parameter_layout, self.input_layout, self.output_layout, self.observation_layout)
 
     def check_ranges(self, p: Vector) -> None:
         """Raise `ComponentError` naming the first parameter that is not finite or out of its range."""
-        for quantity in self.parameters:
+        for quantity in self.parameter_layout.quantities:
             for name, value in zip(
                 quantity.scalar_names(), p[self.parameter_layout[quantity.name]], strict=True
             ):
