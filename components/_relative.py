@@ -1,0 +1,80 @@
+"""Relative motion of a connection's two ports, seen from a frame on the first port whose x axis is a hinge line."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ._component import Vector
+from ._frames import (
+    Quaternion,
+    Vector3,
+    add,
+    conjugate,
+    cross,
+    mean,
+    multiply,
+    rotate,
+    rotate_back,
+    scaled,
+    subtract,
+    swing_twist,
+)
+
+
+class Pose(NamedTuple):
+    """Positions of two ports relative to each other at one instant.
+
+    frame: quaternion of the hinge frame on port A; gap: from A to B, world axes, `offset` the same in
+    hinge axes; twist: angle of B about x, in (-2 pi, 2 pi); swing: rotation vector (y, z) of the rest.
+    """
+
+    frame: Quaternion
+    gap: Vector3
+    offset: Vector3
+    twist: float
+    swing: tuple[float, float]
+
+
+class Rates(NamedTuple):
+    """Relative velocity and angular velocity of B against A in hinge axes."""
+
+    velocity: Vector3
+    angular_velocity: Vector3
+
+
+def relative_pose(u: list[float], axis_frame: Quaternion) -> Pose:
+    """Pose from the 26 inputs of two connection ports (position, quaternion, velocities of A, then of B)."""
+    frame = multiply((u[3], u[4], u[5], u[6]), axis_frame)
+    frame_b = multiply((u[16], u[17], u[18], u[19]), axis_frame)
+    gap = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
+    twist, swing_y, swing_z = swing_twist(multiply(conjugate(frame), frame_b))
+    return Pose(frame, gap, rotate_back(frame, gap), twist, (swing_y, swing_z))
+
+
+def relative_rates(u: list[float], pose: Pose) -> Rates:
+    """Rates from the same 26 inputs."""
+    spin_a = (u[10], u[11], u[12])
+    velocity = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross(spin_a, pose.gap))
+    return Rates(
+        rotate_back(pose.frame, velocity),
+        rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12])),
+    )
+
+
+def mean_direction(frame0: Quaternion, frame1: Quaternion, v: Vector3) -> Vector3:
+    """A vector held in hinge axes over a step, as its mean in world axes."""
+    return mean(rotate(frame0, v), rotate(frame1, v))
+
+
+def pair(force: Vector3, torque: Vector3, gap: Vector3) -> tuple[float, ...]:
+    """Wrenches on A and on B, 12 numbers, that sum to zero about any point.
+
+    force, torque: on B at its origin, world axes; gap: from A to B, the mean over the step.
+    """
+    reaction = scaled(-1.0, add(torque, cross(gap, force)))
+    return (*scaled(-1.0, force), *reaction, *force, *torque)
+
+
+def as_floats(u: Vector) -> list[float]:
+    """The array as plain floats, for scalar code."""
+    return u.tolist()  # type: ignore[no-any-return]

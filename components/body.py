@@ -1,0 +1,505 @@
+"""Rigid and modal bodies: one component, because a rigid body is a modal body without modes.
+
+A floating frame in the centre of mass plus orthonormalised Craig-Bampton modes with the rigid modes
+removed, so that linear momentum decouples and the frame is the mean-axis frame (Bagnoli 2007, section 1.3,
+Table 1-1, with I3 = I4 = 0). The states are momenta: world linear and angular momentum are conserved to
+round-off. Held wrenches act on the ports; the modes are propagated exactly, the rotation by the Lie-group
+midpoint rule, the inertia coupling by an exponential midpoint rule iterated to convergence, so a step is
+time-symmetric and of second order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ._component import Component, ComponentError, Port, Quantity, Vector
+from ._frames import exponential, left_product, multiply, normalized, rotation_matrix, skew
+from ._oscillators import Propagator, propagator
+from .modal import ModalData
+
+InertiaCoupling = Literal["rigid", "constant", "partial", "full"]
+
+_R, _Q, _P, _L, _W, _D, _ETA = (
+    slice(0, 3),
+    slice(3, 7),
+    slice(7, 10),
+    slice(10, 13),
+    slice(13, 16),
+    16,
+    17,
+)
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+_SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
+_MAX_ITERATIONS = 12
+_ANGLE_TOLERANCE = 1e-12
+_CACHED_STEP_SIZES = 64
+
+
+@dataclass(slots=True)
+class _Constants:
+    """What a step needs, derived from structure and parameters."""
+
+    gravity: Vector
+    frequency: Vector
+    damping_ratio: Vector
+    quasi_static: bool
+    start: tuple[Vector, Vector, Vector, Vector]
+    propagators: dict[float, Propagator] = field(default_factory=dict)
+
+    def propagator(self, h: float) -> Propagator:
+        """The modal propagator of step size h, remembered because a run reuses few step sizes."""
+        found = self.propagators.get(h)
+        if found is None:
+            if len(self.propagators) >= _CACHED_STEP_SIZES:
+                self.propagators.clear()
+            found = self.propagators[h] = propagator(self.frequency, self.damping_ratio, h)
+        return found
+
+
+class Body(Component):
+    """A rigid or flexible body with ports at attachment points, nodes, or offsets from either.
+
+    modal: fields of `ModalData`. ports: one mapping per port with `name`, `point` (a point of the modal
+    data), optional `offset` (3, m, body axes, a rigid arm) and `orientation` (quaternion of the port in the
+    body's construction axes). inertia_coupling: which invariants vary with deformation; "rigid" and
+    "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9.
+    """
+
+    kind = "body"
+
+    def __init__(
+        self,
+        modal: Mapping[str, Any],
+        ports: Sequence[Mapping[str, Any]],
+        inertia_coupling: InertiaCoupling = "full",
+    ) -> None:
+        data = ModalData.from_arrays(modal)
+        self.data = data
+        self.modes = data.frequency.size
+        self._check(data, inertia_coupling)
+        self._declare(
+            {"modal": dict(modal), "ports": [dict(p) for p in ports], "inertia_coupling": inertia_coupling},
+            ports=[Port(p["name"], "body") for p in ports],
+            parameters=_parameters(),
+            observations=_observations(self.modes),
+        )
+        self._place_ports(data, ports)
+        self._place_invariants(data, inertia_coupling)
+
+    @staticmethod
+    def _check(data: ModalData, inertia_coupling: str) -> None:
+        if inertia_coupling not in ("rigid", "constant", "partial", "full"):
+            raise ComponentError(
+                f"inertia_coupling is {inertia_coupling!r}; it must be rigid, constant, partial or full"
+            )
+        if not data.mass > 0.0:
+            raise ComponentError(f"mass is {data.mass:g} kg; it must be positive")
+        principal = np.linalg.eigvalsh(data.inertia)
+        if not principal[0] > 0.0:
+            raise ComponentError(
+                f"a principal moment of inertia is {principal[0]:g} kg.m2; it must be positive"
+            )
+        if principal[2] > principal[0] + principal[1] + 1e-9 * principal[2]:
+            a, b, c = (f"{v:g}" for v in principal)
+            raise ComponentError(
+                f"principal moments of inertia {a}, {b}, {c} kg.m2 violate the triangle inequality {a} + {b} >= {c}"
+            )
+        if not np.all(data.frequency > 0.0):
+            raise ComponentError("every mode must have a positive frequency; remove the rigid modes first")
+
+    def _place_ports(self, data: ModalData, ports: Sequence[Mapping[str, Any]]) -> None:
+        count, modes = len(ports), self.modes
+        self.arms = np.zeros((count, 3))
+        self.translation = np.zeros((count, 3, modes))
+        self.rotation = np.zeros((count, 3, modes))
+        self.port_orientation = np.tile(np.array([1.0, 0.0, 0.0, 0.0]), (count, 1))
+        for k, port in enumerate(ports):
+            if port["point"] not in data.point_names:
+                known = ", ".join(data.point_names)
+                raise ComponentError(
+                    f"port {port['name']}: there is no point {port['point']!r}; points are {known}"
+                )
+            i = data.point_names.index(port["point"])
+            offset = np.asarray(port.get("offset", (0.0, 0.0, 0.0)), dtype=float)
+            self.arms[k] = data.point_positions[i] - data.center_of_mass + offset
+            self.translation[k] = data.translation[i] - skew(offset) @ data.rotation[i]
+            self.rotation[k] = data.rotation[i]
+            turn = port.get("orientation", (1.0, 0.0, 0.0, 0.0))
+            self.port_orientation[k] = normalized((turn[0], turn[1], turn[2], turn[3]))
+        self._turned_ports = bool(np.any(self.port_orientation[:, 1:] != 0.0))
+        self._phi = self.translation.reshape(3 * count, modes)
+        self._psi = self.rotation.reshape(3 * count, modes)
+
+    def _place_invariants(self, data: ModalData, inertia_coupling: str) -> None:
+        m = self.modes
+        self._full = m > 0 and inertia_coupling == "full"
+        self._varying = m > 0 and inertia_coupling in ("partial", "full")
+        self._inertia = np.array([data.inertia[i, j] for i, j in _PAIRS])
+        self._inverse_inertia = np.linalg.inv(data.inertia)
+        i8 = data.invariant8 + data.invariant8.transpose(0, 2, 1)
+        self._linear_inertia = np.array([i8[:, i, j] for i, j in _PAIRS])
+        if not self._full:
+            return
+        i9 = data.invariant9 + data.invariant9.transpose(0, 1, 3, 2)
+        i9 = 0.25 * (i9 + i9.transpose(1, 0, 2, 3))
+        quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
+        gyroscopic = data.invariant5.transpose(1, 2, 0).reshape(3 * m, m)
+        self._tensors = np.ascontiguousarray(np.vstack([quadratic, gyroscopic]))
+        self._gyroscopic = np.ascontiguousarray(gyroscopic)
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        at = self.parameter_layout
+        orientation = p[at["initial_orientation"]]
+        if abs(np.linalg.norm(orientation) - 1.0) > 1e-6:
+            raise ComponentError(
+                f"initial_orientation has length {np.linalg.norm(orientation):g}; a quaternion must have length 1"
+            )
+        return _Constants(
+            gravity=p[at["gravity"]].copy(),
+            frequency=self.data.frequency,
+            damping_ratio=self.data.damping_ratio * float(p[at["damping_scale"]][0]),
+            quasi_static=bool(p[at["quasi_static"]][0] >= 0.5),
+            start=(
+                p[at["initial_position"]].copy(),
+                orientation.copy(),
+                p[at["initial_velocity"]].copy(),
+                p[at["initial_angular_velocity"]].copy(),
+            ),
+        )
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """Undeformed, placed and moving as the initial parameters say."""
+        position, orientation, velocity, angular_velocity = c.start
+        q = normalized(tuple(orientation.tolist()))
+        a = rotation_matrix(q)
+        x = np.zeros(_ETA + 2 * self.modes)
+        x[_R] = position + a @ self.data.center_of_mass
+        x[_Q] = q
+        x[_P] = self.data.mass * velocity
+        x[_W] = a.T @ angular_velocity
+        x[_L] = a @ (self.data.inertia @ x[_W])
+        return x
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step under wrenches held in world axes."""
+        return self._static_step(c, x, u, h) if c.quasi_static else self._dynamic_step(c, x, u, h)
+
+    def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        m = self.modes
+        mass = self.data.mass
+        wrench = u.reshape(-1, 6)
+        force, torque = wrench[:, :3], wrench[:, 3:]
+        q0 = tuple(x[_Q].tolist())
+        a0 = rotation_matrix(q0)
+        eta0, pi0, momentum0 = x[_ETA : _ETA + m], x[_ETA + m :], x[_L]
+        arms0 = (self.arms + (self._phi @ eta0).reshape(-1, 3)) if m else self.arms
+        world_arms0 = arms0 @ a0.T
+        torque_sum = torque.sum(0)
+        omega = x[_W]
+        eta1, pi1, rate0 = eta0, pi0, pi0
+        arms1 = arms0
+        modal_force = pi0
+        eta_mean, rate_mean = eta0, self._modal_rate(omega, eta0, pi0) if m else pi0
+        step_propagator = c.propagator(h) if m else None
+        for _ in range(_MAX_ITERATIONS):
+            half_turn = exponential(tuple((0.5 * h * omega).tolist()))
+            half = rotation_matrix(half_turn)
+            a_mid = a0 @ half
+            a1 = a_mid @ half
+            if step_propagator is not None:
+                coupling, inertia, nonlinear = self._coupling(omega, eta_mean, rate_mean)
+                drag = coupling.T @ omega
+                modal_force = nonlinear + self._modal_force(0.5 * (a0 + a1), a_mid, eta_mean, force, torque)
+                rate0 = pi0 - drag
+                eta1 = (
+                    step_propagator.a11 * eta0
+                    + step_propagator.a12 * rate0
+                    + step_propagator.b1 * modal_force
+                )
+                rate1 = (
+                    step_propagator.a21 * eta0
+                    + step_propagator.a22 * rate0
+                    + step_propagator.b2 * modal_force
+                )
+                pi1 = rate1 + drag
+                eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
+                arms1 = self.arms + (self._phi @ eta1).reshape(-1, 3)
+            moment = _moment(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum
+            body_momentum = (momentum0 + (0.5 * h) * moment) @ a_mid
+            if step_propagator is None or not self._varying:
+                updated = self._inverse_inertia @ body_momentum
+            else:
+                body_momentum = body_momentum - coupling @ (0.5 * (pi0 + pi1))
+                updated = _solve_symmetric(inertia, body_momentum)
+            change = updated - omega
+            omega = updated
+            if h * float(abs(change).max()) < _ANGLE_TOLERANCE:
+                break
+        result = np.empty_like(x)
+        half_turn = exponential(tuple((0.5 * h * omega).tolist()))
+        q1 = normalized(multiply(q0, multiply(half_turn, half_turn)))
+        a1 = rotation_matrix(q1)
+        result[_Q] = q1
+        result[_P] = x[_P] + h * (force.sum(0) + mass * c.gravity)
+        result[_R] = x[_R] + (0.5 * h / mass) * (x[_P] + result[_P])
+        result[_L] = momentum0 + h * (_moment(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum)
+        result[_D] = x[_D]
+        if step_propagator is not None:
+            result[_ETA : _ETA + m], result[_ETA + m :] = eta1, pi1
+            result[_D] += step_propagator.dissipated(eta0, rate0, modal_force)
+        result[_W] = self._angular_velocity(a1, result[_L], eta1, pi1)
+        return result
+
+    def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
+
+        At rest before and after; modes take their static deflection at once. Its fixed points are exactly
+        the equilibria of the dynamic step, and the centre of mass of a free scene does not move.
+        """
+        m = self.modes
+        wrench = u.reshape(-1, 6)
+        force, torque = wrench[:, :3], wrench[:, 3:]
+        q0 = tuple(x[_Q].tolist())
+        q1, a1, arms = q0, rotation_matrix(q0), self.arms
+        result = np.zeros_like(x)
+        for _ in range(3):
+            if m:
+                eta = self._modal_force(a1, a1, result[_ETA : _ETA + m], force, torque) / c.frequency**2
+                result[_ETA : _ETA + m] = eta
+                arms = self.arms + (self._phi @ eta).reshape(-1, 3)
+            moment = _moment(arms @ a1.T, force) + torque.sum(0)
+            turn = h * h * (self._inverse_inertia @ (moment @ a1))
+            q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
+            a1 = rotation_matrix(q1)
+        result[_Q] = q1
+        result[_R] = x[_R] + h * h * (force.sum(0) / self.data.mass + c.gravity)
+        result[_D] = x[_D]
+        return result
+
+    def _modal_force(
+        self, a_force: Vector, a_torque: Vector, eta: Vector, force: Vector, torque: Vector
+    ) -> Vector:
+        """Generalised forces (M,) of world wrenches: Phi^T A^T f + Psi^T Jl(Psi eta)^T A^T tau."""
+        body_torque = torque @ a_torque
+        turn = skew((self._psi @ eta).reshape(-1, 3))
+        once = (turn @ body_torque[:, :, None])[:, :, 0]
+        twice = (turn @ once[:, :, None])[:, :, 0]
+        conjugate_torque = body_torque - 0.5 * once + twice / 6.0
+        return (force @ a_force).ravel() @ self._phi + conjugate_torque.ravel() @ self._psi
+
+    def _coupling(self, omega: Vector, eta: Vector, rate: Vector) -> tuple[Vector, Vector, Vector]:
+        """B (3, M), J - B B^T as six entries, and the quadratic velocity forces (M,)."""
+        m = self.modes
+        if not self._varying:
+            return np.zeros((3, m)), self._inertia, np.zeros(m)
+        x, y, z = omega.tolist()
+        products = np.array((x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z))
+        slope = self._linear_inertia
+        if not self._full:
+            return np.zeros((3, m)), self._inertia - slope @ eta, -0.5 * (products @ slope)
+        stacked = self._tensors @ np.stack((eta, rate), axis=1)
+        quadratic = stacked[: 6 * m, 0].reshape(6, m)
+        b = stacked[6 * m :, 0].reshape(3, m)
+        b_rate = stacked[6 * m :, 1].reshape(3, m)
+        inertia = self._inertia - slope @ eta - quadratic @ eta
+        bb = b @ b.T
+        inertia -= np.array((bb[0, 0], bb[1, 1], bb[2, 2], bb[0, 1], bb[0, 2], bb[1, 2]))
+        forces = -0.5 * (products @ (slope + 2.0 * quadratic)) - omega @ b_rate
+        return b, inertia, forces
+
+    def _gyroscopic_coupling(self, eta: Vector) -> Vector:
+        return (self._gyroscopic @ eta).reshape(3, self.modes)
+
+    def _modal_rate(self, omega: Vector, eta: Vector, pi: Vector) -> Vector:
+        """Eta' = pi - B^T omega."""
+        return pi - omega @ self._gyroscopic_coupling(eta) if self._full else pi
+
+    def _angular_velocity(self, a: Vector, momentum: Vector, eta: Vector, pi: Vector) -> Vector:
+        """Omega in body axes from the momenta: (J - B B^T)^-1 (A^T L - B pi)."""
+        body_momentum = momentum @ a
+        if not self._varying:
+            return self._inverse_inertia @ body_momentum
+        b, inertia, _ = self._coupling(np.zeros(3), eta, pi)
+        return _solve_symmetric(inertia, body_momentum - b @ pi)
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Pose and velocity of every port, world axes."""
+        m = self.modes
+        q = tuple(x[_Q].tolist())
+        a = rotation_matrix(q)
+        omega = x[_W]
+        y = np.empty((len(self.arms), 13))
+        arms, spin = self.arms, skew(omega)
+        velocity = arms @ spin.T
+        turns = np.zeros_like(arms)
+        rate_of_turn = np.broadcast_to(omega, arms.shape)
+        if m:
+            eta = x[_ETA : _ETA + m]
+            rate = self._modal_rate(omega, eta, x[_ETA + m :])
+            deflection = (self._phi @ eta).reshape(-1, 3)
+            arms = arms + deflection
+            velocity = arms @ spin.T + (self._phi @ rate).reshape(-1, 3)
+            turns = (self._psi @ eta).reshape(-1, 3)
+            twist = (self._psi @ rate).reshape(-1, 3)
+            turn = skew(turns)
+            once = (turn @ twist[:, :, None])[:, :, 0]
+            rate_of_turn = omega + twist + 0.5 * once + (turn @ once[:, :, None])[:, :, 0] / 6.0
+        y[:, 0:3] = x[_R] + arms @ a.T
+        y[:, 3:7] = self._port_quaternions(q, turns)
+        y[:, 7:10] = x[_P] / self.data.mass + velocity @ a.T
+        y[:, 10:13] = rate_of_turn @ a.T
+        return y.ravel()
+
+    def _port_quaternions(self, q: tuple[float, float, float, float], turns: Vector) -> Vector:
+        """Q * exp(turn) * port orientation for every port, shape (K, 4)."""
+        if not self.modes:
+            local = self.port_orientation
+        else:
+            angle = np.sqrt((turns * turns).sum(1))
+            local = np.empty((len(turns), 4))
+            local[:, 0] = np.cos(0.5 * angle)
+            local[:, 1:] = turns * (0.5 * np.sinc(angle / (2.0 * np.pi)))[:, None]
+            if self._turned_ports:
+                local = np.array(
+                    [
+                        multiply(tuple(a), tuple(b))
+                        for a, b in zip(local.tolist(), self.port_orientation.tolist(), strict=True)
+                    ]
+                )
+        quaternions: Vector = local @ left_product(q).T
+        return quaternions
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Pose of the construction frame, momenta, energies and modal coordinates."""
+        m = self.modes
+        a = rotation_matrix(tuple(x[_Q].tolist()))
+        eta, pi = x[_ETA : _ETA + m], x[_ETA + m :]
+        rate = self._modal_rate(x[_W], eta, pi)
+        kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
+        strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
+        z = np.empty(self.observation_layout.size)
+        z[0:3] = x[_R] - a @ self.data.center_of_mass
+        z[3:7] = x[_Q]
+        z[7:10] = x[_P]
+        z[10:13] = x[_L] + np.cross(x[_R], x[_P])
+        z[13] = kinetic
+        z[14] = strain - self.data.mass * float(c.gravity @ x[_R])
+        z[15] = x[_D]
+        z[16:] = eta
+        return z
+
+    @classmethod
+    def example(cls) -> Body:
+        """A flexible body with four modes of a made-up point-mass grid, one port with an offset."""
+        data = _example_modal_data()
+        return cls(
+            modal=data.to_arrays(),
+            ports=[
+                {"name": "inboard", "point": "left"},
+                {"name": "outboard", "point": "right", "offset": (0.1, 0.0, 0.02)},
+            ],
+        )
+
+
+def _parameters() -> list[Quantity]:
+    return [
+        Quantity(
+            "initial_position",
+            "m",
+            "Start position of the construction frame, world axes",
+            3,
+            variability="fixed",
+        ),
+        Quantity(
+            "initial_orientation",
+            "1",
+            "Start quaternion of the body",
+            4,
+            (1.0, 0.0, 0.0, 0.0),
+            variability="fixed",
+        ),
+        Quantity("initial_velocity", "m/s", "Start velocity of the centre of mass", 3, variability="fixed"),
+        Quantity(
+            "initial_angular_velocity", "rad/s", "Start angular velocity, world axes", 3, variability="fixed"
+        ),
+        Quantity("gravity", "m/s2", "Gravitational acceleration, world axes", 3, variability="tunable"),
+        Quantity(
+            "damping_scale",
+            "1",
+            "Factor on every modal damping ratio",
+            start=1.0,
+            minimum=0.0,
+            variability="tunable",
+        ),
+        Quantity(
+            "quasi_static",
+            "1",
+            "1: steps seek static equilibrium instead of following time",
+            minimum=0.0,
+            maximum=1.0,
+            variability="tunable",
+        ),
+    ]
+
+
+def _observations(modes: int) -> list[Quantity]:
+    found = [
+        Quantity("frame_position", "m", "Position of the construction frame, world axes", 3),
+        Quantity("frame_orientation", "1", "Quaternion of the body", 4, (1.0, 0.0, 0.0, 0.0)),
+        Quantity("linear_momentum", "N.s", "Linear momentum, world axes", 3),
+        Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin", 3),
+        Quantity("kinetic_energy", "J", "Kinetic energy"),
+        Quantity("potential_energy", "J", "Strain energy and energy in gravity"),
+        Quantity("dissipated_energy", "J", "Energy dissipated by modal damping since the start"),
+    ]
+    if modes:
+        found.append(Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes))
+    return found
+
+
+def _moment(arms: Vector, force: Vector) -> Vector:
+    """Sum of arms x force over rows."""
+    s = arms.T @ force
+    return np.array((s[1, 2] - s[2, 1], s[2, 0] - s[0, 2], s[0, 1] - s[1, 0]))
+
+
+def _solve_symmetric(entries: Vector, right: Vector) -> Vector:
+    """Solve a symmetric 3x3 system given as (xx, yy, zz, xy, xz, yz), by cofactors."""
+    xx, yy, zz, xy, xz, yz = entries.tolist()
+    r0, r1, r2 = right.tolist()
+    c00, c01, c02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    scale = 1.0 / (xx * c00 + xy * c01 + xz * c02)
+    c11, c12, c22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    return np.array(
+        (
+            scale * (c00 * r0 + c01 * r1 + c02 * r2),
+            scale * (c01 * r0 + c11 * r1 + c12 * r2),
+            scale * (c02 * r0 + c12 * r1 + c22 * r2),
+        )
+    )
+
+
+def _example_modal_data() -> ModalData:
+    """Modes of a 3x2 grid of point masses: smooth made-up shapes, rigid motions projected out."""
+    grid = np.array([(x, y, 0.1 * x * y) for x in (0.0, 0.5, 1.0) for y in (-0.4, 0.4)])
+    masses = np.linspace(0.8, 1.2, len(grid))
+    shapes = np.array(
+        [
+            [np.sin((k + 1) * p[0] + axis) + (k - 1) * p[1] * p[0] for axis in range(3)]
+            for k in range(4)
+            for p in grid
+        ]
+    ).reshape(4, len(grid) * 3)
+    return ModalData.from_point_masses(
+        masses,
+        grid,
+        shapes.T,
+        frequency=2.0 * np.pi * np.array([2.0, 9.0, 40.0, 300.0]),
+        points={"left": 0, "right": len(grid) - 1},
+    )

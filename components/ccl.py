@@ -1,0 +1,287 @@
+"""Closed-cable-loop (CCL) synchroniser: two preloaded strands between two pulleys on bodies 1 and 3.
+
+The wrenches follow from the elongations of the two strands, so they are conservative by construction; in
+components they are equations 2.3 to 2.6 of Bagnoli (2007), section 2.2.5, with L the free strand length,
+hence a pulley distance of sqrt(L^2 + (r1 - r2)^2): only with that arm is angular momentum balanced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import asin, atan2, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from ._component import Component, ComponentError, Port, Quantity, Vector
+from ._frames import (
+    Quaternion,
+    Vector3,
+    add,
+    conjugate,
+    cross,
+    dot,
+    frame_with_x_along,
+    mean,
+    multiply,
+    nearest_turn,
+    norm,
+    rotate,
+    rotate_back,
+    scaled,
+    subtract,
+    swing_twist,
+)
+from ._relative import as_floats
+from .laws import SlackSpring, mean_force
+
+
+class _Geometry(NamedTuple):
+    """Pulley angles against the strands (rad, unwrapped), pulley axis and centre line in world axes."""
+
+    angles: tuple[float, float]
+    axis: Vector3
+    span: Vector3
+
+
+@dataclass(frozen=True, slots=True)
+class _Constants:
+    radius_1: float
+    radius_2: float
+    strand: SlackSpring
+    damping: float
+    end_weight: float
+
+
+_ANGLES, _AXIS, _SPAN, _START, _WRENCH = slice(0, 2), slice(2, 5), slice(5, 8), slice(8, 11), 12
+_HEAT = 11
+
+
+class CableLoop(Component):
+    """Synchroniser between pulley 1 (port `pulley_1`, fixed to body 1) and pulley 2 (`pulley_2`, body 3).
+
+    axis: pulley axis in the axes of both pulley ports. guided: cables are led along body 2, which then has
+    a third port `guide` and takes the torque -(T1 + T2); otherwise the strands run free and the difference
+    of radii makes a lateral pair of forces on the pulleys.
+    """
+
+    kind = "ccl"
+
+    def __init__(
+        self,
+        axis: Sequence[float] = (0.0, 1.0, 0.0),
+        guided: bool = False,
+        wrench_mode: str = "mean",
+    ) -> None:
+        if wrench_mode not in ("mean", "endpoint"):
+            raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
+        try:
+            self._axis_frame: Quaternion = frame_with_x_along((axis[0], axis[1], axis[2]))
+        except ValueError:
+            raise ComponentError("axis has no length; give the direction of the pulley axes") from None
+        self._guided = bool(guided)
+        self._endpoint = wrench_mode == "endpoint"
+        names = ("pulley_1", "pulley_2", "guide") if guided else ("pulley_1", "pulley_2")
+        self._declare(
+            {"axis": tuple(axis), "guided": self._guided, "wrench_mode": wrench_mode},
+            ports=[Port(name, "connection") for name in names],
+            parameters=_parameters(),
+            observations=_observations(),
+            feedthrough=self._endpoint,
+        )
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
+        return _Constants(
+            one["radius_1"],
+            one["radius_2"],
+            SlackSpring(one["strand_stiffness"], one["preload"]),
+            one["strand_damping"],
+            one["end_weight"],
+        )
+
+    def _geometry(self, u: list[float], reference: tuple[float, float]) -> _Geometry:
+        """Geometry of one instant; angles are those nearest the reference."""
+        frame_1 = multiply((u[3], u[4], u[5], u[6]), self._axis_frame)
+        frame_2 = multiply((u[16], u[17], u[18], u[19]), self._axis_frame)
+        span = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
+        if self._guided:
+            link = multiply((u[29], u[30], u[31], u[32]), self._axis_frame)
+            angle_1 = swing_twist(multiply(conjugate(frame_1), link))[0]
+            angle_2 = swing_twist(multiply(conjugate(frame_2), link))[0]
+            axis = rotate(link, (1.0, 0.0, 0.0))
+        else:
+            local_1, local_2 = rotate_back(frame_1, span), rotate_back(frame_2, span)
+            angle_1, angle_2 = atan2(local_1[2], local_1[1]), atan2(local_2[2], local_2[1])
+            sum_of_axes = add(rotate(frame_1, (1.0, 0.0, 0.0)), rotate(frame_2, (1.0, 0.0, 0.0)))
+            axis = scaled(1.0 / norm(sum_of_axes), sum_of_axes)
+        return _Geometry(
+            (nearest_turn(angle_1, reference[0]), nearest_turn(angle_2, reference[1])), axis, span
+        )
+
+    def _elongations(
+        self, c: _Constants, g: _Geometry, start: tuple[float, float, float]
+    ) -> tuple[float, float]:
+        """Elongation of strands a and b from the start: length change of the loop plus and minus r1 d1 - r2 d2."""
+        turn = c.radius_1 * (g.angles[0] - start[0]) - c.radius_2 * (g.angles[1] - start[1])
+        stretch = self._length(c, norm(g.span)) - start[2]
+        return stretch + turn, stretch - turn
+
+    def _length(self, c: _Constants, distance: float) -> float:
+        """Strand length between the pulleys, the wrap that changes with the distance included."""
+        if self._guided:
+            return distance
+        difference = c.radius_1 - c.radius_2
+        return sqrt(distance * distance - difference * difference) + difference * asin(difference / distance)
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """Both strands at their preload in the pose of the inputs."""
+        g = self._geometry(as_floats(u), (0.0, 0.0))
+        if norm(g.span) <= abs(c.radius_1 - c.radius_2):
+            raise ComponentError(
+                f"the pulleys are {norm(g.span):g} m apart, less than the difference of their radii; check the ports"
+            )
+        x = np.zeros(_WRENCH + 6 * len(self.ports))
+        x[_ANGLES], x[_AXIS], x[_SPAN] = g.angles, g.axis, g.span
+        x[_START] = (*g.angles, self._length(c, norm(g.span)))
+        return x
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step; mean tensions from the strands' elongations at both ends."""
+        v = as_floats(x)
+        start = (v[8], v[9], v[10])
+        old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]))
+        new = self._geometry(as_floats(u), old.angles)
+        before, after = self._elongations(c, old, start), self._elongations(c, new, start)
+        rates = [(b - a) / h for a, b in zip(before, after, strict=True)]
+        tension = [
+            -mean_force(c.strand, a, b, c.end_weight) + c.damping * rate
+            for a, b, rate in zip(before, after, rates, strict=True)
+        ]
+        middle = _Geometry(new.angles, mean(old.axis, new.axis), mean(old.span, new.span))
+        result = x.copy()
+        result[_ANGLES], result[_AXIS], result[_SPAN] = new.angles, new.axis, new.span
+        result[_HEAT] += self._heat(c, before, after, rates, h)
+        result[_WRENCH:] = self._wrenches(c, middle, tension[0], tension[1])
+        return result
+
+    @staticmethod
+    def _heat(
+        c: _Constants, before: tuple[float, float], after: tuple[float, float], rates: list[float], h: float
+    ) -> float:
+        heat = c.damping * h * sum(rate * rate for rate in rates)
+        if c.end_weight != 0.5:
+            heat -= sum(
+                (mean_force(c.strand, a, b, c.end_weight) - mean_force(c.strand, a, b)) * (b - a)
+                for a, b in zip(before, after, strict=True)
+            )
+        return heat
+
+    def _wrenches(self, c: _Constants, g: _Geometry, tension_a: float, tension_b: float) -> tuple[float, ...]:
+        """Wrenches of all ports; they sum to zero about any point."""
+        distance = norm(g.span)
+        direction = scaled(1.0 / distance, g.span)
+        difference = tension_a - tension_b
+        torque_1 = scaled(c.radius_1 * difference, g.axis)
+        if self._guided:
+            force_2 = scaled(-(tension_a + tension_b), direction)
+            torque_2 = scaled(-c.radius_2 * difference, g.axis)
+            guide = scaled(-1.0, add(add(torque_1, torque_2), cross(g.span, force_2)))
+            return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2, 0.0, 0.0, 0.0, *guide)
+        step = c.radius_1 - c.radius_2
+        axial = (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance
+        lateral = -difference * step / distance
+        normal = subtract(g.axis, scaled(dot(g.axis, direction), direction))
+        force_2 = add(scaled(-axial, direction), scaled(lateral, cross(normal, direction)))
+        torque_2 = scaled(-1.0, add(torque_1, cross(g.span, force_2)))
+        return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
+
+    def _now(self, c: _Constants, x: Vector, u: Vector) -> tuple[_Geometry, float, float]:
+        """Geometry and tensions of this instant."""
+        v = as_floats(x)
+        g = self._geometry(as_floats(u), (v[0], v[1]))
+        a, b = self._elongations(c, g, (v[8], v[9], v[10]))
+        rate = self._elongation_rates(c, as_floats(u), g) if c.damping > 0.0 else (0.0, 0.0)
+        return g, -c.strand.value(a) + c.damping * rate[0], -c.strand.value(b) + c.damping * rate[1]
+
+    def _elongation_rates(self, c: _Constants, u: list[float], g: _Geometry) -> tuple[float, float]:
+        """Elongation rates of both strands from the ports' velocities."""
+        distance = norm(g.span)
+        direction = scaled(1.0 / distance, g.span)
+        velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
+        if self._guided:
+            link = dot((u[36], u[37], u[38]), g.axis)
+            stretch = dot(velocity, direction)
+        else:
+            link = dot(velocity, cross(g.axis, direction)) / distance
+            step = c.radius_1 - c.radius_2
+            stretch = dot(velocity, direction) * sqrt(1.0 - (step / distance) ** 2)
+        turn = c.radius_1 * (link - dot((u[10], u[11], u[12]), g.axis)) - c.radius_2 * (
+            link - dot((u[23], u[24], u[25]), g.axis)
+        )
+        return stretch + turn, stretch - turn
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Wrenches on all ports."""
+        if not self._endpoint:
+            return x[_WRENCH:].copy()
+        g, tension_a, tension_b = self._now(c, x, u)
+        return np.array(self._wrenches(c, g, tension_a, tension_b))
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Tensions, forces and torques of this instant, and energies."""
+        v = as_floats(x)
+        g, tension_a, tension_b = self._now(c, x, u)
+        a, b = self._elongations(c, g, (v[8], v[9], v[10]))
+        distance = norm(g.span)
+        step = 0.0 if self._guided else c.radius_1 - c.radius_2
+        difference = tension_a - tension_b
+        return np.array(
+            (
+                tension_a,
+                tension_b,
+                c.radius_1 * difference,
+                -c.radius_2 * difference,
+                (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance,
+                difference * step / distance,
+                0.5 * (a - b),
+                c.strand.potential(a) + c.strand.potential(b),
+                v[_HEAT],
+            )
+        )
+
+    @classmethod
+    def example(cls) -> CableLoop:
+        """A loop whose cables are led along the body between."""
+        return cls(guided=True)
+
+
+def _parameters() -> list[Quantity]:
+    def tunable(name: str, unit: str, text: str, start: float, minimum: float) -> Quantity:
+        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
+
+    return [
+        tunable("radius_1", "m", "Radius of pulley 1", 0.03, 1e-6),
+        tunable("radius_2", "m", "Radius of pulley 2", 0.03, 1e-6),
+        tunable("preload", "N", "Tension of each strand at the start", 40.0, 0.0),
+        tunable("strand_stiffness", "N/m", "Stiffness of one strand", 5000.0, 1e-9),
+        tunable("strand_damping", "N.s/m", "Damping of one strand", 0.0, 0.0),
+        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+    ]
+
+
+def _observations() -> list[Quantity]:
+    return [
+        Quantity("tension_a", "N", "Tension of strand a"),
+        Quantity("tension_b", "N", "Tension of strand b"),
+        Quantity("torque_1", "N.m", "Torque T1 on body 1 about the pulley axis"),
+        Quantity("torque_2", "N.m", "Torque T2 on body 3 about the pulley axis"),
+        Quantity("axial_force", "N", "Force between the pulleys along their centre line"),
+        Quantity("lateral_force", "N", "Lateral force on each pulley"),
+        Quantity("synchronization_error", "m", "r1 phi1 - r2 phi2, what the strands take up"),
+        Quantity("potential_energy", "J", "Elastic energy of both strands"),
+        Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+    ]

@@ -1,0 +1,107 @@
+"""Eddy-current damper between two ports, about their common axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ._component import Component, ComponentError, Port, Quantity, Vector
+from ._frames import Quaternion, frame_with_x_along, mean, nearest_turn, rotate
+from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
+
+_ANGLE, _FRAME, _GAP, _HEAT, _WRENCH = 0, slice(1, 5), slice(5, 8), 8, slice(9, 21)
+
+
+@dataclass(frozen=True, slots=True)
+class _Constants:
+    coefficient: float
+    peak_rate: float
+
+    def torque(self, rate: float) -> float:
+        """Torque against the rate: c w / (1 + (w / w_peak)^2), linear where no peak rate is given."""
+        if self.peak_rate == 0.0:
+            return -self.coefficient * rate
+        return -self.coefficient * rate / (1.0 + (rate / self.peak_rate) ** 2)
+
+
+class EddyCurrentDamper(Component):
+    """Torque against the relative rate of the outboard port about the axis.
+
+    axis: direction in the axes of both ports. The torque of a magnetic brake grows with the rate up to a
+    peak and falls beyond it; without a peak rate it is linear.
+    """
+
+    kind = "eddy_current_damper"
+
+    def __init__(self, axis: Sequence[float] = (0.0, 1.0, 0.0), wrench_mode: str = "mean") -> None:
+        if wrench_mode not in ("mean", "endpoint"):
+            raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
+        try:
+            self._axis_frame: Quaternion = frame_with_x_along((axis[0], axis[1], axis[2]))
+        except ValueError:
+            raise ComponentError("axis has no length; give the direction of the damper's axis") from None
+        self._endpoint = wrench_mode == "endpoint"
+        self._declare(
+            {"axis": tuple(axis), "wrench_mode": wrench_mode},
+            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            parameters=[
+                Quantity(
+                    "damping_coefficient", "N.m.s/rad", "Torque per rate at low rate", 1, 1.0, 0.0, variability="tunable"
+                ),
+                Quantity(
+                    "peak_rate", "rad/s", "Rate of the largest torque; 0 for a linear damper", 1, 0.0, 0.0,
+                    variability="tunable",
+                ),
+            ],
+            observations=[
+                Quantity("angular_rate", "rad/s", "Rate of the outboard against the inboard port"),
+                Quantity("damper_torque", "N.m", "Torque on the outboard side about the axis"),
+                Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+            ],
+            feedthrough=self._endpoint,
+        )  # fmt: skip
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        return _Constants(float(p[0]), float(p[1]))
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """At the pose of the inputs."""
+        pose = relative_pose(as_floats(u), self._axis_frame)
+        return np.array((pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12))
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step: the torque of the mean rate, and the heat it makes."""
+        v = as_floats(x)
+        pose = relative_pose(as_floats(u), self._axis_frame)
+        angle = nearest_turn(pose.twist, v[_ANGLE])
+        change = angle - v[_ANGLE]
+        torque = c.torque(change / h)
+        world = mean_direction((v[1], v[2], v[3], v[4]), pose.frame, (torque, 0.0, 0.0))
+        gap = mean((v[5], v[6], v[7]), pose.gap)
+        wrench = pair((0.0, 0.0, 0.0), world, gap)
+        return np.array((angle, *pose.frame, *pose.gap, v[_HEAT] - torque * change, *wrench))
+
+    def _rate(self, u: list[float]) -> tuple[Pose, float]:
+        pose = relative_pose(u, self._axis_frame)
+        return pose, relative_rates(u, pose).angular_velocity[0]
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Wrenches on both ports."""
+        if not self._endpoint:
+            return x[_WRENCH].copy()
+        pose, rate = self._rate(as_floats(u))
+        return np.array(pair((0.0, 0.0, 0.0), rotate(pose.frame, (c.torque(rate), 0.0, 0.0)), pose.gap))
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Rate and torque of this instant, energy dissipated."""
+        rate = self._rate(as_floats(u))[1]
+        return np.array((rate, c.torque(rate), x[_HEAT]))
+
+    @classmethod
+    def example(cls) -> EddyCurrentDamper:
+        """A damper about the y axis."""
+        return cls()

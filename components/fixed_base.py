@@ -1,0 +1,77 @@
+"""Fixed base: the spacecraft as ground. A free spacecraft is a rigid `body` with the same ports."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ._component import Component, Port, Quantity, Vector
+
+_HISTORY = 6
+
+
+class FixedBase(Component):
+    """Ports that never move, and the loads they carry.
+
+    ports: one mapping per port with `name` and `position` (3, m, world axes). The interface load is the
+    sum of all wrenches about `reference` (3, m).
+    """
+
+    kind = "fixed_base"
+
+    def __init__(
+        self, ports: Sequence[Mapping[str, Any]], reference: Sequence[float] = (0.0, 0.0, 0.0)
+    ) -> None:
+        self._positions = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
+        self._arms = self._positions - np.asarray(reference, dtype=float)
+        self._declare(
+            {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
+            ports=[Port(port["name"], "body") for port in ports],
+            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
+            observations=[
+                Quantity("interface_force", "N", "Force on the base, world axes", 3),
+                Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
+            ],
+        )
+        self._y = np.zeros((len(ports), 13))
+        self._y[:, 0:3] = self._positions
+        self._y[:, 3] = 1.0
+
+    def prepare(self, p: Vector) -> None:
+        """Nothing to prepare."""
+
+    def initial(self, c: None, u: Vector) -> Vector:
+        """Last two mean loads and their step sizes, none yet."""
+        return np.zeros(2 * _HISTORY + 2)
+
+    def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
+        """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
+        if u[-1] > 0.5:
+            return np.zeros_like(x)
+        wrench = u[:-1].reshape(-1, 6)
+        load = np.concatenate(
+            (wrench[:, :3].sum(0), wrench[:, 3:].sum(0) + np.cross(self._arms, wrench[:, :3]).sum(0))
+        )
+        return np.concatenate((load, x[:_HISTORY], (h, x[-2])))
+
+    def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
+        """Constant poses."""
+        return self._y.ravel().copy()
+
+    def observe(self, c: None, x: Vector, u: Vector) -> Vector:
+        """Loads at the communication point, extrapolated from the last two means, which belong to mid-step."""
+        last, previous = x[:_HISTORY], x[_HISTORY : 2 * _HISTORY]
+        h, h_previous = x[-2], x[-1]
+        if h == 0.0 or h_previous == 0.0:
+            return last.copy()
+        result: Vector = last + (last - previous) * (h / (h + h_previous))
+        return result
+
+    @classmethod
+    def example(cls) -> FixedBase:
+        """Two ports."""
+        return cls(
+            [{"name": "hinge", "position": (0.0, 0.0, 0.0)}, {"name": "pulley", "position": (0.0, 0.6, 0.0)}],
+        )

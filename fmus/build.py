@@ -1,0 +1,240 @@
+"""Write a component as an FMU: PythonFMU's binaries around the adapter and the component's own modules.
+
+PythonFMUs in one process share every module of the same name, so the code goes into a package whose name
+carries the digest of that code: equal code is shared on purpose, different code never meets. Only modules
+that the component reaches by its imports are copied, with the imports between our packages made relative.
+The FMU needs Python, NumPy and SciPy, but no Fanfold.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import inspect
+import io
+import json
+import os
+import re
+import shutil
+import tempfile
+import uuid
+import zipfile
+from collections.abc import Callable, Iterable, Mapping
+from datetime import UTC, datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pythonfmu
+from numpy.typing import NDArray
+
+import components
+from components import Component, ComponentError
+
+from . import slave
+from .description import StartValue, model_description, start_values
+from .slave import ARRAYS_FILE, COMPONENT_FILE, pack_value
+
+_COMPONENTS = Path(components.__file__).parent
+_PYTHONFMU = Path(pythonfmu.__file__).parent
+_CONTRACT = "_component"
+_IMPORT = re.compile(r"^(\s*from\s+)components(\.\w+)?(\s+import\b)", re.MULTILINE)
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+
+_ENTRY = '''"""Entry point of an FMU of the component {kind!r}; PythonFMU runs the module named in slavemodule.txt."""
+
+import {package}
+
+from {package}.adapter.slave import ComponentSlave
+from {package}.{module} import {name} as component
+
+
+class Slave(ComponentSlave):
+    """Slave of {name}."""
+
+    component_class = component
+
+    def __init__(self, **kwargs):
+        # PythonFMU drops one reference too many to this module's globals whenever it makes an instance.
+        {package}.globals_of_entries.append(globals())
+        super().__init__(**kwargs)
+'''
+_PACKAGE = '"""Code shared by all FMUs whose code is equal."""\n\nglobals_of_entries = []\n'
+
+
+def build_fmu(
+    component: Component,
+    name: str,
+    directory: str | Path | None = None,
+    start: Mapping[str, StartValue] | None = None,
+) -> Path:
+    """Write `name`.fmu into `directory` and return its path; without a directory, the file in the cache.
+
+    `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`. Nothing
+    is built when the cache holds an FMU of the same content.
+    """
+    starts = start_values(component, start or {})
+    resources = _resources(component, starts)
+    package, code = bundle(type(component))
+    resources.update(code)
+    undated = model_description(component, name, starts, guid="", generated=datetime.fromtimestamp(0, UTC))
+    digest = _digest({**resources, "modelDescription.xml": undated, **_wrapper()})
+    cached = cache_directory() / digest / f"{name}.fmu"
+    if not cached.exists():
+        component.prepare(np.array(starts[: component.parameter_layout.size]))
+        guid = "{" + str(uuid.UUID(bytes=bytes.fromhex(digest[:32]))) + "}"
+        files = {"modelDescription.xml": model_description(component, name, starts, guid, _now())}
+        resources["slavemodule.txt"] = f"{package}_entry".encode()
+        files.update((f"resources/{path}", data) for path, data in resources.items())
+        files.update(_binaries(name))
+        _write(cached, lambda path: path.write_bytes(zip_bytes(files)))
+    if directory is None:
+        return cached
+    target = Path(directory) / cached.name
+    _write(target, lambda path: shutil.copyfile(cached, path))
+    return target
+
+
+def cache_directory() -> Path:
+    """FANFOLD_CACHE, else fanfold in XDG_CACHE_HOME, else ~/.cache/fanfold; FMUs stand there by content."""
+    if own := os.environ.get("FANFOLD_CACHE"):
+        return Path(own)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fanfold"
+
+
+def _resources(component: Component, starts: tuple[float, ...]) -> dict[str, bytes]:
+    """What the adapter builds the component from."""
+    arrays: dict[str, NDArray[Any]] = {}
+    structure = pack_value(dict(component.structure), arrays)
+    content = {"kind": component.kind, "structure": structure, "start": starts}
+    resources = {COMPONENT_FILE: (json.dumps(content, indent=1) + "\n").encode()}
+    if arrays:
+        stored = {}
+        for key, array in arrays.items():
+            buffer = io.BytesIO()
+            np.lib.format.write_array(buffer, array, allow_pickle=False)
+            stored[f"{key}.npy"] = buffer.getvalue()
+        resources[ARRAYS_FILE] = zip_bytes(stored)
+    return resources
+
+
+def bundle(component_class: type[Component]) -> tuple[str, dict[str, bytes]]:
+    """Name of the package that holds the code of an FMU, and its files with the entry module beside it."""
+    source = Path(inspect.getfile(component_class)).resolve()
+    inside = source.parent == _COMPONENTS.resolve()
+    module = f"{'components' if inside else 'extra'}.{source.stem}"
+    sources = {"adapter/slave.py": Path(slave.__file__).read_text(encoding="utf-8")}
+    if not inside:
+        sources[f"extra/{source.stem}.py"] = source.read_text(encoding="utf-8")
+    wanted = [_CONTRACT, *([source.stem] if inside else _imported_components(source))]
+    for path in _reachable(wanted):
+        sources[f"components/{path.name}"] = path.read_text(encoding="utf-8")
+    for folder in {path.partition("/")[0] for path in sources}:
+        sources[f"{folder}/__init__.py"] = ""
+    sources["__init__.py"] = _PACKAGE
+    files = {path: _relative(text).encode() for path, text in sources.items()}
+    names = {"kind": component_class.kind, "module": module, "name": component_class.__name__}
+    entry = _ENTRY.format(package="{package}", **names).encode()
+    package = f"fanfold_{_digest({**files, 'entry': entry})[:16]}"
+    code = {f"{package}/{path}": data for path, data in files.items()}
+    code[f"{package}_entry.py"] = entry.replace(b"{package}", package.encode())
+    return package, code
+
+
+def _reachable(names: Iterable[str]) -> list[Path]:
+    """Modules of the package `components` that the named ones import, directly or not, themselves included."""
+    found: dict[str, Path] = {}
+    waiting = list(names)
+    while waiting:
+        stem = waiting.pop()
+        if stem not in found:
+            found[stem] = _COMPONENTS / f"{stem}.py"
+            waiting.extend(_imported_components(found[stem]))
+    return [found[stem] for stem in sorted(found)]
+
+
+def _imported_components(source: Path) -> list[str]:
+    """Names of the modules of `components` that a file imports; an error for forms that cannot be moved."""
+    names: list[str] = []
+    inside = source.parent.resolve() == _COMPONENTS.resolve()
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import) and any(a.name.partition(".")[0] == "components" for a in node.names):
+            raise ComponentError(f"{source.name}: write 'from components... import', else no FMU can carry it")
+        if not isinstance(node, ast.ImportFrom):
+            continue
+        top, _, rest = (node.module or "").partition(".")
+        if node.level and (not inside or node.level > 1):
+            raise ComponentError(f"{source.name} imports {node.module} from its own package; it must be one file")
+        if node.level and node.module is None:
+            names.extend(alias.name for alias in node.names)
+        elif node.level:
+            names.append(top)
+        elif top == "components":
+            names.append(rest or _CONTRACT)
+    return names
+
+
+def _relative(source: str) -> str:
+    """Source with imports from `components` as they are within the package that an FMU carries."""
+    return _IMPORT.sub(lambda m: f"{m[1]}..components{m[2] or '.' + _CONTRACT}{m[3]}", source)
+
+
+@cache
+def _wrapper() -> dict[str, bytes]:
+    """PythonFMU itself: its Python files, and its binaries by platform folder."""
+    files = {f"pythonfmu/{path.name}": path for path in sorted(_PYTHONFMU.glob("*.py"))}
+    binaries = _PYTHONFMU / "resources" / "binaries"
+    for path in sorted(binaries.rglob("*")):
+        if path.suffix in (".so", ".dll", ".dylib"):
+            files[f"binaries/{path.relative_to(binaries).parent.as_posix()}/*{path.suffix}"] = path
+    return {name: path.read_bytes() for name, path in files.items()}
+
+
+def _binaries(model_identifier: str) -> dict[str, bytes]:
+    """PythonFMU's files by their path in an FMU."""
+    return {
+        path.replace("*", model_identifier) if path.startswith("binaries/") else f"resources/{path}": data
+        for path, data in _wrapper().items()
+    }
+
+
+def zip_bytes(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive whose bytes depend on names and contents only."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+        for name, data in sorted(files.items()):
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, data)
+    return buffer.getvalue()
+
+
+def _digest(files: Mapping[str, bytes]) -> str:
+    digest = hashlib.sha256()
+    for name, data in sorted(files.items()):
+        digest.update(f"{name}\0{len(data)}\0".encode())
+        digest.update(data)
+    return digest.hexdigest()
+
+
+def _now() -> datetime:
+    """Time of generation; SOURCE_DATE_EPOCH fixes it where builds must be reproducible to the byte."""
+    fixed = os.environ.get("SOURCE_DATE_EPOCH")
+    return datetime.fromtimestamp(int(fixed), UTC) if fixed else datetime.now(UTC)
+
+
+def _write(target: Path, write: Callable[[Path], object]) -> None:
+    """Write a file under a temporary name first, so that others only ever see it complete."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}")
+    os.close(handle)
+    try:
+        write(Path(temporary))
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, target)
+    except BaseException:
+        os.unlink(temporary)
+        raise

@@ -1,0 +1,354 @@
+"""The PythonFMU slave of every component: FMI calls on one side, pure functions on a flat state on the other.
+
+An FMU carries this file together with the component. All values live in one array in the order of the value
+references: parameters, inputs, outputs, observations. Outputs and observations are computed when they are
+read, once per state. PythonFMU turns `do_step` returning False into fmi2Discard and any exception into
+fmi2Fatal without its text, so the reason is always put into the log first, as a sentence.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import struct
+from collections.abc import Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pythonfmu.enums import Fmi2Status
+from pythonfmu.fmi2slave import Fmi2Slave
+
+from components._component import Component, ComponentError, Vector
+
+COMPONENT_FILE = "component.json"
+ARRAYS_FILE = "arrays.npz"
+
+_ARRAY, _TUPLE = "__array__", "__tuple__"
+_HEADER = struct.Struct("<16sd??q")
+_REMEMBERED_ACCESSES = 256
+
+
+def pack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
+    """A structure value as JSON data; NumPy arrays go to `arrays` and leave their key behind."""
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        key = f"a{len(arrays)}"
+        arrays[key] = value
+        return {_ARRAY: key}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, dict):
+        for key in value:
+            if not isinstance(key, str) or key in (_ARRAY, _TUPLE):
+                raise ComponentError(f"the structure has a dictionary key {key!r}; keys must be plain strings")
+        return {key: pack_value(item, arrays) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        packed = [pack_value(item, arrays) for item in value]
+        return {_TUPLE: packed} if isinstance(value, tuple) else packed
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise ComponentError(
+        f"the structure holds a {type(value).__name__}; it must be a number, a string, a tuple, list or "
+        "dictionary of those, or a NumPy array"
+    )
+
+
+def unpack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
+    """The structure value that `pack_value` turned into JSON data and arrays."""
+    if isinstance(value, list):
+        return [unpack_value(item, arrays) for item in value]
+    if isinstance(value, dict):
+        if _ARRAY in value:
+            return arrays[value[_ARRAY]]
+        if _TUPLE in value:
+            return tuple(unpack_value(item, arrays) for item in value[_TUPLE])
+        return {key: unpack_value(item, arrays) for key, item in value.items()}
+    return value
+
+
+class _Access(NamedTuple):
+    """Where the variables of one list of value references are, and what touching them entails."""
+
+    references: list[int]
+    index: slice | NDArray[np.intp]
+    layout: struct.Struct | None  # of a contiguous range: several times faster than indexing
+    offset: int
+    parameters: bool
+    outputs: bool
+    observations: bool
+
+
+_NOWHERE = _Access([-1], slice(0, 0), None, 0, False, False, False)
+
+
+class SavedState(NamedTuple):
+    """Everything that determines the future of an instance; `constants` only save preparing again."""
+
+    owner: bytes
+    time: float
+    initialized: bool
+    known: Vector
+    x: Vector | None
+    constants: tuple[Any] | None
+
+
+class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type information
+    """FMI slave of the component class named by a subclass, built from the FMU's resources."""
+
+    component_class: ClassVar[type[Component]]
+
+    def __init__(self, **kwargs: Any) -> None:  # noqa: ANN401 - PythonFMU's keyword arguments
+        super().__init__(**kwargs)
+        self._time = 0.0
+        self._initialized = False
+        self._broken: Exception | None = None
+        try:
+            self._load(Path(self.resources))
+        except Exception as error:  # raised again as soon as there is a log to put the reason into
+            self._broken = error
+
+    def _load(self, resources: Path) -> None:
+        text = (resources / COMPONENT_FILE).read_bytes()
+        digest = hashlib.sha256(text)
+        arrays: dict[str, NDArray[Any]] = {}
+        if (resources / ARRAYS_FILE).exists():
+            digest.update((resources / ARRAYS_FILE).read_bytes())
+            with np.load(resources / ARRAYS_FILE, allow_pickle=False) as stored:
+                arrays = dict(stored)
+        content = json.loads(text)
+        self._owner = digest.digest()[:16]
+        self._component = self.component_class(**unpack_value(content["structure"], arrays))
+        self._place(content["start"])
+
+    def _place(self, start: Sequence[float]) -> None:
+        """Lay out all values in one array, of which parameters, inputs, ... are views."""
+        layouts = self._component.layouts
+        ends = np.cumsum([layout.size for layout in layouts]).tolist()
+        self._names = [name for layout in layouts for name in layout.scalar_names()]
+        self._values = np.zeros(ends[-1])
+        self._known = self._values[: ends[1]]
+        self._p, self._u, self._y, self._z = (
+            self._values[end - layout.size : end] for layout, end in zip(layouts, ends, strict=True)
+        )
+        self._ends = ends
+        self._known[:] = start
+        tunable = [q.variability == "tunable" for q in layouts[0].quantities for _ in range(q.size)]
+        self._fixed = {i for i, can_change in enumerate(tunable) if not can_change}
+        self._accesses: dict[tuple[int, ...], _Access] = {}
+        self._reading = self._writing = _NOWHERE
+        self._x: Vector | None = None
+        self._constants: tuple[Any] | None = None
+        self._outputs_known = self._observations_known = False
+
+    # Life cycle
+
+    def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
+        """Take the start time over."""
+        self._time = start_time
+
+    def enter_initialization_mode(self) -> None:
+        """Only a check that the instance could be built."""
+        if self._broken is not None:
+            raise self._logged(self._broken)
+
+    def exit_initialization_mode(self) -> None:
+        """Fix the state at the start for the inputs and parameters now set."""
+        try:
+            self._require_finite(self._u, "input", self._ends[0])
+            x = self._state()
+            if not isfinite(x.dot(x)):
+                self._require_finite_state(x)
+        except Exception as error:
+            raise self._logged(error) from None
+        self._initialized = True
+        self._writing = _NOWHERE
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """One step; False, with the reason in the log and the state as before, if it cannot be done."""
+        try:
+            if not (step_size > 0.0 and isfinite(step_size)):
+                raise ComponentError(f"the communication step size is {step_size:g} s; it must be positive")
+            if not self._initialized:
+                raise ComponentError("a step before the end of initialization mode")
+            u = self._u
+            if not isfinite(u.dot(u)):  # also when the square overflows, hence the exact check
+                self._require_finite(u, "input", self._ends[0])
+            x = self._component.step(self._prepared(), self._x, u, step_size)  # type: ignore[arg-type]
+            if not isfinite(x.dot(x)):
+                self._require_finite_state(x)
+        except Exception as error:
+            self._time = current_time
+            self._logged(error, Fmi2Status.discard)
+            return False
+        self._x = x if x.base is None else x.copy()
+        self._time = current_time + step_size
+        self._outputs_known = self._observations_known = False
+        return True
+
+    # Variables
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of the given references; computes outputs and observations that are not known yet."""
+        try:
+            access = self._reading
+            if vrs != access.references:
+                access = self._reading = self._access(vrs)
+            if access.outputs and not self._outputs_known:
+                self._compute_outputs()
+            if access.observations and not self._observations_known:
+                self._compute_observations()
+        except Exception as error:
+            raise self._logged(error) from None
+        if access.layout is not None:
+            return list(access.layout.unpack_from(self._values, access.offset))
+        values: list[float] = self._values[access.index].tolist()
+        return values
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set inputs and parameters; what follows from them is computed when it is next needed."""
+        try:
+            access = self._writing
+            if vrs != access.references:
+                access = self._writing = self._writable(vrs)
+            if access.layout is not None:
+                access.layout.pack_into(self._values, access.offset, *values)
+            else:
+                self._values[access.index] = values
+        except Exception as error:
+            raise self._logged(error) from None
+        self._observations_known = False
+        if access.parameters:
+            self._constants = None
+            self._outputs_known = False
+        elif self._component.feedthrough:
+            self._outputs_known = False
+        if not self._initialized:
+            self._x = None
+            self._outputs_known = False
+
+    def _access(self, vrs: list[int]) -> _Access:
+        """The access of a list of references, remembered because a master asks for the same few."""
+        key = tuple(vrs)
+        found = self._accesses.get(key)
+        if found is None:
+            if len(self._accesses) >= _REMEMBERED_ACCESSES:
+                self._accesses.clear()
+            found = self._accesses[key] = self._locate(vrs)
+        return found
+
+    def _locate(self, vrs: list[int]) -> _Access:
+        parameters, inputs, outputs, end = self._ends
+        for reference in vrs:
+            if not 0 <= reference < end:
+                raise ComponentError(f"there is no Real variable with value reference {reference}; there are {end}")
+        first, size = (vrs[0], len(vrs)) if vrs else (0, 0)
+        contiguous = vrs == list(range(first, first + size))
+        return _Access(
+            list(vrs),
+            slice(first, first + size) if contiguous else np.array(vrs),
+            struct.Struct(f"={size}d") if contiguous else None,
+            first * self._values.itemsize,
+            any(r < parameters for r in vrs),
+            any(inputs <= r < outputs for r in vrs),
+            any(r >= outputs for r in vrs),
+        )
+
+    def _writable(self, vrs: list[int]) -> _Access:
+        access = self._access(vrs)
+        if access.outputs or access.observations:
+            name = next(self._names[r] for r in vrs if r >= self._ends[1])
+            raise ComponentError(f"{name} is an output; it cannot be set")
+        if self._initialized and access.parameters:
+            fixed = [self._names[r] for r in vrs if r in self._fixed]
+            if fixed:
+                raise ComponentError(f"{fixed[0]} is a fixed parameter; it cannot be set after initialization")
+        return access
+
+    # What follows from the values set
+
+    def _prepared(self) -> Any:  # noqa: ANN401 - opaque to everybody but the component
+        """Constants of the present parameters; the copy keeps the component from seeing later changes."""
+        if self._constants is None:
+            self._constants = (self._component.prepare(self._p.copy()),)
+        return self._constants[0]
+
+    def _state(self) -> Vector:
+        if self._x is None:
+            self._x = self._component.initial(self._prepared(), self._u).copy()
+        return self._x
+
+    def _compute_outputs(self) -> None:
+        x = self._state()
+        self._y[:] = self._component.outputs(self._prepared(), x, self._u)
+        self._outputs_known = True
+
+    def _compute_observations(self) -> None:
+        x = self._state()
+        self._z[:] = self._component.observe(self._prepared(), x, self._u)
+        self._observations_known = True
+
+    # Failures
+
+    def _require_finite(self, values: Vector, what: str, first: int) -> None:
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            name = self._names[first + bad[0]]
+            raise ComponentError(f"{what} {name} is {values[bad[0]]}; it must be a finite number")
+
+    def _require_finite_state(self, x: Vector) -> None:
+        bad = np.flatnonzero(~np.isfinite(x))
+        if not bad.size:
+            return
+        sentence = f"the new state is not finite, first x[{bad[0]}] = {x[bad[0]]} of {x.size}"
+        y = self._component.outputs(self._prepared(), x, self._u)
+        outputs = np.flatnonzero(~np.isfinite(y))
+        if outputs.size:
+            sentence += f", seen in output {self._names[self._ends[1] + outputs[0]]}"
+        raise ComponentError(sentence)
+
+    def _logged(self, error: Exception, status: Fmi2Status = Fmi2Status.error) -> Exception:
+        """Put the reason into the log as a sentence; the error itself is for `raise`."""
+        error = self._broken or error  # nothing else is worth saying of an instance that was never built
+        sentence = str(error)
+        if not isinstance(error, ComponentError):
+            sentence = f"{type(error).__name__} in {self.component_class.kind}: {error}"
+        self.log(f"{self.instance_name} at t = {self._time:.9g} s: {sentence}", status)
+        return error
+
+    # FMU state
+
+    def _get_fmu_state(self) -> SavedState:
+        x = None if self._x is None else self._x.copy()
+        known = self._known.copy()
+        return SavedState(self._owner, self._time, self._initialized, known, x, self._constants)
+
+    def _set_fmu_state(self, state: SavedState) -> None:
+        if state.owner != self._owner:
+            raise self._logged(ComponentError("the FMU state belongs to an FMU of other content"))
+        if state.constants is not None:
+            self._constants = state.constants
+        elif state.known[: self._ends[0]].tobytes() != self._p.tobytes():
+            self._constants = None
+        self._known[:] = state.known
+        self._x = state.x
+        self._time = state.time
+        if state.initialized != self._initialized:
+            self._initialized = state.initialized
+            self._writing = _NOWHERE
+        self._outputs_known = self._observations_known = False
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: SavedState) -> bytes:
+        header = _HEADER.pack(
+            state.owner, state.time, state.initialized, state.x is not None, state.known.size
+        )
+        return header + state.known.tobytes() + (b"" if state.x is None else state.x.tobytes())
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> SavedState:
+        owner, time, initialized, has_state, size = _HEADER.unpack_from(data)
+        numbers = np.frombuffer(data, offset=_HEADER.size)
+        x = numbers[size:].copy() if has_state else None
+        return SavedState(owner, time, initialized, numbers[:size].copy(), x, None)

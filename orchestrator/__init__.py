@@ -1,0 +1,1 @@
+"""Scenes, the master algorithm, results and the command line."""
