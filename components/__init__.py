@@ -4,7 +4,9 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from ._component import (
+    DISSIPATED_ENERGY,
     REGISTRY,
+    STORED_ENERGY,
     Component,
     ComponentError,
     Layout,
@@ -12,8 +14,21 @@ from ._component import (
     Quantity,
     port_layout,
 )
+from ._frames import left_product, rotation_matrix
 
 for _module in iter_modules(__path__):
     import_module(f".{_module.name}", __name__)
 
-__all__ = ["REGISTRY", "Component", "ComponentError", "Layout", "Port", "Quantity", "port_layout"]
+__all__ = [
+    "DISSIPATED_ENERGY",
+    "REGISTRY",
+    "STORED_ENERGY",
+    "Component",
+    "ComponentError",
+    "Layout",
+    "Port",
+    "Quantity",
+    "left_product",
+    "port_layout",
+    "rotation_matrix",
+]

@@ -14,9 +14,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ._bushing import StepMotion, bushing_force, inertial_force
 from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn
-from ._relative import Pose, Rates, as_floats, mean_direction, pair, relative_pose, relative_rates
+from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn, rotate
+from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
 from .laws import Law, Linear, Table, mean_force, stiction_factors
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
@@ -25,15 +26,15 @@ _LOCK_RATE_WEIGHT = 1.0 / 3.0
 _LOCK_DRIFT_WEIGHT = 0.1
 _FORCE_SMOOTHING = 1.0
 
+Six = tuple[float, float, float, float, float, float]
+
 
 @dataclass(frozen=True, slots=True)
 class _Constants:
-    """Parameters as plain numbers and laws."""
+    """Parameters as plain numbers and laws; stiffness and damping of the six coordinates in order."""
 
-    stiffness: Vector3
-    damping: Vector3
-    turning_stiffness: Vector3
-    turning_damping: Vector3
+    stiffness: Six
+    damping: Six
     aligned_angle: float
     stowed_angle: float
     motor: Law
@@ -46,6 +47,7 @@ class _Constants:
     stiction_velocity: float
     latch: Law
     latch_angle: float
+    latch_stiffness: float
     latch_damping: float
     latch_automatic: bool
     lock_mass: float
@@ -55,51 +57,76 @@ class _Constants:
 
 
 class _State(NamedTuple):
-    """The state array by name; see `_STATE_SIZE` for its length."""
+    """The state array by name. Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes)."""
 
-    pose: Pose
-    angle: float
+    frame: Quaternion
+    gap: Vector3
+    coordinates: tuple[float, ...]
+    rates: tuple[float, ...]
+    means: tuple[float, ...]
     wrench: tuple[float, ...]
+    power: tuple[float, ...]
+    previous_h: float
     friction_energy: float
     latch_energy: float
     damping_energy: float
-    latched: bool
+    latched: float
     latched_angle: float
+    holding: float
     hold_angle: float
-    holding: bool
-    lock_torque: float
-    lock_step: float
-    previous_lock_torque: float
-    previous_lock_step: float
-    power: tuple[float, float, float]
 
     def pack(self) -> Vector:
         """As one array."""
-        p = self.pose
         return np.array(
-            (*p.frame, *p.gap, *p.offset, p.twist, *p.swing, self.angle, *self.wrench, *self[3:14], *self[14])
+            (
+                *self.frame,
+                *self.gap,
+                *self.coordinates,
+                *self.rates,
+                *self.means,
+                *self.wrench,
+                *self.power,
+                *self[7:],
+            )
         )
 
     @staticmethod
     def unpack(x: Vector) -> _State:
         """From the array."""
         v = as_floats(x)
-        pose = Pose((v[0], v[1], v[2], v[3]), (v[4], v[5], v[6]), (v[7], v[8], v[9]), v[10], (v[11], v[12]))
         return _State(
-            pose, v[13], tuple(v[14:26]), v[26], v[27], v[28], v[29] > 0.5, v[30], v[31], v[32] > 0.5, *v[33:37],
-            (v[37], v[38], v[39]),
-        )  # fmt: skip
+            (v[0], v[1], v[2], v[3]),
+            (v[4], v[5], v[6]),
+            tuple(v[7:13]),
+            tuple(v[13:19]),
+            tuple(v[19:25]),
+            tuple(v[_WRENCH]),
+            tuple(v[37:40]),
+            *v[40:],
+        )
+
+    @property
+    def angle(self) -> float:
+        """Hinge angle, unwrapped."""
+        return self.coordinates[3]
+
+
+_WRENCH = slice(25, 37)
+_ANGLE, _LATCHED = 10, 44
 
 
 class _Loads(NamedTuple):
-    """Force and torque on B in hinge axes, the torque parts about the hinge line, and energies turned to heat."""
+    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes."""
 
     force: Vector3
     torque: Vector3
     latch_torque: float
-    friction_energy: float
-    latch_energy: float
-    damping_energy: float
+    friction_torque: float
+    heat: tuple[float, float, float]
+
+
+def _coordinates(pose: Pose, angle: float) -> Six:
+    return (*pose.offset, angle, *pose.swing)
 
 
 class Hinge(Component):
@@ -107,11 +134,11 @@ class Hinge(Component):
 
     axis: direction of the hinge line in the axes of both ports when they coincide; the hinge angle grows
     with the right-handed rotation of the outboard port about it. harness_angle, harness_torque: table of
-    the harness torque over the hinge angle (rad, N.m), positive opening; empty for no harness. latch: "none",
-    "spring" (linear, zero at the angle where it engages), "table" (latch_deflection, latch_torque: torque
-    of the spring over the deflection from there, given as resisting torque) or "kinematic" (an impulse that removes the
-    relative rate, then a lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as
-    a spring latch, because an explicit host cannot solve for a lock.
+    the harness torque over the hinge angle (rad, N.m), positive opening; empty for no harness. latch:
+    "none", "spring" (linear, zero at the angle where it engages), "table" (latch_torque, resisting, over
+    latch_deflection from that angle) or "kinematic" (an impulse that removes the relative rate, then a
+    lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
+    because an explicit host cannot solve for a lock.
     """
 
     kind = "hinge"
@@ -165,12 +192,12 @@ class Hinge(Component):
         }
         one = {name: values[0] for name, values in value.items()}
         three = {name: (v[0], v[1], v[2]) for name, v in value.items() if len(v) == 3}
-        latch: Law = self._latch_table or Linear(one["latch_stiffness"])
+        stiffness, damping = one["latch_stiffness"], one["latch_damping"]
+        if self._locks:
+            stiffness, damping = one["lock_stiffness"], 0.0
         return _Constants(
-            stiffness=three["translational_stiffness"],
-            damping=three["translational_damping"],
-            turning_stiffness=three["rotational_stiffness"],
-            turning_damping=three["rotational_damping"],
+            stiffness=(*three["translational_stiffness"], *three["rotational_stiffness"]),
+            damping=(*three["translational_damping"], *three["rotational_damping"]),
             aligned_angle=one["aligned_angle"],
             stowed_angle=one["stowed_angle"],
             motor=Linear(one["motor_stiffness"], one["motor_wind_up"]),
@@ -181,9 +208,10 @@ class Hinge(Component):
             bending_arm=one["friction_bending_arm"],
             friction_preload=one["friction_preload"],
             stiction_velocity=one["stiction_velocity"],
-            latch=latch,
+            latch=self._latch_table or Linear(stiffness),
             latch_angle=one["latch_angle"],
-            latch_damping=one["latch_damping"],
+            latch_stiffness=stiffness,
+            latch_damping=damping,
             latch_automatic=one["latch_automatic"] > 0.5,
             lock_mass=one["lock_mass"],
             lock_inertia=one["lock_inertia"],
@@ -193,98 +221,89 @@ class Hinge(Component):
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """Unlatched, at the pose of the inputs; the angle is the one nearest the stowed angle."""
-        pose = relative_pose(as_floats(u), self._axis_frame)
+        values = as_floats(u)
+        pose = relative_pose(values, self._axis_frame)
+        rates = relative_rates(values, pose)
         angle = nearest_turn(c.aligned_angle + pose.twist, c.stowed_angle)
         return _State(
-            pose, angle, (0.0,) * 12, 0.0, 0.0, 0.0, False, 0.0, angle, False, 0.0, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0)
-        ).pack()  # fmt: skip
+            pose.frame,
+            pose.gap,
+            _coordinates(pose, angle),
+            (*rates.velocity, *rates.angular_velocity),
+            (0.0,) * 6,
+            (0.0,) * 12,
+            (0.0,) * 3,
+            *((0.0,) * 7),
+            angle,
+        ).pack()
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step; the inputs are those of its end. Commands act from its start."""
         values = as_floats(u)
         old = self._commanded(_State.unpack(x), values[26], values[28])
         pose = relative_pose(values, self._axis_frame)
-        angle = nearest_turn(c.aligned_angle + pose.twist, old.angle)
-        rates = relative_rates(values, pose)
+        end = _coordinates(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
+        relative = relative_rates(values, pose)
+        rates = (*relative.velocity, *relative.angular_velocity)
+        moved = old._replace(frame=pose.frame, gap=pose.gap, coordinates=end, rates=rates)
         if self._endpoint:
-            return self._endpoint_step(c, old, pose, angle, rates, h)
+            return self._endpoint_step(c, old, moved, h).pack()
         impulse = values[27] > 0.5
-        loads = (
-            self._impulse_loads(c, old, angle, rates, h)
-            if impulse
-            else self._mean_loads(c, old, pose, angle, rates, h)
-        )
-        force = mean_direction(old.pose.frame, pose.frame, loads.force)
-        torque = mean_direction(old.pose.frame, pose.frame, loads.torque)
-        lock = (0.0,) * 4 if impulse else (loads.latch_torque, h, old.lock_torque, old.lock_step)
-        return _State(
-            pose,
-            angle,
-            pair(force, torque, mean(old.pose.gap, pose.gap)),
-            old.friction_energy + loads.friction_energy,
-            old.latch_energy + loads.latch_energy,
-            old.damping_energy + loads.damping_energy,
-            old.latched,
-            old.latched_angle,
-            old.hold_angle,
-            old.holding,
-            *lock,
-            old.power,
+        loads = self._impulse_loads(c, old, moved, h) if impulse else self._mean_loads(c, old, moved, h)
+        force = mean_direction(old.frame, pose.frame, loads.force)
+        torque = mean_direction(old.frame, pose.frame, loads.torque)
+        return moved._replace(
+            means=tuple((b - a) / h for a, b in zip(old.coordinates, end, strict=True)),
+            previous_h=0.0 if impulse else h,
+            latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
+            wrench=pair(force, torque, mean(old.gap, pose.gap)),
+            friction_energy=old.friction_energy + loads.heat[0],
+            latch_energy=old.latch_energy + loads.heat[1],
+            damping_energy=old.damping_energy + loads.heat[2],
         ).pack()
 
     @staticmethod
     def _commanded(state: _State, latch: float, hold: float) -> _State:
         """Latch or hold at the angle where the command arrives."""
         if latch > 0.5 and not state.latched:
-            state = state._replace(
-                latched=True, latched_angle=state.angle, lock_step=0.0, previous_lock_step=0.0
-            )
-        holding = hold > 0.5
-        if holding and not state.holding:
+            state = state._replace(latched=1.0, latched_angle=state.angle)
+        if hold > 0.5 and not state.holding:
             state = state._replace(hold_angle=state.angle)
-        return state._replace(holding=holding)
+        return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
-    def _mean_loads(
-        self, c: _Constants, old: _State, pose: Pose, angle: float, rates: Rates, h: float
-    ) -> _Loads:
-        """Mean loads over a step from the poses at its ends (discrete gradients and mean rates)."""
-        w = c.end_weight
-        v = 1.0 - w
-        k, d, s0, s1 = c.stiffness, c.damping, old.pose.offset, pose.offset
-        step = (s1[0] - s0[0], s1[1] - s0[1], s1[2] - s0[2])
-        force = (
-            -k[0] * (v * s0[0] + w * s1[0]) - d[0] * step[0] / h,
-            -k[1] * (v * s0[1] + w * s1[1]) - d[1] * step[1] / h,
-            -k[2] * (v * s0[2] + w * s1[2]) - d[2] * step[2] / h,
-        )
-        kr, dr, t0, t1 = c.turning_stiffness, c.turning_damping, old.pose.swing, pose.swing
-        turn = (t1[0] - t0[0], t1[1] - t0[1])
-        bend_y = -kr[1] * (v * t0[0] + w * t1[0]) - dr[1] * turn[0] / h
-        bend_z = -kr[2] * (v * t0[1] + w * t1[1]) - dr[2] * turn[1] / h
-        change = angle - old.angle
-        heat = (
-            sum(d[i] * step[i] * step[i] for i in range(3)) / h
-            + (dr[0] * change * change + dr[1] * turn[0] * turn[0] + dr[2] * turn[1] * turn[1]) / h
-        )
-        if w != 0.5:
-            heat += (w - 0.5) * (
-                sum(k[i] * step[i] * step[i] for i in range(3))
-                + kr[1] * turn[0] * turn[0]
-                + kr[2] * turn[1] * turn[1]
-            )
-        friction = self._friction(c, old.latched, force, (bend_y, bend_z), change / h)
-        latch, latch_heat = self._latch(c, old, angle, rates, h)
+    def _mean_loads(self, c: _Constants, old: _State, new: _State, h: float) -> _Loads:
+        """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
+        elastic: list[float] = []
+        heat = 0.0
+        for i in range(6):
+            offset = c.aligned_angle if i == 3 else 0.0
+            motion = StepMotion(
+                old.coordinates[i] - offset, new.coordinates[i] - offset, old.rates[i], new.rates[i],
+                old.means[i], old.previous_h, h,
+            )  # fmt: skip
+            force, lost = bushing_force(c.stiffness[i], c.damping[i], motion, c.end_weight)
+            elastic.append(force)
+            heat += lost
+        force_on_b = (elastic[0], elastic[1], elastic[2])
+        change = new.angle - old.angle
+        friction = self._friction(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
+        latch, latch_heat = self._latch(c, old, new, h)
         twist = (
-            mean_force(c.motor, old.angle, angle, w)
-            + mean_force(c.harness, old.angle, angle, w)
-            - kr[0] * (v * (old.angle - c.aligned_angle) + w * (angle - c.aligned_angle))
-            - dr[0] * change / h
+            elastic[3]
+            + mean_force(c.motor, old.angle, new.angle, c.end_weight)
+            + mean_force(c.harness, old.angle, new.angle, c.end_weight)
             + friction
             + latch
         )
         if old.holding:
-            twist -= c.hold_stiffness * (angle - old.hold_angle)
-        return _Loads(force, (twist, bend_y, bend_z), latch, -friction * change, latch_heat, heat)
+            twist -= c.hold_stiffness * (new.angle - old.hold_angle)
+        return _Loads(
+            force_on_b,
+            (twist, elastic[4], elastic[5]),
+            latch,
+            friction,
+            (-friction * change, latch_heat, heat),
+        )
 
     @staticmethod
     def _friction(
@@ -298,145 +317,129 @@ class Hinge(Component):
         sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
         return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
 
-    def _latch(self, c: _Constants, old: _State, angle: float, rates: Rates, h: float) -> tuple[float, float]:
+    def _latch(self, c: _Constants, old: _State, new: _State, h: float) -> tuple[float, float]:
         """Mean latch torque, and the energy it turned to heat."""
         if not old.latched or self.latch == "none":
             return 0.0, 0.0
-        change = angle - old.angle
-        if self._locks:
-            slip = (
-                _LOCK_RATE_WEIGHT * rates.angular_velocity[0]
-                + (1.0 - _LOCK_RATE_WEIGHT) * change / h
-                + _LOCK_DRIFT_WEIGHT * (angle - old.latched_angle) / h
-            )
-            torque = -c.lock_inertia * slip / h
-            return torque, -torque * change
-        s0, s1 = old.angle - old.latched_angle, angle - old.latched_angle
-        viscous = -c.latch_damping * change / h
-        elastic = mean_force(c.latch, s0, s1, c.end_weight)
-        heat = -viscous * change - (elastic - mean_force(c.latch, s0, s1)) * change
-        return elastic + viscous, heat
+        s0, s1 = old.angle - old.latched_angle, new.angle - old.latched_angle
+        motion = StepMotion(s0, s1, old.rates[3], new.rates[3], old.means[3], old.previous_h, h)
+        extra = -c.latch_damping * (s1 - s0) / h
+        if c.end_weight == 0.5:
+            extra += inertial_force(c.latch_stiffness, motion)
+        return mean_force(c.latch, s0, s1) + extra, -extra * (s1 - s0)
 
-    def _impulse_loads(self, c: _Constants, old: _State, angle: float, rates: Rates, h: float) -> _Loads:
+    def _impulse_loads(self, c: _Constants, old: _State, new: _State, h: float) -> _Loads:
         """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
 
         An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
         would only do so after ringing at its own frequency.
         """
-        k, kr, v, w = c.stiffness, c.turning_stiffness, rates.velocity, rates.angular_velocity
-        mass, inertia = c.lock_mass / h, c.lock_inertia / h
-        locked = old.latched and self._locks
-        latch = -inertia * w[0] if locked else 0.0
-        twist = latch if locked or kr[0] == 0.0 else -inertia * w[0]
-        force = (
-            -mass * v[0] if k[0] > 0.0 else 0.0,
-            -mass * v[1] if k[1] > 0.0 else 0.0,
-            -mass * v[2] if k[2] > 0.0 else 0.0,
+        locked = old.latched > 0.5 and self._locks
+        stiff = [k > 0.0 for k in c.stiffness]
+        load = [
+            -(c.lock_mass if i < 3 else c.lock_inertia) / h * new.rates[i]
+            if stiff[i] or (i == 3 and locked)
+            else 0.0
+            for i in range(6)
+        ]
+        work = [-f * (b - a) for f, a, b in zip(load, old.coordinates, new.coordinates, strict=True)]
+        latch = work[3] if locked else 0.0
+        return _Loads(
+            (load[0], load[1], load[2]),
+            (load[3], load[4], load[5]),
+            0.0,
+            0.0,
+            (0.0, latch, sum(work) - latch),
         )
-        torque = (twist, -inertia * w[1] if kr[1] > 0.0 else 0.0, -inertia * w[2] if kr[2] > 0.0 else 0.0)
-        return _Loads(force, torque, 0.0, 0.0, -latch * (angle - old.angle), 0.0)
 
-    def _endpoint_loads(self, c: _Constants, state: _State, pose: Pose, angle: float, rates: Rates) -> _Loads:
-        """Loads of one instant; the last three fields are powers (W) instead of energies."""
-        k, d, s, v = c.stiffness, c.damping, pose.offset, rates.velocity
-        kr, dr, w = c.turning_stiffness, c.turning_damping, rates.angular_velocity
-        force = (-k[0] * s[0] - d[0] * v[0], -k[1] * s[1] - d[1] * v[1], -k[2] * s[2] - d[2] * v[2])
-        bend_y = -kr[1] * pose.swing[0] - dr[1] * w[1]
-        bend_z = -kr[2] * pose.swing[1] - dr[2] * w[2]
-        friction = self._friction(c, state.latched, force, (bend_y, bend_z), w[0])
+    def _endpoint_loads(self, c: _Constants, s: _State) -> _Loads:
+        """Loads of one instant from coordinates and rates; heat as power (W)."""
+        q, w = list(s.coordinates), s.rates
+        q[3] -= c.aligned_angle
+        load = [-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)]
+        force = (load[0], load[1], load[2])
+        friction = self._friction(c, s.latched > 0.5, force, (load[4], load[5]), w[3])
         latch = viscous = 0.0
-        if state.latched and self.latch != "none":
-            if self._locks:
-                latch = _extrapolated(state)
-            else:
-                viscous = -c.latch_damping * w[0]
-                latch = c.latch.value(angle - state.latched_angle) + viscous
-        twist = (
-            c.motor.value(angle)
-            + c.harness.value(angle)
-            - kr[0] * (angle - c.aligned_angle)
-            - dr[0] * w[0]
-            + friction
-            + latch
+        if s.latched and self.latch != "none":
+            viscous = -c.latch_damping * w[3]
+            latch = c.latch.value(s.angle - s.latched_angle) + viscous
+        twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
+        if s.holding:
+            twist -= c.hold_stiffness * (s.angle - s.hold_angle)
+        damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
+        return _Loads(
+            force, (twist, load[4], load[5]), latch, friction, (-friction * w[3], -viscous * w[3], damping)
         )
-        if state.holding:
-            twist -= c.hold_stiffness * (angle - state.hold_angle)
-        heat = sum(d[i] * v[i] * v[i] + dr[i] * w[i] * w[i] for i in range(3))
-        return _Loads(force, (twist, bend_y, bend_z), latch, -friction * w[0], -viscous * w[0], heat)
 
-    def _endpoint_step(
-        self, c: _Constants, old: _State, pose: Pose, angle: float, rates: Rates, h: float
-    ) -> Vector:
+    def _endpoint_step(self, c: _Constants, old: _State, moved: _State, h: float) -> _State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
-        state = old._replace(pose=pose, angle=angle)
-        if c.latch_automatic and not old.latched and self.latch != "none" and angle >= c.latch_angle:
-            state = state._replace(latched=True, latched_angle=c.latch_angle)
-        loads = self._endpoint_loads(c, state, pose, angle, rates)
-        power = (loads.friction_energy, loads.latch_energy, loads.damping_energy)
+        if c.latch_automatic and not old.latched and self.latch != "none" and moved.angle >= c.latch_angle:
+            moved = moved._replace(latched=1.0, latched_angle=c.latch_angle)
+        power = self._endpoint_loads(c, moved).heat
         added = [0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True)]
-        return state._replace(
+        return moved._replace(
             friction_energy=old.friction_energy + added[0],
             latch_energy=old.latch_energy + added[1],
             damping_energy=old.damping_energy + added[2],
             power=power,
-        ).pack()
+        )
+
+    def _now(self, c: _Constants, x: Vector, u: Vector) -> _State:
+        """The state moved to the motion of the present inputs."""
+        values = as_floats(u)
+        state = _State.unpack(x)
+        pose = relative_pose(values, self._axis_frame)
+        rates = relative_rates(values, pose)
+        angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
+        return state._replace(
+            frame=pose.frame,
+            gap=pose.gap,
+            coordinates=_coordinates(pose, angle),
+            rates=(*rates.velocity, *rates.angular_velocity),
+        )
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports, distance to the latch angle, latched or not."""
         if not self._endpoint:
-            latched = x[29]
-            return np.concatenate((x[14:26], (c.latch_angle - x[13], latched)))
-        values = as_floats(u)
-        state = _State.unpack(x)
-        pose = relative_pose(values, self._axis_frame)
-        angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
-        loads = self._endpoint_loads(c, state, pose, angle, relative_rates(values, pose))
-        force = mean_direction(pose.frame, pose.frame, loads.force)
-        torque = mean_direction(pose.frame, pose.frame, loads.torque)
-        return np.array((*pair(force, torque, pose.gap), c.latch_angle - angle, float(state.latched)))
+            return np.concatenate((x[_WRENCH], (c.latch_angle - x[_ANGLE], x[_LATCHED])))
+        s = self._now(c, x, u)
+        loads = self._endpoint_loads(c, s)
+        wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
+        return np.array((*wrench, c.latch_angle - s.angle, s.latched))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Angles, torques and forces of this instant (end-point law), and energies."""
-        values = as_floats(u)
-        state = _State.unpack(x)
-        pose = relative_pose(values, self._axis_frame)
-        angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
-        rates = relative_rates(values, pose)
-        loads = self._endpoint_loads(c, state, pose, angle, rates)
-        radial = sqrt(loads.force[1] ** 2 + loads.force[2] ** 2)
-        bending = sqrt(loads.torque[1] ** 2 + loads.torque[2] ** 2)
-        friction = self._friction(c, state.latched, loads.force, loads.torque[1:], rates.angular_velocity[0])
-        stored = self._stored(c, state, pose, angle)
-        released = c.motor.potential(c.stowed_angle) - c.motor.potential(angle)
-        heat = (state.friction_energy, state.latch_energy, state.damping_energy)
+        s = self._now(c, x, u)
+        loads = self._endpoint_loads(c, s)
+        heat = (s.friction_energy, s.latch_energy, s.damping_energy)
         return np.array(
             (
-                angle,
-                rates.angular_velocity[0],
-                c.motor.value(angle),
-                c.harness.value(angle),
-                friction,
+                s.angle,
+                s.rates[3],
+                c.motor.value(s.angle),
+                c.harness.value(s.angle),
+                loads.friction_torque,
                 loads.latch_torque,
                 loads.force[0],
-                radial,
-                bending,
-                released,
+                sqrt(loads.force[1] ** 2 + loads.force[2] ** 2),
+                sqrt(loads.torque[1] ** 2 + loads.torque[2] ** 2),
+                c.motor.potential(c.stowed_angle) - c.motor.potential(s.angle),
                 *heat,
-                stored,
+                self._stored(c, s),
                 sum(heat),
             )
         )
 
-    def _stored(self, c: _Constants, state: _State, pose: Pose, angle: float) -> float:
+    def _stored(self, c: _Constants, s: _State) -> float:
         """Energy in bushing, motor, harness, latch and hold."""
-        energy = sum(0.5 * k * s * s for k, s in zip(c.stiffness, pose.offset, strict=True))
-        swing = (angle - c.aligned_angle, *pose.swing)
-        energy += sum(0.5 * k * s * s for k, s in zip(c.turning_stiffness, swing, strict=True))
-        energy += c.motor.potential(angle) + c.harness.potential(angle)
-        if state.latched and not self._locks and self.latch != "none":
-            energy += c.latch.potential(angle - state.latched_angle)
-        if state.holding:
-            energy += 0.5 * c.hold_stiffness * (angle - state.hold_angle) ** 2
+        q = list(s.coordinates)
+        q[3] -= c.aligned_angle
+        energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
+        energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
+        if s.latched and self.latch != "none":
+            energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
+        if s.holding:
+            energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
         return energy
 
     @classmethod
@@ -448,14 +451,6 @@ class Hinge(Component):
             harness_torque=(0.2, 0.05, -0.1),
             latch="spring",
         )
-
-
-def _extrapolated(state: _State) -> float:
-    """Lock torque at the communication point: mean torques belong to mid-step, so extrapolate the last two."""
-    if state.lock_step == 0.0 or state.previous_lock_step == 0.0:
-        return state.lock_torque
-    slope = (state.lock_torque - state.previous_lock_torque) / (state.lock_step + state.previous_lock_step)
-    return state.lock_torque + slope * state.lock_step
 
 
 def _parameters() -> list[Quantity]:
@@ -502,6 +497,7 @@ def _parameters() -> list[Quantity]:
         tunable(
             "lock_inertia", "kg.m2", "Numerical: inertia that a lock sets against residual rate", 1e6, 1.0
         ),
+        tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e10, 1.0),
         tunable("hold_stiffness", "N.m/rad", "Stiffness that holds the angle while hold is 1", 1e7),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
     ]

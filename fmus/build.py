@@ -34,7 +34,7 @@ from components import Component, ComponentError
 
 from . import slave
 from .description import StartValue, model_description, start_values
-from .slave import ARRAYS_FILE, COMPONENT_FILE, pack_value
+from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
 
 _COMPONENTS = Path(components.__file__).parent
 _PYTHONFMU = Path(pythonfmu.__file__).parent
@@ -42,25 +42,19 @@ _CONTRACT = "_component"
 _IMPORT = re.compile(r"^(\s*from\s+)components(\.\w+)?(\s+import\b)", re.MULTILINE)
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
-_ENTRY = '''"""Entry point of an FMU of the component {kind!r}; PythonFMU runs the module named in slavemodule.txt."""
+_ENTRY = '''"""Entry point of an FMU of the component {kind!r}, run by PythonFMU for every instance."""
 
-import {package}
-
-from {package}.adapter.slave import ComponentSlave
+from {package}.adapter.slave import ComponentSlave, own_once_more
 from {package}.{module} import {name} as component
+
+own_once_more(globals())  # PythonFMU gives up a reference to them whenever it makes an instance
 
 
 class Slave(ComponentSlave):
     """Slave of {name}."""
 
     component_class = component
-
-    def __init__(self, **kwargs):
-        # PythonFMU drops one reference too many to this module's globals whenever it makes an instance.
-        {package}.globals_of_entries.append(globals())
-        super().__init__(**kwargs)
 '''
-_PACKAGE = '"""Code shared by all FMUs whose code is equal."""\n\nglobals_of_entries = []\n'
 
 
 def build_fmu(
@@ -119,7 +113,32 @@ def _resources(component: Component, starts: tuple[float, ...]) -> dict[str, byt
     return resources
 
 
-def bundle(component_class: type[Component]) -> tuple[str, dict[str, bytes]]:
+def pack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
+    """A structure value as JSON data; NumPy arrays go to `arrays` and leave their key behind."""
+    if isinstance(value, np.ndarray) and value.dtype != object:
+        key = f"a{len(arrays)}"
+        arrays[key] = value
+        return {ARRAY_KEY: key}
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, dict):
+        for key in value:
+            if not isinstance(key, str) or key in (ARRAY_KEY, TUPLE_KEY):
+                raise ComponentError(f"a dictionary key of the structure is {key!r}; it must be a string")
+        return {key: pack_value(item, arrays) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        packed = [pack_value(item, arrays) for item in value]
+        return {TUPLE_KEY: packed} if isinstance(value, tuple) else packed
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    raise ComponentError(
+        f"the structure holds a {type(value).__name__}; it must be a number, a string, a tuple, list or "
+        "dictionary of those, or a NumPy array"
+    )
+
+
+@cache
+def bundle(component_class: type[Component]) -> tuple[str, Mapping[str, bytes]]:
     """Name of the package that holds the code of an FMU, and its files with the entry module beside it."""
     source = Path(inspect.getfile(component_class)).resolve()
     inside = source.parent == _COMPONENTS.resolve()
@@ -132,7 +151,7 @@ def bundle(component_class: type[Component]) -> tuple[str, dict[str, bytes]]:
         sources[f"components/{path.name}"] = path.read_text(encoding="utf-8")
     for folder in {path.partition("/")[0] for path in sources}:
         sources[f"{folder}/__init__.py"] = ""
-    sources["__init__.py"] = _PACKAGE
+    sources["__init__.py"] = ""
     files = {path: _relative(text).encode() for path, text in sources.items()}
     names = {"kind": component_class.kind, "module": module, "name": component_class.__name__}
     entry = _ENTRY.format(package="{package}", **names).encode()
@@ -143,7 +162,7 @@ def bundle(component_class: type[Component]) -> tuple[str, dict[str, bytes]]:
 
 
 def _reachable(names: Iterable[str]) -> list[Path]:
-    """Modules of the package `components` that the named ones import, directly or not, themselves included."""
+    """Modules of the package `components` that the named ones import, directly or not, and these."""
     found: dict[str, Path] = {}
     waiting = list(names)
     while waiting:
@@ -160,12 +179,14 @@ def _imported_components(source: Path) -> list[str]:
     inside = source.parent.resolve() == _COMPONENTS.resolve()
     for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import) and any(a.name.partition(".")[0] == "components" for a in node.names):
-            raise ComponentError(f"{source.name}: write 'from components... import', else no FMU can carry it")
+            raise ComponentError(
+                f"{source.name}: write 'from components import ...', not 'import components'"
+            )
         if not isinstance(node, ast.ImportFrom):
             continue
         top, _, rest = (node.module or "").partition(".")
         if node.level and (not inside or node.level > 1):
-            raise ComponentError(f"{source.name} imports {node.module} from its own package; it must be one file")
+            raise ComponentError(f"{source.name} imports from its own package; it must be one file")
         if node.level and node.module is None:
             names.extend(alias.name for alias in node.names)
         elif node.level:

@@ -54,13 +54,13 @@ try:
     fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=h)
     if interface.canGetAndSetFMUstate:
         doing = "saved and restored"
-        state = fmu.getFMUState()
+        state = fmu.getFMUstate()
         if interface.canSerializeFMUstate:
-            copy = fmu.deSerializeFMUState(fmu.serializeFMUState(state))
-            fmu.setFMUState(copy)
-            fmu.freeFMUState(copy)
-        fmu.setFMUState(state)
-        fmu.freeFMUState(state)
+            copy = fmu.deSerializeFMUstate(fmu.serializeFMUstate(state))
+            fmu.setFMUstate(copy)
+            fmu.freeFMUstate(copy)
+        fmu.setFMUstate(state)
+        fmu.freeFMUstate(state)
     doing = "stepped a second time"
     fmu.doStep(currentCommunicationPoint=h, communicationStepSize=h)
     doing = "read"
@@ -75,7 +75,7 @@ try:
     fmu.freeInstance()
 except Exception as error:
     reason = log[0] if log else str(error)
-    print("\\n" + json.dumps(f"it cannot be {doing}: {reason}"))
+    print("\\n" + json.dumps(f"it cannot be {doing}: {' '.join(reason.split())}"))
 else:
     print("\\n" + json.dumps(""))
 """

@@ -50,6 +50,7 @@ _SYMBOLS: dict[str, tuple[dict[str, int], float]] = {
     "h": ({"s": 1}, 3600.0),
 }
 _FACTOR = re.compile(r"([A-Za-z]+|1)(-?\d+)?")
+_ROOT = re.compile(r"\(\d+/\d+\)(?=[./]|$)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +152,7 @@ def model_description(
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
     indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "UTF-8", xml_declaration=False) + b"\n"
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode").encode() + b"\n"
 
 
 def _add_capabilities(root: Element, name: str) -> None:
@@ -179,6 +180,9 @@ def _add_units(root: Element, units: Iterable[str]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(units):
         element = SubElement(definitions, "Unit", {"name": unit})
+        if _ROOT.search(unit):
+            base_unit(_ROOT.sub("", unit))
+            continue  # FMI has whole exponents only; a unit without base unit is not converted
         exponents, factor = base_unit(unit)
         attributes = {name: str(exponents[name]) for name in _BASE_NAMES if exponents.get(name)}
         if factor != 1.0:
@@ -200,7 +204,7 @@ def base_unit(unit: str) -> tuple[dict[str, int], float]:
         for text in part.split(".") if part or sign == 1 or slash else ():
             match = _FACTOR.fullmatch(text)
             if match is None or match[1] not in _SYMBOLS:
-                raise ComponentError(f"unit {unit!r}: {text!r} is not a known unit; known are {', '.join(_SYMBOLS)}")
+                raise ComponentError(f"unit {unit!r}: {text!r} is not one of {', '.join(_SYMBOLS)}")
             power = sign * int(match[2] or 1)
             symbol_exponents, symbol_factor = _SYMBOLS[match[1]]
             factor *= symbol_factor**power

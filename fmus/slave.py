@@ -8,9 +8,14 @@ fmi2Fatal without its text, so the reason is always put into the log first, as a
 
 from __future__ import annotations
 
+import atexit
+import contextlib
+import ctypes
 import hashlib
 import json
+import os
 import struct
+import sys
 from collections.abc import Sequence
 from math import isfinite
 from pathlib import Path
@@ -26,44 +31,41 @@ from components._component import Component, ComponentError, Vector
 COMPONENT_FILE = "component.json"
 ARRAYS_FILE = "arrays.npz"
 
-_ARRAY, _TUPLE = "__array__", "__tuple__"
+ARRAY_KEY, TUPLE_KEY = "__array__", "__tuple__"
 _HEADER = struct.Struct("<16sd??q")
 _REMEMBERED_ACCESSES = 256
+_RELEASED: set[Path] = set()
 
 
-def pack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
-    """A structure value as JSON data; NumPy arrays go to `arrays` and leave their key behind."""
-    if isinstance(value, np.ndarray) and value.dtype != object:
-        key = f"a{len(arrays)}"
-        arrays[key] = value
-        return {_ARRAY: key}
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, dict):
-        for key in value:
-            if not isinstance(key, str) or key in (_ARRAY, _TUPLE):
-                raise ComponentError(f"the structure has a dictionary key {key!r}; keys must be plain strings")
-        return {key: pack_value(item, arrays) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        packed = [pack_value(item, arrays) for item in value]
-        return {_TUPLE: packed} if isinstance(value, tuple) else packed
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    raise ComponentError(
-        f"the structure holds a {type(value).__name__}; it must be a number, a string, a tuple, list or "
-        "dictionary of those, or a NumPy array"
-    )
+def own_once_more(value: object) -> None:
+    """Add a reference that nobody holds, for one that PythonFMU gives up without having owned it."""
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(value))
+
+
+def release_interpreter_at_exit(resources: Path) -> None:
+    """Let the binary of this FMU give up the interpreter while there still is one.
+
+    PythonFMU 0.7 does so at the end of the process, twice, and thereby ends some runs with SIGABRT. Not for a
+    host without Python, where the interpreter is PythonFMU's own.
+    """
+    if resources in _RELEASED or not sys.orig_argv or not hasattr(os, "RTLD_NOLOAD"):
+        return
+    _RELEASED.add(resources)
+    for binary in resources.parent.glob("binaries/*/*.so"):
+        with contextlib.suppress(OSError):  # the binaries of other platforms are not loaded
+            library = ctypes.CDLL(str(binary), mode=os.RTLD_NOLOAD | os.RTLD_NOW)
+            atexit.register(library.finalizePythonInterpreter)
 
 
 def unpack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
-    """The structure value that `pack_value` turned into JSON data and arrays."""
+    """The structure value that the build turned into JSON data and arrays."""
     if isinstance(value, list):
         return [unpack_value(item, arrays) for item in value]
     if isinstance(value, dict):
-        if _ARRAY in value:
-            return arrays[value[_ARRAY]]
-        if _TUPLE in value:
-            return tuple(unpack_value(item, arrays) for item in value[_TUPLE])
+        if ARRAY_KEY in value:
+            return arrays[value[ARRAY_KEY]]
+        if TUPLE_KEY in value:
+            return tuple(unpack_value(item, arrays) for item in value[TUPLE_KEY])
         return {key: unpack_value(item, arrays) for key, item in value.items()}
     return value
 
@@ -72,7 +74,7 @@ class _Access(NamedTuple):
     """Where the variables of one list of value references are, and what touching them entails."""
 
     references: list[int]
-    index: slice | NDArray[np.intp]
+    place: slice | NDArray[np.intp]
     layout: struct.Struct | None  # of a contiguous range: several times faster than indexing
     offset: int
     parameters: bool
@@ -100,11 +102,13 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
     component_class: ClassVar[type[Component]]
 
     def __init__(self, **kwargs: Any) -> None:  # noqa: ANN401 - PythonFMU's keyword arguments
+        """Build the component; PythonFMU passes instance name and resources folder."""
         super().__init__(**kwargs)
         self._time = 0.0
         self._initialized = False
         self._broken: Exception | None = None
         try:
+            release_interpreter_at_exit(Path(self.resources))
             self._load(Path(self.resources))
         except Exception as error:  # raised again as soon as there is a log to put the reason into
             self._broken = error
@@ -128,6 +132,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         ends = np.cumsum([layout.size for layout in layouts]).tolist()
         self._names = [name for layout in layouts for name in layout.scalar_names()]
         self._values = np.zeros(ends[-1])
+        self._buffer = self._values.data.cast("B")
         self._known = self._values[: ends[1]]
         self._p, self._u, self._y, self._z = (
             self._values[end - layout.size : end] for layout, end in zip(layouts, ends, strict=True)
@@ -151,7 +156,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
     def enter_initialization_mode(self) -> None:
         """Only a check that the instance could be built."""
         if self._broken is not None:
-            raise self._logged(self._broken)
+            raise self._failure(self._broken)
 
     def exit_initialization_mode(self) -> None:
         """Fix the state at the start for the inputs and parameters now set."""
@@ -161,7 +166,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             if not isfinite(x.dot(x)):
                 self._require_finite_state(x)
         except Exception as error:
-            raise self._logged(error) from None
+            raise self._failure(error) from None
         self._initialized = True
         self._writing = _NOWHERE
 
@@ -180,7 +185,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 self._require_finite_state(x)
         except Exception as error:
             self._time = current_time
-            self._logged(error, Fmi2Status.discard)
+            self._log_reason(error, Fmi2Status.discard)
             return False
         self._x = x if x.base is None else x.copy()
         self._time = current_time + step_size
@@ -200,10 +205,10 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             if access.observations and not self._observations_known:
                 self._compute_observations()
         except Exception as error:
-            raise self._logged(error) from None
+            raise self._failure(error) from None
         if access.layout is not None:
-            return list(access.layout.unpack_from(self._values, access.offset))
-        values: list[float] = self._values[access.index].tolist()
+            return list(access.layout.unpack_from(self._buffer, access.offset))
+        values: list[float] = self._values[access.place].tolist()
         return values
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
@@ -213,11 +218,11 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             if vrs != access.references:
                 access = self._writing = self._writable(vrs)
             if access.layout is not None:
-                access.layout.pack_into(self._values, access.offset, *values)
+                access.layout.pack_into(self._buffer, access.offset, *values)
             else:
-                self._values[access.index] = values
+                self._values[access.place] = values
         except Exception as error:
-            raise self._logged(error) from None
+            raise self._failure(error) from None
         self._observations_known = False
         if access.parameters:
             self._constants = None
@@ -242,7 +247,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         parameters, inputs, outputs, end = self._ends
         for reference in vrs:
             if not 0 <= reference < end:
-                raise ComponentError(f"there is no Real variable with value reference {reference}; there are {end}")
+                raise ComponentError(f"there is no value reference {reference}; it must be below {end}")
         first, size = (vrs[0], len(vrs)) if vrs else (0, 0)
         contiguous = vrs == list(range(first, first + size))
         return _Access(
@@ -263,7 +268,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         if self._initialized and access.parameters:
             fixed = [self._names[r] for r in vrs if r in self._fixed]
             if fixed:
-                raise ComponentError(f"{fixed[0]} is a fixed parameter; it cannot be set after initialization")
+                raise ComponentError(f"{fixed[0]} is fixed; it cannot be set after initialization")
         return access
 
     # What follows from the values set
@@ -308,25 +313,42 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             sentence += f", seen in output {self._names[self._ends[1] + outputs[0]]}"
         raise ComponentError(sentence)
 
-    def _logged(self, error: Exception, status: Fmi2Status = Fmi2Status.error) -> Exception:
-        """Put the reason into the log as a sentence; the error itself is for `raise`."""
+    def _log_reason(self, error: Exception, status: Fmi2Status) -> None:
         error = self._broken or error  # nothing else is worth saying of an instance that was never built
         sentence = str(error)
         if not isinstance(error, ComponentError):
             sentence = f"{type(error).__name__} in {self.component_class.kind}: {error}"
         self.log(f"{self.instance_name} at t = {self._time:.9g} s: {sentence}", status)
+
+    def _failure(self, error: Exception) -> Exception:
+        """The error to raise, with its reason in the log and the instance safe from what PythonFMU does then.
+
+        On an exception PythonFMU gives up its references to the instance, its class and its log, and does so
+        once more when the instance is freed.
+        """
+        self._log_reason(error, Fmi2Status.error)
+        for given_up in (self, type(self), self.log_queue):
+            own_once_more(given_up)
         return error
+
+    def _refuse_other_types(self, *_: object) -> None:
+        raise self._failure(ComponentError("all variables of this FMU are of type Real"))
+
+    get_integer = get_boolean = get_string = _refuse_other_types
+    set_integer = set_boolean = set_string = _refuse_other_types
 
     # FMU state
 
     def _get_fmu_state(self) -> SavedState:
+        if self._broken is not None:
+            raise self._failure(self._broken)
         x = None if self._x is None else self._x.copy()
         known = self._known.copy()
         return SavedState(self._owner, self._time, self._initialized, known, x, self._constants)
 
     def _set_fmu_state(self, state: SavedState) -> None:
-        if state.owner != self._owner:
-            raise self._logged(ComponentError("the FMU state belongs to an FMU of other content"))
+        if self._broken is not None or state.owner != self._owner:
+            raise self._failure(ComponentError("the FMU state belongs to an FMU of other content"))
         if state.constants is not None:
             self._constants = state.constants
         elif state.known[: self._ends[0]].tobytes() != self._p.tobytes():
@@ -348,6 +370,9 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
 
     @staticmethod
     def _fmu_state_from_bytes(data: bytes) -> SavedState:
+        """The state; bytes that are none make a state without owner, which no instance takes."""
+        if len(data) < _HEADER.size or (len(data) - _HEADER.size) % 8:
+            return SavedState(b"", 0.0, False, np.zeros(0), None, None)
         owner, time, initialized, has_state, size = _HEADER.unpack_from(data)
         numbers = np.frombuffer(data, offset=_HEADER.size)
         x = numbers[size:].copy() if has_state else None

@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from components import Component, ComponentError, Quantity
+from components import REGISTRY, Component, ComponentError, Quantity
 from components._component import Vector
 
 
@@ -21,11 +21,12 @@ class Toy(Component):
         self.mixing = mixing
         self.nested = options["nested"][1]["weights"]
         n = mixing.shape[0]
+        start = tuple(0.1 * i for i in range(n))
         self._declare(
             {"mixing": mixing, "options": options},
             ports=(),
             parameters=[
-                Quantity("start", "m", "State at the start", n, tuple(0.1 * i for i in range(n)), variability="fixed"),
+                Quantity("start", "m", "State at the start", n, start, variability="fixed"),
                 Quantity("rate", "1/s", "Rate of the lags", 1, 2.0, 0.0, variability="tunable"),
                 Quantity("angle", "deg", "Any angle", 1, 30.0, -180.0, 180.0, variability="tunable"),
             ],
@@ -69,3 +70,7 @@ class Toy(Component):
         weights = np.array([1.0, 1.0 / 3.0, np.pi])
         mixing = np.array([[1.0, 0.2, 0.0], [0.1, 1.5, 0.3], [0.0, 0.4, 0.7]])
         return cls(mixing, {"nested": (1, {"weights": weights}), "label": "toy", "pair": (0.1, [1, 2])})
+
+
+# Not one of Fanfold's components: tests that iterate over the registry must not find it there.
+REGISTRY.pop(Toy.kind)

@@ -1,0 +1,196 @@
+"""One coupled step: the wrenches at all ports such that bodies and connections agree.
+
+Residual: wrenches that the connections return for the motions that the wrenches cause, minus the
+wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened by Broyden's update.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgError, lu_factor, lu_solve
+
+from .interface import Matrix, Probe, first_port_axes, probe_mobility, probe_stiffness
+from .network import Network
+from .participant import Vector
+
+_MAX_ITERATIONS = 14
+_SLOW = 0.15
+_DIVERGED = 50.0
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """Outcome of a coupled step: whether it converged, sweeps taken, size of the last correction (scaled)."""
+
+    converged: bool
+    iterations: int
+    correction: float
+    worst_row: int
+
+
+@dataclass(slots=True)
+class Tolerance:
+    """When the correction of the wrenches is small: relative to the largest force and torque, plus absolute."""
+
+    relative: float
+    force: float = 1e-6
+    torque: float = 1e-6
+
+    def scale(self, wrenches: Vector) -> Vector:
+        """What a correction of 1 means for every row."""
+        table = np.abs(wrenches).reshape(-1, 2, 3)
+        force = self.force + self.relative * float(table[:, 0].max(initial=0.0))
+        torque = self.torque + self.relative * float(table[:, 1].max(initial=0.0))
+        return np.tile(np.repeat((force, torque), 3), len(table))
+
+
+class Coupling:
+    """Solves coupled steps from the participants' saved states and leaves them stepped.
+
+    `wrenches` holds the solution of the last solve. `mode` tells probed mobilities of different parameter
+    sets apart (static against dynamic).
+    """
+
+    def __init__(self, network: Network, tolerance: Tolerance) -> None:
+        self.network = network
+        self.tolerance = tolerance
+        self.wrenches = np.zeros(network.size)
+        self.mode = "dynamic"
+        self.sweeps = 0
+        self.probes = 0
+        self._law = np.zeros(network.size)
+        self._mobilities: dict[tuple[str, float], list[Probe]] = {}
+        self._stiffnesses: list[Probe] = []
+        self._stiffness_key: tuple[str, float] | None = None
+        self._factor_key: tuple[str, float] | None = None
+        self._factors: tuple[Matrix, Matrix] | None = None
+
+    def forget(self) -> None:
+        """The laws changed (an event): probe connections anew at the next solve."""
+        self._stiffness_key = None
+        self._factor_key = None
+
+    def solve(self, time: float, h: float, guess: Vector) -> Solution:
+        """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
+        self.wrenches[:] = guess
+        solution = self._iterate(time, h)
+        if not solution.converged:
+            self.forget()
+            self.wrenches[:] = guess if not np.all(np.isfinite(self.wrenches)) else self.wrenches
+            again = self._iterate(time, h)
+            solution = Solution(
+                again.converged, solution.iterations + again.iterations, again.correction, again.worst_row
+            )
+        return solution
+
+    def _iterate(self, time: float, h: float) -> Solution:
+        steps: list[Vector] = []
+        scale = np.ones(0)
+        last = np.inf
+        for iteration in range(1, _MAX_ITERATIONS + 1):
+            self.sweep(time, h)
+            residual = self._law - self.wrenches
+            if not np.all(np.isfinite(residual)):
+                return Solution(False, iteration, np.inf, int(np.argmin(np.isfinite(residual))))
+            if self._factor_key != (self.mode, h):
+                self._factorize(time, h)
+            direction = self._direction(residual)
+            if iteration == 1:
+                scale = self.tolerance.scale(self.wrenches + direction)
+            correction = _broyden(direction / scale, steps)
+            size = float(np.abs(correction).max(initial=0.0))
+            if size <= 1.0:
+                return Solution(True, iteration, size, 0)
+            if size > _DIVERGED * last:
+                break
+            if iteration in (4, 9) or (iteration == 2 and size > _SLOW * last):
+                self._refresh(time, h, probe=iteration > 2)
+                steps.clear()
+                correction = self._direction(residual) / scale
+            last = size
+            steps.append(correction)
+            self.wrenches += correction * scale
+        return Solution(False, iteration, size, int(np.argmax(np.abs(correction))))
+
+    def _refresh(self, time: float, h: float, *, probe: bool) -> None:
+        """Turn the probed matrices to the present orientations, or probe the connections anew."""
+        self._factor_key = None
+        if probe:
+            self._stiffness_key = None
+        self._factorize(time, h)
+
+    def sweep(self, time: float, h: float) -> None:
+        """Bodies under the wrenches, then connections over the motions, all from their saved states."""
+        network = self.network
+        self.sweeps += 1
+        network.set_wrenches(self.wrenches)
+        for body in network.bodies:
+            body.restore()
+            body.write()
+            body.do_step(time, h)
+            body.read()
+        network.carry_motion()
+        for connection in network.connections:
+            connection.restore()
+            connection.write()
+            connection.do_step(time, h)
+            connection.read()
+        network.collect_wrenches(self._law)
+
+    def velocity_change(self, h: float, change: Vector) -> Vector:
+        """Change of all ports' velocities and rates, (ports x 6,), that a change of wrenches causes in a step."""
+        result = np.empty_like(change)
+        for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)], strict=True):
+            motion = (probe.matrix @ change[rows]).reshape(-1, 12)
+            result[rows] = motion[:, 6:].ravel()
+        return result
+
+    def _direction(self, residual: Vector) -> Vector:
+        result: Vector = lu_solve(self._factors, residual, check_finite=False)
+        return result
+
+    def _factorize(self, time: float, h: float) -> None:
+        """LU factors of I - stiffness x mobility, from probes turned to the present orientations."""
+        key = (self.mode, h)
+        if key not in self._mobilities:
+            self.probes += 1
+            self._mobilities[key] = [
+                probe_mobility(body, len(ports), time, h)
+                for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True)
+            ]
+        if self._stiffness_key != key:
+            self.probes += 1
+            self._stiffnesses = [
+                probe_stiffness(connection, len(ports), time, h)
+                for connection, ports in zip(self.network.connections, self.network.connection_ports, strict=True)
+            ]
+            self._stiffness_key = key
+        size = self.network.size
+        mobility = np.zeros((2 * size, size))
+        for body, rows, probe in zip(self.network.bodies, self.network.rows, self._mobilities[key], strict=True):
+            mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
+        matrix = np.eye(size)
+        for connection, rows, probe in zip(
+            self.network.connections, self.network.connection_rows, self._stiffnesses, strict=True
+        ):
+            motion_rows = (2 * rows.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
+            matrix[rows] -= probe.turned(first_port_axes(connection.inputs)) @ mobility[motion_rows]
+        try:
+            self._factors = lu_factor(matrix, check_finite=False)
+        except (LinAlgError, ValueError):
+            self._factors = lu_factor(np.eye(size))
+        self._factor_key = key
+
+
+def _broyden(direction: Vector, steps: list[Vector]) -> Vector:
+    """Broyden's update of a chord Newton direction from the steps taken so far (scaled), without a matrix."""
+    for before, after in zip(steps[:-1], steps[1:], strict=True):
+        direction = direction + after * (float(before @ direction) / float(before @ before))
+    if steps:
+        newest = steps[-1]
+        slope = float(newest @ direction) / float(newest @ newest)
+        if slope < 0.9:
+            direction = direction / (1.0 - slope)
+    return direction

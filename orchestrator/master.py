@@ -1,0 +1,305 @@
+"""The master algorithm: initialisation, static preload, implicit steps, events, recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import ceil, floor, log, sqrt
+from typing import Protocol
+
+import numpy as np
+
+from components import DISSIPATED_ENERGY, STORED_ENERGY
+
+from .assembly import HingeLine
+from .coupling import Coupling, Solution, Tolerance
+from .network import Network
+from .participant import Participant, Vector
+from .stepping import ErrorEstimate, History, StepError, StepSizes, failure_sentence, find_event
+
+_IMPULSE_STEP = 1e-7
+_STATIC_STEPS = 10
+_STATIC_STEP = 1.0
+
+
+class Recorder(Protocol):
+    """Takes what happened, in order."""
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Something switched."""
+
+
+SCENE_CHANNELS = (
+    ("step_size", "s", "Communication step size that led here"),
+    ("iterations", "1", "Sweeps over all participants in that step"),
+    ("stored_energy", "J", "Kinetic and potential energy of all participants"),
+    ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
+    ("energy_residual", "J", "Stored and dissipated energy minus their value at the start"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Numbers of the master.
+
+    tolerance: relative accuracy asked of a run. fixed_step: constant communication step size instead of
+    control. step_plan: step sizes of an earlier run to follow, one list per segment between events.
+    """
+
+    tolerance: float = 1e-4
+    largest_step: float = 0.02
+    smallest_step: float = 1e-6
+    start_step: float = 1e-3
+    event_step: float = 2e-4
+    fixed_step: float | None = None
+    step_plan: Sequence[Sequence[float]] | None = None
+    progress: Callable[[float, float], None] = field(default=lambda time, h: None)
+
+
+@dataclass(slots=True)
+class Statistics:
+    """What a run cost."""
+
+    steps: int = 0
+    sweeps: int = 0
+    rejected: int = 0
+    probes: int = 0
+
+
+class Master:
+    """Couples the participants of a network implicitly and follows them through time."""
+
+    def __init__(
+        self, network: Network, hinge_lines: Sequence[HingeLine], recorder: Recorder, settings: Settings
+    ) -> None:
+        self.network = network
+        self.recorder = recorder
+        self.settings = settings
+        self.statistics = Statistics()
+        self.time = 0.0
+        self.segments: list[list[float]] = [[]]
+        self._participants = [*network.bodies, *network.connections]
+        self._pending = [line for line in hinge_lines if line.latches]
+        self._hinge_lines = tuple(hinge_lines)
+        self._coupling = Coupling(network, Tolerance(min(1e-3 * settings.tolerance, 1e-7)))
+        self._history = History()
+        self._error = ErrorEstimate(settings.tolerance, 1.0)
+        self._sizes = StepSizes(settings.largest_step, settings.smallest_step)
+        self._sizes.restart(min(settings.start_step, settings.largest_step))
+        self._wrenches = np.zeros(network.size)
+        self._energy_start = 0.0
+        self._since_change = 0
+        self._energies = [_energy_rows(p) for p in self._participants]
+        self._scene = np.zeros(len(SCENE_CHANNELS))
+
+    def initialize(self, *, preload: bool) -> None:
+        """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
+        start = -_STATIC_STEPS * _STATIC_STEP if preload else 0.0
+        for body in self.network.bodies:
+            body.write()
+            body.read()
+        self._error = ErrorEstimate(self.settings.tolerance, self._length())
+        self.network.carry_motion()
+        for connection in self.network.connections:
+            connection.write()
+        for participant in self._participants:
+            participant.initialize(start)
+            participant.read()
+        self._save()
+        if preload:
+            self._seek_equilibrium(start)
+        self._energy_start = sum(self._energy())
+        self._record(0.0, 0)
+
+    def _length(self) -> float:
+        """Largest distance (m) between two ports of one body, or 1 where bodies have no extension."""
+        largest = 0.0
+        for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True):
+            places = body.outputs[: 13 * len(ports)].reshape(-1, 13)[:, :3]
+            largest = max(largest, float(np.abs(places - places[0]).max()))
+        return largest or 1.0
+
+    def _seek_equilibrium(self, start: float) -> None:
+        """Static equilibrium by implicit steps of the participants' own gradient flow."""
+        changed = [
+            (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
+            for p in self._participants
+            for name, value in (("quasi_static", 1.0), ("end_weight", 1.0))
+            if name in p.parameter_layout
+        ]
+        for participant, name, value, _ in changed:
+            participant.set_parameter(name, value)
+        self._command("hold", 1.0)
+        self._coupling.mode = "static"
+        for step in range(_STATIC_STEPS):
+            time = start + step * _STATIC_STEP
+            solution = self._coupling.solve(time, _STATIC_STEP, self._wrenches)
+            if not solution.converged:
+                raise StepError("static preload: " + failure_sentence(self._coupling, solution, time, _STATIC_STEP))
+            self._wrenches[:] = self._coupling.wrenches
+            self._save()
+        for participant, name, _, normal in changed:
+            participant.set_parameter(name, normal)
+        self._command("hold", 0.0)
+        self._coupling.mode = "dynamic"
+        self._coupling.forget()
+
+    def run(self, until: float) -> None:
+        """Step to the given time (s); StepError where no step size converges."""
+        while self.time < until - 1e-12:
+            h = self._next_step(until)
+            solution = self._try_step(h)
+            if solution is None:
+                continue
+            line = self._latching(h)
+            if line is not None:
+                h, solution = self._step_to(line, h, solution)
+            self._accept(h, solution)
+            if line is not None:
+                self._latch(line)
+            self.settings.progress(self.time, h)
+        self.statistics.sweeps = self._coupling.sweeps
+        self.statistics.probes = self._coupling.probes
+
+    def _next_step(self, until: float) -> float:
+        remaining = until - self.time
+        if self.settings.step_plan is not None:
+            segment, position = len(self.segments) - 1, len(self.segments[-1])
+            plan = self.settings.step_plan[min(segment, len(self.settings.step_plan) - 1)]
+            h = plan[min(position, len(plan) - 1)]
+        else:
+            h = self.settings.fixed_step or self._sizes.size
+        # a remainder that is a tiny step would cost accuracy; stretch or share instead
+        if remaining < 1.001 * h:
+            return remaining
+        return 0.5 * remaining if remaining < 1.5 * h and self._controlled else h
+
+    @property
+    def _controlled(self) -> bool:
+        return self.settings.fixed_step is None and self.settings.step_plan is None
+
+    def _try_step(self, h: float) -> Solution | None:
+        """A converged step whose error is accepted, or None with a smaller step size set."""
+        middle = self.time + 0.5 * h
+        guess = self._history.extrapolated(middle)
+        solution = self._coupling.solve(self.time, h, self._wrenches if guess is None else guess)
+        if not solution.converged:
+            if not self._controlled or not self._sizes.shrink(2):
+                raise StepError(failure_sentence(self._coupling, solution, self.time, h))
+            self._reject()
+            return None
+        if not self._controlled:
+            return solution
+        curvature = self._history.curvature(middle, self._coupling.wrenches, h)
+        if curvature is None:
+            return solution
+        error = self._error(self._coupling.velocity_change(h, curvature))
+        if error > 1.0 and self._sizes.size > self.settings.smallest_step * 2.0:
+            self._sizes.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(sqrt(2.0)))))))
+            self._reject()
+            return None
+        self._since_change += 1
+        if self._since_change >= 2:
+            room = floor(log(0.5 / max(error, 1e-9)) / (3.0 * log(sqrt(2.0))))
+            if room >= 1:
+                self._sizes.grow(min(room, 2))
+                self._since_change = 0
+        return solution
+
+    def _reject(self) -> None:
+        self.statistics.rejected += 1
+        self._since_change = 0
+
+    def _latching(self, h: float) -> HingeLine | None:
+        """The hinge line whose sensor fell through zero first in the step just made."""
+        best, best_time = None, h
+        for line in self._pending:
+            after = self._distance(line)
+            before = self._before[line.name]
+            if after <= 0.0 < before and h * before / (before - after) <= best_time:
+                best, best_time = line, h * before / (before - after)
+        return best
+
+    def _distance(self, line: HingeLine) -> float:
+        sensor = self.network.by_name[line.sensor]
+        return float(sensor.outputs[sensor.output_layout["latch_distance"].start])
+
+    def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution]:
+        """Repeat the step so that it ends where the hinge line latches."""
+        found = [solution]
+
+        def distance(trial: float) -> float:
+            guess = self._history.extrapolated(self.time + 0.5 * trial)
+            found[0] = self._coupling.solve(self.time, trial, self._wrenches if guess is None else guess)
+            if not found[0].converged:
+                raise StepError(failure_sentence(self._coupling, found[0], self.time, trial))
+            return self._distance(line)
+
+        return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
+
+    def _accept(self, h: float, solution: Solution) -> None:
+        self.statistics.steps += 1
+        self.segments[-1].append(h)
+        self._wrenches[:] = self._coupling.wrenches
+        self._history.add(self.time + 0.5 * h, self._wrenches)
+        self.time += h
+        self._save()
+        for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True):
+            self._error.see(body.outputs[: 13 * len(ports)].reshape(-1, 13))
+        self._record(h, solution.iterations)
+
+    def _latch(self, line: HingeLine) -> None:
+        """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
+        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
+        self._pending.remove(line)
+        self._command("latch_command", 1.0, line.hinges)
+        self._coupling.forget()
+        if line.kinematic:
+            self._command("impulse", 1.0)
+            solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
+            if not solution.converged:
+                raise StepError("latch impulse: " + failure_sentence(self._coupling, solution, self.time, _IMPULSE_STEP))
+            self.time += _IMPULSE_STEP
+            self._save()
+            self._command("impulse", 0.0)
+            self._coupling.forget()
+            self._record(_IMPULSE_STEP, solution.iterations)
+        self._history.clear()
+        self._sizes.restart(min(self.settings.event_step, self._sizes.size))
+        self._since_change = 0
+        self.segments.append([])
+
+    def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
+        """Set a discrete input of all participants that have it, or of the named ones."""
+        for participant in self._participants:
+            if name in participant.input_layout and (names is None or participant.name in names):
+                participant.inputs[participant.input_layout[name]] = value
+
+    def _save(self) -> None:
+        """The present states are those to return to."""
+        for participant in self._participants:
+            participant.save()
+        self._before = {line.name: self._distance(line) for line in self._pending}
+
+    def _energy(self) -> tuple[float, float]:
+        stored = dissipated = 0.0
+        self._observed = [p.observe() for p in self._participants]
+        for values, (rows, heat) in zip(self._observed, self._energies, strict=True):
+            stored += float(values[rows].sum())
+            dissipated += float(values[heat].sum())
+        return stored, dissipated
+
+    def _record(self, h: float, iterations: int) -> None:
+        stored, dissipated = self._energy()
+        self._scene[:] = h, iterations, stored, dissipated, stored + dissipated - self._energy_start
+        self.recorder.append(self.time, [*self._observed, self._scene])
+
+
+def _energy_rows(participant: Participant) -> tuple[list[int], list[int]]:
+    """Where a participant's observations hold stored and dissipated energy."""
+    layout = participant.observation_layout
+    stored = [layout[name].start for name in STORED_ENERGY if name in layout]
+    return stored, [layout[DISSIPATED_ENERGY].start] if DISSIPATED_ENERGY in layout else []

@@ -1,0 +1,316 @@
+"""Figures of a result, for screen and print: colour-blind-safe colours, each with a line style of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from itertools import cycle
+from pathlib import Path
+from typing import Any, Final
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+from .assembly import Geometry
+from .result import Result
+from .summary import is_latch_up, latch_times, line_latch_torque, peak
+
+Vector = NDArray[np.float64]
+
+_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
+_DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":", (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 1)))
+_STYLE: Final[Any] = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.grid": True,
+    "grid.alpha": 0.35,
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.3,
+    "legend.fontsize": 8,
+    "figure.dpi": 130,
+    "savefig.dpi": 160,
+}
+_WIDTH = 7.2
+_INSTANTS = 6
+_CLOSE_UP_CROSSINGS = 8
+
+_CAUSES: Final = {
+    "friction_energy": "hinge friction",
+    "latch_energy": "latches",
+    "damping_energy": "hinge damping",
+}
+_MARKS: Final = {
+    "frame_position": "modal damping",
+    "tension_a": "cable loops",
+    "damper_torque": "dampers",
+}
+
+
+def plot_all(result: Result, directory: str | Path, format: str = "png") -> list[Path]:
+    """Write every figure that the signals of the result allow; the paths written."""
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    written = []
+    with mpl.rc_context(_STYLE):
+        for name, draw in _FIGURES.items():
+            figure = draw(result)
+            if figure is not None:
+                path = directory / f"{name}.{format}"
+                figure.savefig(path)
+                written.append(path)
+    return written
+
+
+def deployment_angles(result: Result) -> Figure | None:
+    """Angle of every hinge over time; hinges of a line that coincide share a curve."""
+    names = result.recording("angle")
+    if not names:
+        return None
+    figure, (axes,) = _figure("Deployment angles", [1.0])
+    curves = [(name, np.rad2deg(result.signal(name, "angle"))) for name in _one_a_line(result, names)]
+    _draw(axes, result.time, curves)
+    _finish(axes, result, "hinge angle, deg")
+    return figure
+
+
+def latch_torques(result: Result) -> Figure | None:
+    """Latch torque of every hinge line, and a close-up after each latch-up."""
+    times = latch_times(result)
+    lines = [line for line in result.hinge_lines if line.name in times]
+    if not lines:
+        return None
+    figure, axes = _figure("Latch torque, sum over the hinges of a line", [1.4] + [1.0] * len(lines))
+    torques = [(line.name, line_latch_torque(result, line)) for line in lines]
+    _draw(axes[0], result.time, torques)
+    _finish(axes[0], result, "latch torque, N.m")
+    for k, (close_up, (name, torque)) in enumerate(zip(axes[1:], torques, strict=True)):
+        start, end = times[name], _ringing_end(result.time, torque, times[name])
+        top = peak(result, torque)
+        shown = (result.time >= start - 0.08 * (end - start)) & (result.time <= end)
+        _draw(close_up, result.time[shown], [(name, torque[shown])], first=k)
+        label = f"peak {top.value:.4g} N.m at {top.time:.4f} s"
+        close_up.plot(top.time, top.value, "k", marker="o", markerfacecolor="none", linestyle="", label=label)
+        close_up.set_xlim(start - 0.08 * (end - start), end)
+        _finish(close_up, result, "latch torque, N.m")
+    return figure
+
+
+def cable_forces(result: Result) -> Figure | None:
+    """Strand tensions and pulley forces of every closed cable loop."""
+    names = result.recording("tension_a")
+    if not names:
+        return None
+    figure, axes = _figure("Closed cable loops", [1.0, 1.0])
+    for panel, variables in zip(
+        axes, (("tension_a", "tension_b"), ("axial_force", "lateral_force")), strict=True
+    ):
+        _draw(panel, result.time, _curves(result, names, variables))
+        _finish(panel, result, f"{variables[0].split('_')[0] if panel is axes[0] else 'pulley force'}, N")
+    return figure
+
+
+def damper_torques(result: Result) -> Figure | None:
+    """Torque of every damper."""
+    names = result.recording("damper_torque")
+    if not names:
+        return None
+    figure, (axes,) = _figure("Damper torque", [1.0])
+    _draw(axes, result.time, _curves(result, names, ("damper_torque",)))
+    _finish(axes, result, "damper torque, N.m")
+    return figure
+
+
+def interface_loads(result: Result) -> Figure | None:
+    """Force and torque on the base, component by component."""
+    names = result.recording("interface_force")
+    if not names:
+        return None
+    figure, axes = _figure("Loads at the interface with the spacecraft", [1.0, 1.0])
+    for panel, variable, unit in zip(
+        axes, ("interface_force", "interface_torque"), ("N", "N.m"), strict=True
+    ):
+        kind = variable.split("_")[1]
+        curves = [
+            (f"{name} {kind} {axis}" if len(names) > 1 else f"{kind} {axis}", load)
+            for name in names
+            for axis, load in zip("xyz", result.signal(name, variable).T, strict=True)
+        ]
+        _draw(panel, result.time, curves)
+        _finish(panel, result, f"interface {kind}, {unit}")
+    return figure
+
+
+def energy_balance(result: Result) -> Figure | None:
+    """Energy stored and dissipated, by cause, and the residual of the balance on its own axis."""
+    if not result.has("scene", "stored_energy"):
+        return None
+    has_residual = result.has("scene", "energy_residual")
+    figure, axes = _figure("Energy balance", [2.0, 1.0] if has_residual else [2.0])
+    curves = [("stored", result.signal("scene", "stored_energy"))]
+    if result.has("scene", "dissipated_energy"):
+        curves.append(("dissipated, all causes", result.signal("scene", "dissipated_energy")))
+    _draw(axes[0], result.time, curves + _dissipated_by_cause(result))
+    _finish(axes[0], result, "energy, J")
+    if has_residual:
+        _draw(axes[1], result.time, [("residual", result.signal("scene", "energy_residual"))])
+        _finish(axes[1], result, "residual, J")
+    return figure
+
+
+def steps(result: Result) -> Figure | None:
+    """Communication step size and iterations."""
+    channels = [
+        ("step_size", "step size, s"),
+        ("iterations", "iterations"),
+    ]
+    channels = [channel for channel in channels if result.has("scene", channel[0])]
+    if not channels:
+        return None
+    figure, axes = _figure("Communication steps", [1.0] * len(channels))
+    for panel, (variable, label) in zip(axes, channels, strict=True):
+        values = result.signal("scene", variable)
+        shown = values > 0.0
+        panel.plot(result.time[shown], values[shown], drawstyle="steps-pre", color=_COLOURS[0], label=label)
+        if variable == "step_size" and np.any(shown):
+            panel.set_yscale("log")
+        _finish(panel, result, label)
+    return figure
+
+
+def shapes(result: Result) -> Figure | None:
+    """The structure from folded to deployed, deformation to scale, all instants to one scale."""
+    bodies = {name: body for name, body in result.geometry.items() if np.size(body.faces)}
+    if not bodies:
+        return None
+    rows = _instants(result)
+    placed = {name: _placed(result, name, body, rows) for name, body in bodies.items()}
+    points = np.concatenate([nodes.reshape(-1, 3) for nodes in placed.values()])
+    low, high = points.min(0), points.max(0)
+    margin = 0.02 * float(np.max(high - low))
+    low, high = low - margin, high + margin
+    figure = Figure(figsize=(_WIDTH, 5.6))
+    FigureCanvasAgg(figure)
+    figure.suptitle("Deployment, axes in m")
+    for k, row in enumerate(rows):
+        axes: Any = figure.add_subplot(2, (rows.size + 1) // 2, k + 1, projection="3d")
+        for (name, nodes), colour in zip(placed.items(), cycle(_COLOURS)):
+            faces = np.asarray(bodies[name].faces)
+            axes.add_collection3d(
+                Poly3DCollection(
+                    nodes[k][faces], facecolor=colour, edgecolor="black", linewidth=0.15, alpha=0.85
+                )
+            )
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+        axes.set_box_aspect(high - low, zoom=1.15)
+        axes.view_init(elev=18, azim=-62)
+        axes.set_title(f"{result.time[row]:.2f} s", y=0.96)
+        axes.tick_params(labelsize=6, pad=-2)
+    return figure
+
+
+_FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
+    "deployment_angles": deployment_angles,
+    "latch_torques": latch_torques,
+    "cable_forces": cable_forces,
+    "damper_torques": damper_torques,
+    "interface_loads": interface_loads,
+    "energy_balance": energy_balance,
+    "steps": steps,
+    "shapes": shapes,
+}
+
+
+def _figure(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
+    """A figure with one column of axes of the given relative heights."""
+    figure = Figure(figsize=(_WIDTH, 0.9 + 2.2 * sum(heights)), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    grid = figure.subplots(len(heights), 1, squeeze=False, height_ratios=list(heights))
+    return figure, list(grid[:, 0])
+
+
+def _draw(axes: Axes, time: Vector, curves: Iterable[tuple[str, Vector]], first: int = 0) -> None:
+    """Labelled curves, each with its own colour and line style."""
+    for k, (label, values) in enumerate(curves, first):
+        style = {"color": _COLOURS[k % len(_COLOURS)], "linestyle": _DASHES[k % len(_DASHES)]}
+        axes.plot(time, values, label=label, **style)
+
+
+def _finish(axes: Axes, result: Result, label: str) -> None:
+    """Axis labels, event marks and legend."""
+    left, right = axes.get_xlim()
+    for time in {time for time, _, _ in result.events}:
+        if left <= time <= right:
+            axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
+    axes.set_xlabel("time, s")
+    axes.set_ylabel(label)
+    axes.legend(loc="best")
+
+
+def _curves(result: Result, names: Sequence[str], variables: Sequence[str]) -> list[tuple[str, Vector]]:
+    """Labelled signals of components, those that were recorded."""
+    return [
+        (f"{name} {variable.replace('_', ' ')}", result.signal(name, variable))
+        for name in names
+        for variable in variables
+        if result.has(name, variable)
+    ]
+
+
+def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:
+    """The sensor hinge of every line, and hinges that belong to no line."""
+    others = {hinge for line in result.hinge_lines for hinge in line.hinges if hinge != line.sensor}
+    return [name for name in names if name not in others]
+
+
+def _ringing_end(time: Vector, torque: Vector, start: float) -> float:
+    """End of the close-up: a few changes of sign after the latch-up."""
+    after = time > start
+    t, v = time[after], torque[after]
+    crossings = t[1:][np.diff(np.sign(v)) != 0.0]
+    return float(crossings[_CLOSE_UP_CROSSINGS] if crossings.size > _CLOSE_UP_CROSSINGS else time[-1])
+
+
+def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
+    """Dissipated energy by cause; components that tell no causes count by what they are."""
+    found: dict[str, Vector] = {}
+    for name in result.recording("dissipated_energy"):
+        if name == "scene":
+            continue
+        causes = [(c, text) for c, text in _CAUSES.items() if result.has(name, c)]
+        if not causes:
+            what = next((text for mark, text in _MARKS.items() if result.has(name, mark)), "other")
+            causes = [("dissipated_energy", what)]
+        for variable, cause in causes:
+            found[cause] = found.get(cause, 0.0) + result.signal(name, variable)
+    return list(found.items())
+
+
+def _instants(result: Result) -> NDArray[np.int64]:
+    """Rows of the pictures: equal parts of the way all hinges turn until the last latch-up."""
+    latched = [time for time, _, text in result.events if is_latch_up(text)]
+    end = int(np.searchsorted(result.time, max(latched, default=result.time[-1]), side="right"))
+    way = np.zeros(end)
+    for name in result.recording("angle"):
+        way[1:] += np.abs(np.diff(result.signal(name, "angle")[:end]))
+    way = np.cumsum(way) if np.any(way) else result.time[:end]
+    levels = np.linspace(way[0], way[-1], _INSTANTS)
+    return np.unique(np.minimum(np.searchsorted(way, levels), end - 1))
+
+
+def _placed(result: Result, name: str, body: Geometry, rows: NDArray[np.int64]) -> Vector:
+    """Nodes of a body in world axes at the given rows, shape (rows, nodes, 3)."""
+    nodes = np.repeat(np.asarray(body.positions)[None], rows.size, axis=0)
+    if not result.has(name, "frame_position"):
+        return nodes
+    if result.has(name, "modal_coordinate"):
+        coordinates = result.signal(name, "modal_coordinate").reshape(result.time.size, -1)[rows]
+        nodes = nodes + np.einsum("dam,rm->rda", np.asarray(body.shapes), coordinates)
+    w, vector = np.split(result.signal(name, "frame_orientation")[rows][:, None, :], [1], axis=2)
+    twice = 2.0 * np.cross(vector, nodes)
+    turned: Vector = nodes + w * twice + np.cross(vector, twice)
+    return turned + result.signal(name, "frame_position")[rows][:, None, :]

@@ -1,0 +1,93 @@
+"""What the tables of a scene say about each other: names, points, the tree of hinge lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from components._frames import Vector3, norm, subtract
+
+from .scene_bodies import Attachment, StartPose
+from .scene_schema import Damper, HingeLine, Scene
+
+_HINGE_GAP = 1e-3
+"""m; how far apart the points of a hinge may be when stowed."""
+
+
+def repeated_names(named: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """Components, as (key, name), that share a name with an earlier one."""
+    seen: set[str] = set()
+    for key, name in named:
+        if name in seen:
+            yield f"{key}: two components are named {name!r}"
+        seen.add(name)
+
+
+def unknown_places(
+    found: Iterable[Attachment], points: Mapping[str, Mapping[str, Vector3] | None]
+) -> Iterator[str]:
+    """Ports at bodies or points that do not exist; the points of a body may be unknown (None)."""
+    for port in found:
+        if port.body not in points:
+            yield f"{port.key}: there is no body {port.body!r}; bodies are {', '.join(points)}"
+            continue
+        known = points[port.body]
+        if known is not None and port.point not in known:
+            yield f"{port.key}: {port.body} has no point {port.point!r}; its points are {', '.join(known)}"
+
+
+def repeated_ports(found: Iterable[Attachment], lines: Iterable[HingeLine]) -> Iterator[str]:
+    """Connections that take a body twice, and points of a body that carry two hinges."""
+    hinges = {hinge.name for line in lines for hinge in line.hinges}
+    bodies: set[tuple[str, str]] = set()
+    places: dict[tuple[str, str], str] = {}
+    for port in found:
+        if (port.connection, port.body) in bodies:
+            yield f"{port.key}: {port.connection} is connected to {port.body} twice"
+        bodies.add((port.connection, port.body))
+        if port.connection in hinges:
+            other = places.setdefault((port.body, port.point), port.connection)
+            if other != port.connection:
+                yield f"{port.key}: point {port.point} of {port.body} already carries hinge {other}"
+
+
+def unknown_hinges(dampers: Iterable[Damper], lines: Iterable[HingeLine]) -> Iterator[str]:
+    """Dampers at hinges that do not exist."""
+    hinges = [hinge.name for line in lines for hinge in line.hinges]
+    for damper in dampers:
+        if damper.hinge not in hinges:
+            known = ", ".join(hinges)
+            yield f"damper.{damper.name}.hinge: there is no hinge {damper.hinge!r}; hinges are {known}"
+
+
+def broken_tree(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -> Iterator[str]:
+    """Bodies that are not the outboard end of exactly one chain of hinge lines from the base."""
+    inboard_of: dict[str, str] = {}
+    for line in lines:
+        if line.outboard == base:
+            yield f"hinge_line.{line.name}.outboard: {base} is the base; name it as the inboard body"
+        elif line.outboard in inboard_of:
+            yield f"hinge_line.{line.name}.outboard: {line.outboard} is that of another line already"
+        else:
+            inboard_of[line.outboard] = line.inboard
+    for body in bodies:
+        path = [body]
+        while (inner := inboard_of.get(path[-1])) is not None and inner not in path:
+            path.append(inner)
+        if path[-1] != base:
+            yield f"body.{body}: it is disconnected; no chain of hinge lines leads to it from {base}"
+
+
+def open_hinges(
+    scene: Scene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+) -> Iterator[str]:
+    """Hinges whose two points do not meet when stowed, because they are not on one line along the axis."""
+    for line in scene.hinge_lines:
+        for hinge in line.hinges:
+            a = poses[line.inboard].place(points[line.inboard][hinge.inboard])
+            b = poses[line.outboard].place(points[line.outboard][hinge.outboard])
+            gap = norm(subtract(b, a))
+            if gap > _HINGE_GAP:
+                yield (
+                    f"hinge_line.{line.name}.hinges.{hinge.name}: its points are {gap:.4g} m apart when"
+                    " stowed; the hinges of a line must lie on one line along its axis"
+                )

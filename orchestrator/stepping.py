@@ -1,0 +1,154 @@
+"""Time: choosing communication steps, rejecting them, and finding events inside them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import floor, log, sqrt
+
+import numpy as np
+
+from .coupling import Coupling, Solution
+from .participant import Vector
+
+_RATIO = sqrt(2.0)
+_ERROR_SHARE = 0.05
+_SLOWEST = 0.05
+_GROWTH_MARGIN = 0.6
+_EVENT_TOLERANCE = 1e-11
+_EVENT_SEARCH = 40
+
+
+class StepError(Exception):
+    """A step failed at every size: a sentence with the connection, the residual and the time."""
+
+
+@dataclass(slots=True)
+class StepSizes:
+    """The geometric grid of communication step sizes, largest x sqrt(2)^-k, and where we are on it."""
+
+    largest: float
+    smallest: float
+    level: int = 0
+
+    @property
+    def size(self) -> float:
+        """Present step size."""
+        return self.largest * _RATIO**-self.level
+
+    def restart(self, size: float) -> None:
+        """Go to the grid size at or below the given one."""
+        self.level = max(0, -floor(log(size / self.largest) / log(_RATIO) + 1e-9))
+
+    def shrink(self, levels: int = 2) -> bool:
+        """Go down; False where that is below the smallest size."""
+        self.level += levels
+        return self.size >= self.smallest
+
+    def grow(self, levels: int) -> None:
+        """Go up, at most to the largest size."""
+        self.level = max(0, self.level - levels)
+
+
+@dataclass(slots=True)
+class History:
+    """Mean wrenches of the last three accepted steps, each at its mid-step time."""
+
+    times: list[float] = field(default_factory=list)
+    values: list[Vector] = field(default_factory=list)
+
+    def clear(self) -> None:
+        """Forget all: something jumped."""
+        self.times.clear()
+        self.values.clear()
+
+    def add(self, time: float, value: Vector) -> None:
+        """Remember one more, and only the last three."""
+        self.times.append(time)
+        self.values.append(value.copy())
+        del self.times[:-3], self.values[:-3]
+
+    def extrapolated(self, time: float, points: int = 3) -> Vector | None:
+        """Polynomial through the last points; None without any."""
+        n = min(points, len(self.times))
+        if n == 0:
+            return None
+        times, values = self.times[-n:], self.values[-n:]
+        result = np.zeros_like(values[0])
+        for i in range(n):
+            weight = 1.0
+            for j in range(n):
+                if j != i:
+                    weight *= (time - times[j]) / (times[i] - times[j])
+            result += weight * values[i]
+        return result
+
+    def curvature(self, time: float, value: Vector, h: float) -> Vector | None:
+        """h^2 u'' from the last two points and a new one; None with fewer than two."""
+        line = self.extrapolated(time, 2)
+        if line is None or len(self.times) < 2:
+            return None
+        spread = (time - self.times[-1]) * (time - self.times[-2])
+        result: Vector = (2.0 * h * h / spread) * (value - line)
+        return result
+
+
+class ErrorEstimate:
+    """Local error of a step from how far its mean wrench lies off the line through the last two.
+
+    The mean over the step errs by a twelfth of h^2 u'', hence the velocity of every port by h times that
+    and the port's inverse mass. It is measured against the largest speed seen so far, where rates count
+    with the length (m) of the scene, and which is taken to be at least `_SLOWEST` times that length.
+    """
+
+    def __init__(self, tolerance: float, length: float) -> None:
+        self._allowed = _ERROR_SHARE * tolerance
+        self._length = length
+        self._speed = _SLOWEST * length
+
+    def see(self, motion: Vector) -> None:
+        """Take note of port velocities, (ports, 13)."""
+        speed, rate = np.abs(motion[:, 7:10]).max(initial=0.0), np.abs(motion[:, 10:13]).max(initial=0.0)
+        self._speed = max(self._speed, float(speed), self._length * float(rate))
+
+    def __call__(self, velocity_change: Vector) -> float:
+        """Error over what is allowed, from the (ports x 6,) change of velocities that the curvature makes."""
+        table = np.abs(velocity_change.reshape(-1, 6))
+        largest = max(float(table[:, :3].max(initial=0.0)), self._length * float(table[:, 3:].max(initial=0.0)))
+        return largest / (12.0 * self._allowed * self._speed)
+
+
+def find_event(
+    distance: Callable[[float], float], before: float, after: float, h: float
+) -> float:
+    """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
+
+    `distance(h)` restores, steps by h and returns the distance; it is called last with the result, so the
+    participants end there. Illinois variant of the false position, safe and without derivatives.
+    """
+    low, high, f_low, f_high = 0.0, h, before, after
+    side = 0
+    for _ in range(_EVENT_SEARCH):
+        trial = (f_low * high - f_high * low) / (f_low - f_high)
+        trial = min(max(trial, low + 1e-3 * (high - low)), high)
+        value = distance(trial)
+        if abs(value) < _EVENT_TOLERANCE or high - low < 1e-12:
+            return trial
+        if value > 0.0:
+            low, f_low = trial, value
+            f_high *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            high, f_high = trial, value
+            f_low *= 0.5 if side == -1 else 1.0
+            side = -1
+    return trial
+
+
+def failure_sentence(coupling: Coupling, solution: Solution, time: float, h: float) -> str:
+    """What to tell when even the smallest step does not converge."""
+    return (
+        f"the step of {h:.3g} s from t = {time:.6f} s does not converge: after {solution.iterations} iterations the "
+        f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} times "
+        "its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"
+    )

@@ -1,0 +1,152 @@
+"""An FMU driven through FMPy with statuses instead of exceptions, and the component it must agree with."""
+
+from __future__ import annotations
+
+import tempfile
+from functools import cache
+
+import numpy as np
+from fmpy import calloc, extract, free, read_model_description
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+
+from components import REGISTRY
+from tests.conformance.toy import Toy
+
+KINDS = {**REGISTRY, Toy.kind: Toy}
+OK, DISCARD, FATAL = 0, 2, 4
+
+
+@cache
+def _extracted(path):
+    """The unpacked FMU, once for all instances of this process, which removes it in the end."""
+    folder = tempfile.TemporaryDirectory(prefix="fanfold_test_")
+    extract(path, folder.name)
+    return folder
+
+
+class Fmu:
+    """One instance; every call returns the FMI status, `log` holds what it said."""
+
+    def __init__(self, path, instance="instance"):
+        self.description = read_model_description(path, validate=False)
+        self.log = []
+        self._logger = fmi2CallbackLoggerTYPE(self._append)
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = self._logger
+        self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+        self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+        self.slave = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=_extracted(path).name,
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName=instance,
+        )
+        self.slave.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self.slave.setupExperiment(startTime=0.0)
+        self.slave.enterInitializationMode()
+
+    def _append(self, environment, instance, status, category, message):
+        self.log.append((message or b"").decode())
+
+    def call(self, name, *args):
+        try:
+            getattr(self.slave, name)(*args)
+        except FMICallException as error:
+            return error.status
+        return OK
+
+    def set(self, first, values):
+        return self.call("setReal", list(range(first, first + len(values))), list(values))
+
+    def get(self, first, size):
+        return np.array(self.slave.getReal(list(range(first, first + size))) if size else [])
+
+    def start(self):
+        return self.call("exitInitializationMode")
+
+    def step(self, time, h):
+        return self.call("doStep", time, h)
+
+
+class Reference:
+    """The component itself, given nothing but read-only arrays."""
+
+    def __init__(self, component):
+        self.component = component
+        parameters, inputs, outputs, observations = component.layouts
+        self.p = parameters.start_values()
+        self.start_inputs = self.u = _inputs(component)
+        self.sizes = (parameters.size, inputs.size, outputs.size, observations.size)
+        self.firsts = (0, *np.cumsum(self.sizes)[:-1].tolist())
+        self.time = 0.0
+        self.prepare(self.p)
+        self.x = None
+
+    def prepare(self, p):
+        self.constants = self.component.prepare(_frozen(p))
+        self.p = p
+
+    def start(self):
+        self.x = _frozen(self.component.initial(self.constants, _frozen(self.u)))
+
+    def step(self, h):
+        self.x = _frozen(self.component.step(self.constants, self.x, _frozen(self.u), h))
+        self.time += h
+
+    def outputs(self):
+        return self.component.outputs(self.constants, self.x, _frozen(self.u))
+
+    def observations(self):
+        return self.component.observe(self.constants, self.x, _frozen(self.u))
+
+    def random_inputs(self, rng):
+        """Inputs near their start values, within their ranges, quaternions of length one."""
+        u = self.start_inputs.copy()
+        for quantity in self.component.input_layout.quantities:
+            part = u[self.component.input_layout[quantity.name]]
+            noise = rng.standard_normal(part.size)
+            if quantity.variability == "discrete":
+                noise = np.round(noise)
+            else:
+                noise *= 0.01 * (1.0 + np.abs(part))
+            part += noise
+            np.clip(part, quantity.minimum, quantity.maximum, out=part)
+            if quantity.name.endswith(".orientation"):
+                part /= np.linalg.norm(part)
+        return u
+
+    def random_parameters(self, rng):
+        """The present parameters with the tunable ones moved a little; None where that is refused."""
+        p = self.p.copy()
+        for quantity in self.component.parameter_layout.quantities:
+            if quantity.variability == "tunable":
+                part = p[self.component.parameter_layout[quantity.name]]
+                part *= 1.0 + 0.01 * rng.random(part.size)
+                np.clip(part, quantity.minimum, quantity.maximum, out=part)
+        return p
+
+
+def start_of(component):
+    """Start values under which a component can be initialized: its ports apart from one another."""
+    positions = [q.name for q in component.input_layout.quantities if q.name.endswith(".position")]
+    return {name: (0.5 * k, 0.0, 0.0) for k, name in enumerate(positions)}
+
+
+def _inputs(component):
+    u = component.input_layout.start_values()
+    for name, position in start_of(component).items():
+        u[component.input_layout[name]] = position
+    return u
+
+
+def _frozen(values):
+    values = np.array(values, dtype=float)
+    values.setflags(write=False)
+    return values

@@ -1,0 +1,143 @@
+"""Building: equal content gives equal files, other content another GUID, wrong values a sentence."""
+
+from __future__ import annotations
+
+import zipfile
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+from components import Component, ComponentError
+from fmus import build_fmu, value_references
+from fmus.build import bundle, pack_value
+from fmus.slave import unpack_value
+from tests.conformance.driver import KINDS
+from tests.conformance.toy import Toy
+
+
+@pytest.fixture(autouse=True)
+def fresh_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path / "cache"))
+
+
+def guid(path):
+    return read_model_description(path, validate=False).guid
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_bytes_depend_on_content_only(kind, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1794880800")
+    first = build_fmu(KINDS[kind].example(), kind, tmp_path).read_bytes()
+    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path / "other"))
+    assert build_fmu(KINDS[kind].example(), kind).read_bytes() == first
+
+
+def test_guid_follows_the_content():
+    guids = {
+        guid(build_fmu(Toy.example(), "a")),
+        guid(build_fmu(Toy.example(), "b")),
+        guid(build_fmu(Toy.example(), "a", start={"rate": 3.0})),
+        guid(build_fmu(Toy(np.eye(3), Toy.example().structure["options"]), "a")),
+    }
+    assert len(guids) == 4
+    assert guid(build_fmu(Toy.example(), "a", start={"rate": 2.0})) in guids
+
+
+def test_second_build_comes_from_the_cache(tmp_path):
+    cached = build_fmu(Toy.example(), "toy")
+    time = cached.stat().st_mtime_ns
+    assert build_fmu(Toy.example(), "toy", tmp_path / "new").read_bytes() == cached.read_bytes()
+    assert build_fmu(Toy.example(), "toy") == cached
+    assert cached.stat().st_mtime_ns == time
+
+
+def test_start_values_reach_the_description():
+    path = build_fmu(Toy.example(), "toy", start={"start": (1, 2, 3), "drive[2]": 0.1, "rate": 1e-17})
+    starts = {v.name: v.start for v in read_model_description(path).modelVariables}
+    assert [float(starts[f"start[{i}]"]) for i in (1, 2, 3)] == [1.0, 2.0, 3.0]
+    assert (float(starts["drive[1]"]), float(starts["drive[2]"]), float(starts["rate"])) == (0.0, 0.1, 1e-17)
+    assert starts["level[1]"] is None
+
+
+@pytest.mark.parametrize(
+    ("start", "sentence"),
+    [
+        ({"rat": 1.0}, "did you mean 'rate'"),
+        ({"start": (1.0, 2.0)}, "start has 3 scalars; 2 start values"),
+        ({"rate": -1.0}, "rate = -1 1/s; it must be at least 0"),
+        ({"rate": 13.0}, "bad luck"),
+        ({"level": 1.0}, "has no parameter or input 'level'"),
+        ({"drive": float("nan")}, r"drive\[1\] starts at nan"),
+    ],
+)
+def test_wrong_start_values_give_a_sentence(start, sentence):
+    with pytest.raises(ComponentError, match=sentence):
+        build_fmu(Toy.example(), "toy", start=start)
+
+
+def test_wrong_name_gives_a_sentence():
+    with pytest.raises(ComponentError, match="must be an identifier"):
+        build_fmu(Toy.example(), "left wing")
+
+
+def test_references_are_contiguous_in_declared_order():
+    component = Toy.example()
+    references = value_references(component)
+    names = [name for layout in component.layouts for name in layout.scalar_names()]
+    assert list(references) == names
+    assert list(references.values()) == list(range(len(names)))
+    described = read_model_description(build_fmu(component, "toy")).modelVariables
+    assert {v.name: v.valueReference for v in described} == references
+
+
+def test_dependencies_follow_feedthrough():
+    options = Toy.example().structure["options"]
+    for feedthrough in (False, True):
+        component = Toy(np.eye(3), {**options, "feedthrough": feedthrough})
+        description = read_model_description(build_fmu(component, f"toy{int(feedthrough)}"))
+        inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+        known = inputs | {v.name for v in description.modelVariables if v.causality == "parameter"}
+        for unknown in description.outputs:
+            expected = inputs if feedthrough or unknown.variable.name == "stored_energy" else set()
+            assert {v.name for v in unknown.dependencies} == expected
+        assert len(description.initialUnknowns) == 5
+        for unknown in description.initialUnknowns:
+            assert {v.name for v in unknown.dependencies} == known
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != Toy.kind])
+def test_only_reachable_modules_are_carried(kind):
+    package, files = bundle(KINDS[kind])
+    carried = {path for path in files if path.startswith(f"{package}/components/")}
+    assert f"{package}/components/_component.py" in carried
+    assert f"{package}/components/{KINDS[kind].__module__.rpartition('.')[2]}.py" in carried
+    assert not any(b"from components" in source for source in files.values())
+
+
+def test_structure_survives_packing():
+    arrays = {}
+    value = {
+        "a": (1, [2.5, "x"], {"b": np.arange(4.0)}),
+        "c": np.array([[1]]),
+        "d": True,
+        "e": np.float64(0.1),
+    }
+    result = unpack_value(pack_value(value, arrays), arrays)
+    assert result["a"][:2] == (1, [2.5, "x"])
+    np.testing.assert_array_equal(result["a"][2]["b"], np.arange(4.0))
+    assert (result["c"].dtype, result["d"], result["e"]) == (value["c"].dtype, True, 0.1)
+
+
+@pytest.mark.parametrize("value", [{1: 2}, {"__array__": 1}, {1, 2}, lambda: 0, np.array([None])])
+def test_other_structure_values_are_refused(value):
+    with pytest.raises(ComponentError, match=r"structure"):
+        pack_value([value], {})
+
+
+def test_component_outside_the_package_is_one_file():
+    assert issubclass(Toy, Component)
+    _, files = bundle(Toy)
+    assert sum(path.endswith("extra/toy.py") for path in files) == 1
+    with zipfile.ZipFile(build_fmu(Toy.example(), "toy")) as archive:
+        assert not any("modal" in name or "panel" in name for name in archive.namelist())

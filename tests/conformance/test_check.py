@@ -1,0 +1,114 @@
+"""`check_fmu` names each problem; one FMU is spoiled in one way at a time."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+
+import pytest
+
+from components import ComponentError
+from fmus import build_fmu, check_fmu
+from fmus.build import zip_bytes
+from fmus.description import base_unit
+from tests.conformance.toy import Toy
+
+
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        return build_fmu(Toy.example(), "toy")
+
+
+def spoiled(good, tmp_path, member, pattern, replacement):
+    with zipfile.ZipFile(good) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    (name,) = (name for name in files if re.fullmatch(member, name))
+    text = files.pop(name)
+    if replacement is not None:
+        files[name] = re.sub(pattern, replacement, text, flags=re.DOTALL)
+        assert files[name] != text
+    path = tmp_path / "spoiled.fmu"
+    path.write_bytes(zip_bytes(files))
+    return path
+
+
+DESCRIPTION = "modelDescription.xml"
+ENTRY = "resources/fanfold_.*_entry.py"
+
+
+@pytest.mark.parametrize(
+    ("member", "pattern", "replacement", "sentence"),
+    [
+        (DESCRIPTION, b"", None, "has no modelDescription.xml"),
+        (DESCRIPTION, b"</fmiModelDescription>", b"", "not well-formed"),
+        (DESCRIPTION, b'fmiVersion="2.0"', b'fmiVersion="1.0"', "not an FMU 2.0"),
+        (
+            DESCRIPTION,
+            b"<InitialUnknowns>.*</InitialUnknowns>",
+            b"",
+            "level[1] is missing in ModelStructure/In",
+        ),
+        (
+            DESCRIPTION,
+            b'index="10" dependencies="[0-9 ]*"',
+            b'index="10" dependencies="99"',
+            "to variable 99",
+        ),
+        (DESCRIPTION, b'(generationDateAndTime="[^"]*)Z"', rb'\1+00:00"', "must look like 2026"),
+        (DESCRIPTION, b'name="rate"', b'name="the rate"', "the rate"),
+        (DESCRIPTION, b'"structured"', b'"flat"', "variableNamingConvention is not structured"),
+        (DESCRIPTION, b'unit="J" ?', b"", "stored_energy has no unit"),
+        (DESCRIPTION, b'<Unit name="J">.*?</Unit>', b"", 'unit "J" of variable "stored_energy"'),
+        (DESCRIPTION, b'canGetAndSetFMUstate="true"', b"", "canGetAndSetFMUstate is not true"),
+        (".*linux64.*|.*darwin64.*", b"", None, "no binary for this platform"),
+        (ENTRY, b"class Slave", b"raise OSError\n\nclass Slave", "cannot be instantiated"),
+        (ENTRY, b"class Slave", b"import os; os.abort()\n\nclass Slave", "ended with SIGABRT"),
+        ("resources/component.json", b'"start": .*', b'"start": [0,0,0,13.0,0,0,0,0,1]}', "choose another"),
+        (
+            "resources/component.json",
+            b'"start": .*',
+            b'"start": [0,0,0,-1.0,0,0,0,0,1]}',
+            "must be at least 0",
+        ),
+        ("resources/component.json", b"__array__", b"__spoiled__", "cannot be initialized"),
+        (".*extra/toy.py", b"c\\[.weight.\\] \\*", b"np.inf *", "output force is"),
+        (".*extra/toy.py", b"x\\[-1\\] \\+ h", b"np.nan", "the new state is not finite, first x[3] = nan"),
+    ],
+)
+def test_problem_is_named(good, tmp_path, member, pattern, replacement, sentence):
+    problems = check_fmu(spoiled(good, tmp_path, member, pattern, replacement))
+    assert any(sentence in problem for problem in problems), problems
+    assert all("\n" not in problem for problem in problems)
+
+
+def test_files_that_are_no_fmu(tmp_path):
+    assert "there is no file" in check_fmu(tmp_path / "none.fmu")[0]
+    (tmp_path / "text.fmu").write_text("text")
+    assert check_fmu(tmp_path / "text.fmu") == ["text.fmu is not a zip archive"]
+
+
+@pytest.mark.parametrize(
+    ("unit", "exponents", "factor"),
+    [
+        ("1", {}, 1.0),
+        ("N.m.s/rad", {"kg": 1, "m": 2, "s": -1, "rad": -1}, 1.0),
+        ("kg.m2", {"kg": 1, "m": 2}, 1.0),
+        ("m/s2", {"m": 1, "s": -2}, 1.0),
+        ("1/s", {"s": -1}, 1.0),
+        ("J/(kg.K)", {"m": 2, "s": -2, "K": -1}, 1.0),
+        ("N.s/m", {"kg": 1, "s": -1}, 1.0),
+        ("deg/s", {"rad": 1, "s": -1}, 0.017453292519943295),
+    ],
+)
+def test_units_have_base_exponents(unit, exponents, factor):
+    found, scale = base_unit(unit)
+    assert {name: power for name, power in found.items() if power} == exponents
+    assert scale == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", ["furlong", "N m", "N/m.s", "m/s/s", "", "/s", "N.", "m^2"])
+def test_unknown_units_give_a_sentence(unit):
+    with pytest.raises(ComponentError, match="unit"):
+        base_unit(unit)

@@ -1,0 +1,118 @@
+"""Headline numbers against the closed forms of a made-up deployment."""
+
+import json
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from orchestrator.result import Result
+from orchestrator.summary import extremes, headline, headline_table, line_latch_torque
+from tests.references import synthetic_result as reference
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    return Result.open(reference.write(tmp_path_factory.mktemp("summary") / "run.h5"))
+
+
+@pytest.fixture(scope="module")
+def found(result):
+    return headline(result)
+
+
+def test_latch_times_are_those_of_the_events(found):
+    assert found.latch_times == {line.name: line.latch_time for line in reference.LINES}
+
+
+@pytest.mark.parametrize("line", reference.LINES, ids=lambda line: line.name)
+def test_latch_torque_peak_between_samples_is_the_true_one(found, line):
+    bound = 3.0 / 128.0 * (line.frequency * reference.LARGEST_STEP) ** 4
+    assert bound < 2e-5
+    assert found.latch_torque_peaks[line.name] == pytest.approx(line.torque_peak, rel=bound)
+
+
+def test_largest_sample_alone_would_be_worse_by_orders(result, found):
+    errors = []
+    for line, hinges in zip(reference.LINES, result.hinge_lines, strict=True):
+        sample = np.max(np.abs(line_latch_torque(result, hinges)))
+        error = abs(found.latch_torque_peaks[line.name] - line.torque_peak)
+        errors.append(error / abs(sample - line.torque_peak))
+    assert max(errors) < 0.02
+
+
+def test_peak_at_a_discontinuity_is_the_sample_there(found):
+    line = reference.LINES[0]
+    expected = reference.DAMPER_COEFFICIENT * line.latch_rate
+    assert found.damper_torque_peaks == {"damper": pytest.approx(expected, rel=1e-12)}
+
+
+def test_cable_force_extremes(found):
+    low, high = found.cable_forces["ccl"]["tension_a"]
+    assert (low, high) == pytest.approx((30.0, 70.0), rel=1e-9)
+    assert set(found.cable_forces["ccl"]) == {"tension_a", "tension_b", "axial_force", "lateral_force"}
+
+
+def test_interface_loads_component_by_component(found):
+    first = reference.LINES[0].torque_peak
+    assert found.interface_torque_peaks[0] == 0.0
+    assert found.interface_torque_peaks[1] >= first * (1.0 - 1e-6)
+    assert found.interface_force_peaks[2] == pytest.approx(3.0, rel=1e-8)
+
+
+def test_energy_residual_is_relative_to_the_motor_energy_until_the_last_latch(found):
+    last = reference.LINES[-1].latch_time
+    time = np.array([last])
+    angles = [line.angle(time, time >= line.latch_time)[0] for line in reference.LINES]
+    released = 2.0 * reference.MOTOR_TORQUE * sum(angles)
+    assert found.motor_energy == pytest.approx(released, rel=1e-9)
+    assert found.energy_residual == pytest.approx(reference.RESIDUAL / released, rel=1e-6)
+
+
+def test_headline_goes_through_json(found):
+    assert json.loads(json.dumps(found.as_dict()))["latch_times"]["hl2"] == 8.2
+
+
+def test_table_shows_every_number(found):
+    console = Console(width=120, record=True)
+    console.print(headline_table(found))
+    text = console.export_text()
+    assert "latch torque peak" in text
+    assert "8.200000" in text
+
+
+def test_scene_without_anything_to_judge_gives_an_empty_headline(tmp_path):
+    everything = tuple(reference.signals()[1])
+    path = reference.write(tmp_path / "run.h5", leave_out=everything[:-1])
+    found = headline(Result.open(path))
+    assert found.interface_force_peaks == ()
+    assert found.damper_torque_peaks == {}
+    assert found.energy_residual is None
+
+
+def test_cubic_is_found_exactly_with_unequal_steps():
+    time = np.array([0.0, 0.1, 0.5, 0.6, 1.1])
+    low, high = extremes(time, 3.0 * time * (1.0 - time) ** 2)
+    assert high.value == pytest.approx(4.0 / 9.0, rel=1e-12)
+    assert high.time == pytest.approx(1.0 / 3.0, rel=1e-12)
+    assert low.value == 0.0
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+def test_no_interpolant_crosses_an_event(copies):
+    time = np.sort(np.concatenate([np.linspace(0.0, 2.0, 21), [1.0] * (copies - 1)]))
+    after = np.arange(time.size) >= 10 + copies
+    low, high = extremes(time, np.where(after, 5.0, 0.0), [1.0])
+    assert (low.value, high.value) == (0.0, 5.0)
+
+
+def test_higher_of_two_humps_is_found_though_its_samples_are_lower():
+    time = np.concatenate([np.arange(0.5, 1.55, 0.1), np.arange(1.65, 2.5, 0.1)])
+    values = np.cos(2.0 * np.pi * time) * (1.0 + 0.05 * time)
+    assert time[np.argmax(values)] == pytest.approx(1.0)
+    assert extremes(time, values)[1] == pytest.approx((2.0, 1.1), rel=5e-3)
+
+
+def test_few_samples_give_the_largest():
+    low, high = extremes(np.array([0.0, 1.0]), np.array([2.0, 1.0]))
+    assert (low.value, high.value) == (1.0, 2.0)
