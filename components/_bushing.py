@@ -16,26 +16,24 @@ _WEIGHT_OF_MEANS = 0.20
 
 
 class StepMotion(NamedTuple):
-    """Motion of one coordinate over a step and the mean rate of the step before (step size 0: none)."""
+    """Motion of one coordinate over a step, and the mean rate of the step before."""
 
     start: float
     end: float
     start_rate: float
     end_rate: float
     previous_mean: float
-    previous_h: float
     h: float
 
 
 def inertial_force(stiffness: float, m: StepMotion) -> float:
-    """The two inertial terms, -k h^2 (0.05 a1 + 0.20 a2), a1 from end rates and a2 from mean rates."""
-    mean = (m.end - m.start) / m.h
-    of_rates = (m.end_rate - m.start_rate) / m.h
-    if m.previous_h > 0.0:
-        of_means = 2.0 * (mean - m.previous_mean) / (m.h + m.previous_h)
-    else:
-        of_means = 2.0 * (mean - m.start_rate) / m.h
-    return -stiffness * m.h * m.h * (_WEIGHT_OF_RATES * of_rates + _WEIGHT_OF_MEANS * of_means)
+    """The two inertial terms, -k h^2 (0.05 a1 + 0.20 a2), a1 from end rates and a2 from mean rates.
+
+    Both accelerations divide by h alone, so that the stiffness of a step depends on nothing but its size.
+    """
+    change_of_mean = (m.end - m.start) / m.h - m.previous_mean
+    change_of_rate = m.end_rate - m.start_rate
+    return -stiffness * m.h * (_WEIGHT_OF_RATES * change_of_rate + _WEIGHT_OF_MEANS * change_of_mean)
 
 
 def bushing_force(stiffness: float, damping: float, m: StepMotion, end_weight: float) -> tuple[float, float]:

@@ -87,6 +87,14 @@ class CableLoop(Component):
             {"axis": tuple(axis), "guided": self._guided, "wrench_mode": wrench_mode},
             ports=[Port(name, "connection") for name in names],
             parameters=_parameters(),
+            inputs=[
+                Quantity(
+                    "hold",
+                    "1",
+                    "1: strands are adjusted to their preload at every step",
+                    variability="discrete",
+                )
+            ],
             observations=_observations(),
             feedthrough=self._endpoint,
         )
@@ -155,6 +163,8 @@ class CableLoop(Component):
         start = (v[8], v[9], v[10])
         old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]))
         new = self._geometry(as_floats(u), old.angles)
+        if u[-1] > 0.5:
+            return self._adjusted(c, x, new)
         before, after = self._elongations(c, old, start), self._elongations(c, new, start)
         rates = [(b - a) / h for a, b in zip(before, after, strict=True)]
         tension = [
@@ -166,6 +176,15 @@ class CableLoop(Component):
         result[_ANGLES], result[_AXIS], result[_SPAN] = new.angles, new.axis, new.span
         result[_HEAT] += self._heat(c, before, after, rates, h)
         result[_WRENCH:] = self._wrenches(c, middle, tension[0], tension[1])
+        return result
+
+    def _adjusted(self, c: _Constants, x: Vector, g: _Geometry) -> Vector:
+        """The state with both strands at their preload in the given geometry."""
+        tension = -c.strand.value(0.0)
+        result = x.copy()
+        result[_ANGLES], result[_AXIS], result[_SPAN] = g.angles, g.axis, g.span
+        result[_START] = (*g.angles, self._length(c, norm(g.span)))
+        result[_WRENCH:] = self._wrenches(c, g, tension, tension)
         return result
 
     @staticmethod

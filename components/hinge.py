@@ -66,7 +66,6 @@ class _State(NamedTuple):
     means: tuple[float, ...]
     wrench: tuple[float, ...]
     power: tuple[float, ...]
-    previous_h: float
     friction_energy: float
     latch_energy: float
     damping_energy: float
@@ -112,7 +111,7 @@ class _State(NamedTuple):
 
 
 _WRENCH = slice(25, 37)
-_ANGLE, _LATCHED = 10, 44
+_ANGLE, _LATCHED = 10, 43
 
 
 class _Loads(NamedTuple):
@@ -230,10 +229,10 @@ class Hinge(Component):
             pose.gap,
             _coordinates(pose, angle),
             (*rates.velocity, *rates.angular_velocity),
-            (0.0,) * 6,
+            (*rates.velocity, *rates.angular_velocity),
             (0.0,) * 12,
             (0.0,) * 3,
-            *((0.0,) * 7),
+            *((0.0,) * 6),
             angle,
         ).pack()
 
@@ -253,8 +252,7 @@ class Hinge(Component):
         force = mean_direction(old.frame, pose.frame, loads.force)
         torque = mean_direction(old.frame, pose.frame, loads.torque)
         return moved._replace(
-            means=tuple((b - a) / h for a, b in zip(old.coordinates, end, strict=True)),
-            previous_h=0.0 if impulse else h,
+            means=rates if impulse else tuple((b - a) / h for a, b in zip(old.coordinates, end, strict=True)),
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
             wrench=pair(force, torque, mean(old.gap, pose.gap)),
             friction_energy=old.friction_energy + loads.heat[0],
@@ -279,7 +277,7 @@ class Hinge(Component):
             offset = c.aligned_angle if i == 3 else 0.0
             motion = StepMotion(
                 old.coordinates[i] - offset, new.coordinates[i] - offset, old.rates[i], new.rates[i],
-                old.means[i], old.previous_h, h,
+                old.means[i], h,
             )  # fmt: skip
             force, lost = bushing_force(c.stiffness[i], c.damping[i], motion, c.end_weight)
             elastic.append(force)
@@ -322,7 +320,7 @@ class Hinge(Component):
         if not old.latched or self.latch == "none":
             return 0.0, 0.0
         s0, s1 = old.angle - old.latched_angle, new.angle - old.latched_angle
-        motion = StepMotion(s0, s1, old.rates[3], new.rates[3], old.means[3], old.previous_h, h)
+        motion = StepMotion(s0, s1, old.rates[3], new.rates[3], old.means[3], h)
         extra = -c.latch_damping * (s1 - s0) / h
         if c.end_weight == 0.5:
             extra += inertial_force(c.latch_stiffness, motion)

@@ -108,7 +108,7 @@ class _Axis:
         rule = (0.5 * (1.0 + abscissas[None]), 0.5 * weights)
         hermite = skfem.CellBasis(self._mesh, skfem.ElementLineHermite(), quadrature=rule)
         quadratic = skfem.CellBasis(self._mesh, skfem.ElementLineP2(), quadrature=rule)
-        self.points = hermite.global_coordinates().value[0].ravel()
+        self.points = np.asarray(hermite.global_coordinates())[0].ravel()
         self.weights = hermite.dx.ravel()
         self.bending = [_values(hermite, order) for order in range(3)]
         self.stretching = [_values(quadratic, order) for order in range(2)]
@@ -133,7 +133,7 @@ class _Axis:
 def _values(basis: skfem.CellBasis, order: int) -> SparseMatrix:
     """Derivative of every basis function at every quadrature point, (points, degrees of freedom)."""
     fields = [basis.basis[i][0] for i in range(basis.Nbfun)]
-    values = np.array([(f.value, f.grad[0])[order] if order < 2 else f.hess[0, 0] for f in fields])
+    values = np.array([(f, f.grad[0])[order] if order < 2 else f.hess[0, 0] for f in fields])
     _, cells, points = values.shape
     columns = np.repeat(basis.element_dofs[:, :, None], points, axis=2)
     rows = np.broadcast_to(np.arange(cells * points).reshape(cells, points), columns.shape)

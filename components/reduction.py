@@ -103,6 +103,8 @@ def _lowest_modes(
     stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU, shift: float = 0.0
 ) -> tuple[Vector, Vector]:
     """Lowest eigenvalues (count,) and mass-normalised vectors (n, count), given the LU of K - shift M."""
+    if count < 0:
+        raise ComponentError(f"{count} modes asked for; the number must not be negative")
     if count == 0:
         return np.zeros(0), np.zeros((stiffness.shape[0], 0))
     if count >= stiffness.shape[0]:

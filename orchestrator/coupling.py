@@ -62,14 +62,13 @@ class Coupling:
         self.probes = 0
         self._law = np.zeros(network.size)
         self._mobilities: dict[tuple[str, float], list[Probe]] = {}
-        self._stiffnesses: list[Probe] = []
-        self._stiffness_key: tuple[str, float] | None = None
+        self._stiffnesses: dict[tuple[str, float], list[Probe]] = {}
         self._factor_key: tuple[str, float] | None = None
         self._factors: tuple[Matrix, Matrix] | None = None
 
     def forget(self) -> None:
         """The laws changed (an event): probe connections anew at the next solve."""
-        self._stiffness_key = None
+        self._stiffnesses.clear()
         self._factor_key = None
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
@@ -118,7 +117,7 @@ class Coupling:
         """Turn the probed matrices to the present orientations, or probe the connections anew."""
         self._factor_key = None
         if probe:
-            self._stiffness_key = None
+            self._stiffnesses.pop((self.mode, h), None)
         self._factorize(time, h)
 
     def sweep(self, time: float, h: float) -> None:
@@ -160,20 +159,19 @@ class Coupling:
                 probe_mobility(body, len(ports), time, h)
                 for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True)
             ]
-        if self._stiffness_key != key:
+        if key not in self._stiffnesses:
             self.probes += 1
-            self._stiffnesses = [
+            self._stiffnesses[key] = [
                 probe_stiffness(connection, len(ports), time, h)
                 for connection, ports in zip(self.network.connections, self.network.connection_ports, strict=True)
             ]
-            self._stiffness_key = key
         size = self.network.size
         mobility = np.zeros((2 * size, size))
         for body, rows, probe in zip(self.network.bodies, self.network.rows, self._mobilities[key], strict=True):
             mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
         matrix = np.eye(size)
         for connection, rows, probe in zip(
-            self.network.connections, self.network.connection_rows, self._stiffnesses, strict=True
+            self.network.connections, self.network.connection_rows, self._stiffnesses[key], strict=True
         ):
             motion_rows = (2 * rows.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
             matrix[rows] -= probe.turned(first_port_axes(connection.inputs)) @ mobility[motion_rows]

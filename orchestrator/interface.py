@@ -21,7 +21,6 @@ Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 _MOTION_PROBE = np.array([1e-7] * 6 + [1e-6] * 6)
 _WRENCH_PROBE = 1e-5
-_SMALLEST_FORCE_PROBE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +49,7 @@ def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Prob
     held = wrenches.copy()
     reference = _stepped(body, time, h)[: 13 * ports].copy()
     axes = first_port_axes(reference)
-    amplitude = max(_WRENCH_PROBE / h**2, _SMALLEST_FORCE_PROBE)
+    amplitude = _WRENCH_PROBE / h**2
     matrix = np.empty((12 * ports, 6 * ports))
     for column in range(6 * ports):
         wrenches[column] = held[column] + amplitude

@@ -18,8 +18,7 @@ from .participant import Participant, Vector
 from .stepping import ErrorEstimate, History, StepError, StepSizes, failure_sentence, find_event
 
 _IMPULSE_STEP = 1e-7
-_STATIC_STEPS = 10
-_STATIC_STEP = 1.0
+_STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
 class Recorder(Protocol):
@@ -97,7 +96,7 @@ class Master:
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
-        start = -_STATIC_STEPS * _STATIC_STEP if preload else 0.0
+        start = -sum(_STATIC_STEPS) if preload else 0.0
         for body in self.network.bodies:
             body.write()
             body.read()
@@ -134,13 +133,13 @@ class Master:
             participant.set_parameter(name, value)
         self._command("hold", 1.0)
         self._coupling.mode = "static"
-        for step in range(_STATIC_STEPS):
-            time = start + step * _STATIC_STEP
-            solution = self._coupling.solve(time, _STATIC_STEP, self._wrenches)
+        for h in _STATIC_STEPS:
+            solution = self._coupling.solve(start, h, self._wrenches)
             if not solution.converged:
-                raise StepError("static preload: " + failure_sentence(self._coupling, solution, time, _STATIC_STEP))
+                raise StepError("static preload: " + failure_sentence(self._coupling, solution, start, h))
             self._wrenches[:] = self._coupling.wrenches
             self._save()
+            start += h
         for participant, name, _, normal in changed:
             participant.set_parameter(name, normal)
         self._command("hold", 0.0)

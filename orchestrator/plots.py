@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 from typing import Any, Final
@@ -12,7 +12,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from .assembly import Geometry
@@ -22,11 +24,13 @@ from .summary import is_latch_up, latch_times, line_latch_torque, peak
 Vector = NDArray[np.float64]
 
 _COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
-_DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":", (0, (8, 2)), (0, (3, 1, 1, 1, 1, 1)), (0, (1, 1)))
+_DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":", (0, (8, 2)))
 _STYLE: Final[Any] = {
     "font.size": 9,
     "axes.titlesize": 10,
     "axes.grid": True,
+    "axes.xmargin": 0.0,
+    "axes.ymargin": 0.13,
     "grid.alpha": 0.35,
     "grid.linewidth": 0.5,
     "lines.linewidth": 1.3,
@@ -37,6 +41,7 @@ _STYLE: Final[Any] = {
 _WIDTH = 7.2
 _INSTANTS = 6
 _CLOSE_UP_CROSSINGS = 8
+_EVENT_LABELS = 12
 
 _CAUSES: Final = {
     "friction_energy": "hinge friction",
@@ -92,8 +97,8 @@ def latch_torques(result: Result) -> Figure | None:
         top = peak(result, torque)
         shown = (result.time >= start - 0.08 * (end - start)) & (result.time <= end)
         _draw(close_up, result.time[shown], [(name, torque[shown])], first=k)
-        label = f"peak {top.value:.4g} N.m at {top.time:.4f} s"
-        close_up.plot(top.time, top.value, "k", marker="o", markerfacecolor="none", linestyle="", label=label)
+        label = f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s"
+        close_up.plot(top.time, top.value, "ko", markerfacecolor="none", label=label)
         close_up.set_xlim(start - 0.08 * (end - start), end)
         _finish(close_up, result, "latch torque, N.m")
     return figure
@@ -105,11 +110,10 @@ def cable_forces(result: Result) -> Figure | None:
     if not names:
         return None
     figure, axes = _figure("Closed cable loops", [1.0, 1.0])
-    for panel, variables in zip(
-        axes, (("tension_a", "tension_b"), ("axial_force", "lateral_force")), strict=True
-    ):
+    kinds = {"tension, N": ("tension_a", "tension_b"), "pulley force, N": ("axial_force", "lateral_force")}
+    for panel, (label, variables) in zip(axes, kinds.items(), strict=True):
         _draw(panel, result.time, _curves(result, names, variables))
-        _finish(panel, result, f"{variables[0].split('_')[0] if panel is axes[0] else 'pulley force'}, N")
+        _finish(panel, result, label)
     return figure
 
 
@@ -119,7 +123,7 @@ def damper_torques(result: Result) -> Figure | None:
     if not names:
         return None
     figure, (axes,) = _figure("Damper torque", [1.0])
-    _draw(axes, result.time, _curves(result, names, ("damper_torque",)))
+    _draw(axes, result.time, [(name, result.signal(name, "damper_torque")) for name in names])
     _finish(axes, result, "damper torque, N.m")
     return figure
 
@@ -148,36 +152,34 @@ def energy_balance(result: Result) -> Figure | None:
     """Energy stored and dissipated, by cause, and the residual of the balance on its own axis."""
     if not result.has("scene", "stored_energy"):
         return None
-    has_residual = result.has("scene", "energy_residual")
-    figure, axes = _figure("Energy balance", [2.0, 1.0] if has_residual else [2.0])
-    curves = [("stored", result.signal("scene", "stored_energy"))]
-    if result.has("scene", "dissipated_energy"):
-        curves.append(("dissipated, all causes", result.signal("scene", "dissipated_energy")))
-    _draw(axes[0], result.time, curves + _dissipated_by_cause(result))
-    _finish(axes[0], result, "energy, J")
-    if has_residual:
-        _draw(axes[1], result.time, [("residual", result.signal("scene", "energy_residual"))])
-        _finish(axes[1], result, "residual, J")
+    channels = [("stored_energy", "stored"), ("dissipated_energy", "dissipated")]
+    totals = [(label, result.signal("scene", v)) for v, label in channels if result.has("scene", v)]
+    figure, axes = _figure("Energy balance", [1.0, 1.0, 0.8])
+    _draw(axes[0], result.time, totals)
+    _draw(axes[1], result.time, _dissipated_by_cause(result))
+    if result.has("scene", "energy_residual"):
+        axes[2].plot(result.time, result.signal("scene", "energy_residual"), color=_COLOURS[0])
+    for panel, label in zip(axes, ("energy, J", "dissipated, J", "residual, J"), strict=True):
+        _finish(panel, result, label)
     return figure
 
 
 def steps(result: Result) -> Figure | None:
     """Communication step size and iterations."""
-    channels = [
-        ("step_size", "step size, s"),
-        ("iterations", "iterations"),
-    ]
-    channels = [channel for channel in channels if result.has("scene", channel[0])]
-    if not channels:
+    channels = (("step_size", "step size, s"), ("iterations", "iterations"))
+    if not all(result.has("scene", variable) for variable, _ in channels):
         return None
-    figure, axes = _figure("Communication steps", [1.0] * len(channels))
+    figure, axes = _figure("Communication steps", [1.0, 1.0])
     for panel, (variable, label) in zip(axes, channels, strict=True):
         values = result.signal("scene", variable)
         shown = values > 0.0
-        panel.plot(result.time[shown], values[shown], drawstyle="steps-pre", color=_COLOURS[0], label=label)
-        if variable == "step_size" and np.any(shown):
-            panel.set_yscale("log")
+        panel.plot(
+            result.time[shown], values[shown], color=_COLOURS[0], marker=".", markersize=3, linestyle=""
+        )
+        panel.set_xlim(result.time[0], result.time[-1])
         _finish(panel, result, label)
+    axes[0].set_yscale("log")
+    axes[1].yaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 
 
@@ -189,27 +191,50 @@ def shapes(result: Result) -> Figure | None:
     rows = _instants(result)
     placed = {name: _placed(result, name, body, rows) for name, body in bodies.items()}
     points = np.concatenate([nodes.reshape(-1, 3) for nodes in placed.values()])
-    low, high = points.min(0), points.max(0)
-    margin = 0.02 * float(np.max(high - low))
-    low, high = low - margin, high + margin
-    figure = Figure(figsize=(_WIDTH, 5.6))
+    colours = dict(zip(bodies, cycle(_COLOURS), strict=False))
+    figure = Figure(figsize=(_WIDTH, 7.6))
     FigureCanvasAgg(figure)
-    figure.suptitle("Deployment, axes in m")
+    figure.suptitle("Deployment, axes in m", y=0.985)
+    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.05, top=0.95, wspace=0.0, hspace=0.0)
     for k, row in enumerate(rows):
-        axes: Any = figure.add_subplot(2, (rows.size + 1) // 2, k + 1, projection="3d")
-        for (name, nodes), colour in zip(placed.items(), cycle(_COLOURS)):
-            faces = np.asarray(bodies[name].faces)
-            axes.add_collection3d(
-                Poly3DCollection(
-                    nodes[k][faces], facecolor=colour, edgecolor="black", linewidth=0.15, alpha=0.85
-                )
-            )
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-        axes.set_box_aspect(high - low, zoom=1.15)
-        axes.view_init(elev=18, azim=-62)
-        axes.set_title(f"{result.time[row]:.2f} s", y=0.96)
-        axes.tick_params(labelsize=6, pad=-2)
+        axes: Any = figure.add_subplot(_INSTANTS // 2, 2, k + 1, projection="3d", proj_type="ortho")
+        _draw_bodies(axes, {name: nodes[k][bodies[name].faces] for name, nodes in placed.items()}, colours)
+        _set_view(axes, points)
+        axes.set_title(f"{result.time[row]:.2f} s", y=0.93)
+    handles = [Patch(facecolor=colour, label=name) for name, colour in colours.items()]
+    figure.legend(handles=handles, loc="lower center", ncols=6, frameon=False)
     return figure
+
+
+def _draw_bodies(axes: Any, faces: Mapping[str, Vector], colours: Mapping[str, str]) -> None:  # noqa: ANN401
+    """Faces (F, 4, 3) of all bodies as one collection, so that they hide each other; beams as lines."""
+    plates, fill = [], []
+    for name, corners in faces.items():
+        is_line = np.all(corners[:, 1] == corners[:, 2], axis=1)
+        plates += list(corners[~is_line])
+        fill += [colours[name]] * int(np.sum(~is_line))
+        if np.any(is_line):
+            axes.add_collection3d(
+                Line3DCollection(corners[is_line, :2], colors=colours[name], linewidths=1.6)
+            )
+    if plates:
+        axes.add_collection3d(Poly3DCollection(plates, facecolors=fill, edgecolors="black", linewidths=0.2))
+
+
+def _set_view(axes: Any, points: Vector) -> None:  # noqa: ANN401
+    """One scale for all three axes, room for all points, few ticks."""
+    low, high = points.min(0), points.max(0)
+    margin = 0.03 * float(np.max(high - low))
+    low, high = low - margin, high + margin
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    axes.set_box_aspect(high - low, zoom=1.2)
+    axes.view_init(elev=20, azim=-60)
+    ticks = 1.0 + 5.0 * (high - low) / np.max(high - low)
+    for axis, name, count in zip((axes.xaxis, axes.yaxis, axes.zaxis), "xyz", ticks, strict=True):
+        axis.set_major_locator(MaxNLocator(int(count)))
+        axis.set_label_text(name)
+        axis.labelpad = -8
+        axis.set_tick_params(labelsize=6, pad=-3)
 
 
 _FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
@@ -243,12 +268,33 @@ def _draw(axes: Axes, time: Vector, curves: Iterable[tuple[str, Vector]], first:
 def _finish(axes: Axes, result: Result, label: str) -> None:
     """Axis labels, event marks and legend."""
     left, right = axes.get_xlim()
-    for time in {time for time, _, _ in result.events}:
+    line_of = {hinge: line.name for line in result.hinge_lines for hinge in line.hinges}
+    marks: dict[float, str] = {}
+    for time, name, _ in result.events:
+        place = line_of.get(name, name)
+        marks[time] = f"{marks[time]}, {place}" if time in marks else place
+    for time, names in marks.items():
         if left <= time <= right:
             axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
+            if len(marks) <= _EVENT_LABELS:
+                _label_event(axes, time, names)
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
-    axes.legend(loc="best")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=5, frameon=False)
+
+
+def _label_event(axes: Axes, time: float, names: str) -> None:
+    axes.annotate(
+        names,
+        (time, 0.985),
+        xycoords=("data", "axes fraction"),
+        rotation=90,
+        ha="right",
+        va="top",
+        fontsize=6.5,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
+    )
 
 
 def _curves(result: Result, names: Sequence[str], variables: Sequence[str]) -> list[tuple[str, Vector]]:

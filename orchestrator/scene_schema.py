@@ -273,7 +273,7 @@ class HingeLine(Table):
 
     @property
     def deployed_angle(self) -> float:
-        """Angle where the line latches and the motor has its deployed torque; by default the aligned angle."""
+        """Latch angle, where the motor has its deployed torque; by default the aligned angle."""
         return self.aligned_angle if self.latch_angle is None else self.latch_angle
 
     @property

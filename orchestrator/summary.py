@@ -19,8 +19,8 @@ from .result import Result
 
 Vector = NDArray[np.float64]
 
-_EVENT_WIDTH = 1e-7
-"""Samples this close to an event (s) are samples of the event; a latch impulse takes a vanishing step."""
+_EVENT_WIDTH = 2e-7
+"""Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 

@@ -99,6 +99,7 @@ HINGE_LINES = tuple(
     HingeLine(line.name, tuple(f"{line.name}_{side}" for side in SHARES), f"{line.name}_left", True, False)
     for line in LINES
 )
+GAP = 0.06
 LENGTHS = {"yoke": 1.0, "panel1": 2.0, "panel2": 2.0}
 WIDTHS = {"yoke": 0.4, "panel1": 1.5, "panel2": 1.5}
 
@@ -144,7 +145,7 @@ def _bodies(angles: Mapping[str, Vector], time: Vector) -> dict[str, dict[str, S
     position = np.zeros((time.size, 3))
     direction = zero
     turns = (np.pi / 2 - angles["hl1"], np.pi - angles["hl2"], -(np.pi - angles["hl3"]))
-    for body, turn in zip(LENGTHS, turns, strict=True):
+    for body, turn, side in zip(LENGTHS, turns, (1.0, -1.0, 0.0), strict=True):
         direction = direction + turn
         quaternion = np.column_stack([np.cos(direction / 2), zero, -np.sin(direction / 2), zero])
         found[body] = {
@@ -157,7 +158,8 @@ def _bodies(angles: Mapping[str, Vector], time: Vector) -> dict[str, dict[str, S
             bending = 0.15 * np.exp(-0.4 * late) * np.sin(5.0 * late)
             found[body]["modal_coordinate"] = Signal("kg(1/2).m", np.column_stack([bending, 0.3 * bending]))
         axis = np.column_stack([np.cos(direction), zero, np.sin(direction)])
-        position = position + LENGTHS[body] * axis
+        normal = np.column_stack([-np.sin(direction), zero, np.cos(direction)])
+        position = position + LENGTHS[body] * axis + side * GAP * normal
     return found
 
 
@@ -208,7 +210,7 @@ def _scene(time: Vector, found: Mapping[str, Mapping[str, Signal]]) -> dict[str,
 
 
 def geometry() -> dict[str, Geometry]:
-    """Rectangular plates of 8 x 4 faces, hinged at x = 0; the panels have a bending and a twisting shape."""
+    """A frame of beams and two plates of 8 x 4 faces that bend and twist, hinged at x = 0."""
     found = {}
     for body, length in LENGTHS.items():
         x, y = np.meshgrid(np.linspace(0.0, 1.0, 9), np.linspace(-0.5, 0.5, 5), indexing="ij")
@@ -219,6 +221,9 @@ def geometry() -> dict[str, Geometry]:
         if body != "yoke":
             shapes[:, 2, 0] = (x**2).ravel()
             shapes[:, 2, 1] = (x * y).ravel()
+        if body == "yoke":
+            legs = np.stack([index[:-1, [0, 4]], index[1:, [0, 4]]], axis=-1).reshape(-1, 2)
+            faces = np.concatenate([legs, [[40, 44]]])[:, [0, 1, 1, 0]]
         found[body] = Geometry(positions, shapes, faces.reshape(-1, 4))
     return found
 
@@ -244,6 +249,6 @@ def write(path: Path, *, leave_out: tuple[str, ...] = ()) -> Path:
         for k in range(time.size):
             writer.append(time[k], [values[k] for values in rows])
         for line in LINES:
-            writer.event(line.latch_time, line.name, "latch-up by the sensor of the hinge line")
+            writer.event(line.latch_time, f"{line.name}_left", f"{line.name} latch-up")
         writer.statistics({"steps": time.size, "seconds": 1.5})
     return path

@@ -153,7 +153,7 @@ def test_appending_is_cheap(tmp_path):
             for k in range(1000):
                 writer.append(float(k), values)
             costs.append((time.process_time() - start) / 1000)
-    assert min(costs) < 20e-6
+    assert min(costs) < 30e-6  # 8e-6 on an idle machine
 
 
 def message(function, *arguments):

@@ -113,6 +113,13 @@ def test_higher_of_two_humps_is_found_though_its_samples_are_lower():
     assert extremes(time, values)[1] == pytest.approx((2.0, 1.1), rel=5e-3)
 
 
+def test_latch_impulse_is_no_peak_between_samples():
+    time = np.array([0.0, 0.2, 0.4, 0.6, 0.6 + 1e-7, 0.8, 1.0, 1.2, 1.4])
+    values = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+    low, high = extremes(time, values, [0.6])
+    assert (low.value, high.value) == (0.0, 1.0)
+
+
 def test_few_samples_give_the_largest():
     low, high = extremes(np.array([0.0, 1.0]), np.array([2.0, 1.0]))
     assert (low.value, high.value) == (1.0, 2.0)

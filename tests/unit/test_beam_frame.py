@@ -1,0 +1,132 @@
+"""Beams and frames against closed forms."""
+
+import numpy as np
+import pytest
+
+from components._component import ComponentError
+from components.beam_frame import BeamSection, Member, beam_frame, tube_section
+from components.catalogue import amos3_data, amos3_yoke, amos3_yoke_model, amos3_yoke_rigid
+from components.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
+
+CLAMPED_CLAMPED = np.array([22.3733, 61.6728, 120.903])
+CLAMPED_FREE = np.array([3.51602, 22.0345, 61.6972])
+SECTION = BeamSection(1e9, 1000.0, 3000.0, 700.0, 1.3, 1e-4)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def slanted_beam(elements=20, section=SECTION):
+    """Beam of length 1.5 m in a general direction."""
+    tip = 1.5 * np.array([0.6, -0.48, 0.64])
+    return beam_frame({"root": (0.0, 0.0, 0.0), "tip": tip}, [Member("root", "tip", section, elements)])
+
+
+def bending(coefficients, stiffness, length=1.5, line_mass=1.3):
+    return np.asarray(coefficients) * np.sqrt(stiffness / line_mass) / length**2
+
+
+def test_clamped_at_both_attachment_points():
+    """Closed form: (bL)^2 = 22.3733, 61.6728, 120.903 are the fixed-interface modes of either plane."""
+    found = fixed_interface_frequencies(slanted_beam(), ["root", "tip"], 5)
+    both = np.sort(np.concatenate([bending(CLAMPED_CLAMPED, 1000.0), bending(CLAMPED_CLAMPED, 3000.0)]))[:5]
+    np.testing.assert_allclose(found, both, rtol=1e-4)
+
+
+def test_clamped_at_one_attachment_point():
+    """Closed form: a cantilever, (bL)^2 = 3.51602, 22.0345, 61.6972."""
+    found = fixed_interface_frequencies(slanted_beam(), ["root"], 6)
+    both = np.sort(np.concatenate([bending(CLAMPED_FREE, 1000.0), bending(CLAMPED_FREE, 3000.0)]))
+    np.testing.assert_allclose(found, both, rtol=1e-4)
+
+
+def test_free_modes_and_their_reduction():
+    """Closed form: free-free equals clamped-clamped; a reduction with 8 modes a plane keeps the first two."""
+    model = slanted_beam()
+    exact = np.sort(np.concatenate([bending(CLAMPED_CLAMPED, 1000.0), bending(CLAMPED_CLAMPED, 3000.0)]))
+    np.testing.assert_allclose(free_frequencies(model, 5), exact[:5], rtol=1e-4)
+    reduced = craig_bampton(model, ["root", "tip"], 16)
+    np.testing.assert_allclose(reduced.frequency[:4], exact[:4], rtol=1e-3)
+
+
+def test_twist_and_stretch():
+    """Closed form: clamped rods, n pi / L sqrt(GJ / (m r^2)) and n pi / L sqrt(EA / m)."""
+    soft = BeamSection(2e4, 1e7, 1e7, 50.0, 1.3, 0.1)
+    found = fixed_interface_frequencies(slanted_beam(100, soft), ["root", "tip"], 6)
+    twist = np.arange(1, 7) * np.pi / 1.5 * np.sqrt(50.0 / (1.3 * 0.1**2))
+    stretch = np.arange(1, 7) * np.pi / 1.5 * np.sqrt(2e4 / 1.3)
+    np.testing.assert_allclose(found, np.sort(np.concatenate([twist, stretch]))[:6], rtol=2e-3)
+
+
+def test_right_angle_under_a_normal_load():
+    """Castigliano: the tip of a right angle moves by P (a^3 + b^3) / 3 EI + P a b^2 / GJ."""
+    a, b, load = 0.8, 0.5, 10.0
+    joints = {"root": (0, 0, 0), "knee": (a, 0, 0), "tip": (a, b, 0)}
+    model = beam_frame(joints, [Member("root", "knee", SECTION, 3), Member("knee", "tip", SECTION, 2)])
+    free = np.setdiff1d(np.arange(model.stiffness.shape[0]), model.attachment_dofs["root"])
+    force = np.zeros(model.stiffness.shape[0])
+    force[model.attachment_dofs["tip"][2]] = load
+    motion = np.zeros_like(force)
+    motion[free] = np.linalg.solve(model.stiffness[free][:, free].toarray(), force[free])
+    expected = load * (a**3 + b**3) / (3 * 1000.0) + load * a * b**2 / 700.0
+    assert motion[model.attachment_dofs["tip"][2]] == pytest.approx(expected, rel=1e-9)
+
+
+def test_mass_properties_of_a_tube():
+    """Closed form: m = rho A L, about the axis m (R^2 + r^2) / 2, across m (L^2/12 + (R^2 + r^2)/4)."""
+    section = tube_section(0.1, 0.01, 70e9, 26e9, 2700.0)
+    model = beam_frame({"a": (0, 0, 0), "b": (0, 2.0, 0)}, [Member("a", "b", section, 3)])
+    mass = 2700.0 * np.pi * (0.05**2 - 0.04**2) * 2.0
+    squares = 0.05**2 + 0.04**2
+    across = mass * (4.0 / 12.0 + squares / 4.0)
+    assert model.mass == pytest.approx(mass)
+    np.testing.assert_allclose(model.center_of_mass, [0.0, 1.0, 0.0], atol=1e-14)
+    np.testing.assert_allclose(model.inertia, np.diag([across, mass * squares / 2.0, across]), atol=1e-12)
+
+
+def test_lumped_masses_count():
+    """Bookkeeping: a mass at a joint moves the centre of mass and lowers the first mode."""
+    joints = {"a": (0, 0, 0), "b": (1, 0, 0)}
+    light, heavy = (beam_frame(joints, [Member("a", "b", SECTION, 6)], m) for m in (None, {"b": 1.3}))
+    assert heavy.center_of_mass[0] == pytest.approx(0.75)
+    # a tip mass equal to the beam's: tip mass + 33/140 of the beam on 3 EI / L^3, within 1 %
+    estimate = np.sqrt(3 * 1000.0 / (1.3 + 33 / 140 * 1.3))
+    assert fixed_interface_frequencies(heavy, ["a"], 1)[0] == pytest.approx(estimate, rel=0.01)
+    assert light.mass == pytest.approx(1.3)
+
+
+def test_member_between_unknown_joints():
+    """The message says which member."""
+    with pytest.raises(ComponentError, match="'a' to 'c'"):
+        beam_frame({"a": (0, 0, 0), "b": (1, 0, 0)}, [Member("a", "c", SECTION)])
+
+
+def test_yoke_has_the_mass_properties_of_its_sheet():
+    """Data sheet: 1.80 kg, centre of mass 0.475 m, 0.1354 kg m2 about it, flexible and rigid."""
+    for body in (amos3_yoke_model(), amos3_yoke_rigid()):
+        assert body.mass == pytest.approx(1.80)
+        np.testing.assert_allclose(body.center_of_mass, [0.475, 0.0, 0.0], atol=1e-12)
+        assert body.inertia[1, 1] == pytest.approx(0.1354)
+
+
+def test_yoke_counts_and_points():
+    """B18 (thesis, 3.4.2.4): 10 + 18 - 6 = 22 flexible modes; the rigid twin has the same points."""
+    flexible, rigid = amos3_yoke(), amos3_yoke_rigid()
+    assert flexible.frequency.size == 22
+    assert flexible.point_names == rigid.point_names == ("hl1", "hl2_left", "hl2_right", "guide")
+    np.testing.assert_array_equal(flexible.point_positions, rigid.point_positions)
+    np.testing.assert_allclose(flexible.point_positions[1], [0.95, 0.565, 0.0])
+
+
+def test_yoke_legs_between_clamped_ends():
+    """Closed form: a leg without its load is a clamped beam, an upper bound; all loaded, a lower one."""
+    yoke = amos3_data()["yoke"]
+    tube = tube_section(0.030, 0.0015, yoke["youngs_modulus"], yoke["shear_modulus"], yoke["density"])
+    leg = np.hypot(0.95, 0.565)
+    first = fixed_interface_frequencies(amos3_yoke_model(), ["hl1", "hl2_left", "hl2_right"], 1)[0]
+    bounds = [22.3733 * np.sqrt(tube.bending_y / m) / leg**2 for m in (tube.line_mass + 0.78, tube.line_mass)]
+    assert bounds[0] < first < bounds[1]
