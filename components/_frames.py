@@ -95,6 +95,12 @@ def skew(v: NDArray[np.float64]) -> NDArray[np.float64]:
     return (v @ SKEW).reshape(*v.shape[:-1], 3, 3)
 
 
+def sum_of_moments(arms: NDArray[np.float64], forces: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum over rows of arms x forces, both (n, 3); one product instead of n."""
+    s = arms.T @ forces
+    return np.array((s[1, 2] - s[2, 1], s[2, 0] - s[0, 2], s[0, 1] - s[1, 0]))
+
+
 def cross(a: Vector3, b: Vector3) -> Vector3:
     """Vector product a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])

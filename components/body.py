@@ -17,7 +17,15 @@ from typing import Any, Literal
 import numpy as np
 
 from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import exponential, left_product, multiply, normalized, rotation_matrix, skew
+from ._frames import (
+    exponential,
+    left_product,
+    multiply,
+    normalized,
+    rotation_matrix,
+    skew,
+    sum_of_moments,
+)
 from ._oscillators import Propagator, propagator
 from .modal import ModalData
 
@@ -230,7 +238,7 @@ class Body(Component):
                 pi1 = rate1 + drag
                 eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
                 arms1 = self.arms + (self._phi @ eta1).reshape(-1, 3)
-            moment = _moment(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum
+            moment = sum_of_moments(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum
             body_momentum = (momentum0 + (0.5 * h) * moment) @ a_mid
             if step_propagator is None or not self._varying:
                 updated = self._inverse_inertia @ body_momentum
@@ -248,7 +256,7 @@ class Body(Component):
         result[_Q] = q1
         result[_P] = x[_P] + h * (force.sum(0) + mass * c.gravity)
         result[_R] = x[_R] + (0.5 * h / mass) * (x[_P] + result[_P])
-        result[_L] = momentum0 + h * (_moment(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum)
+        result[_L] = momentum0 + h * (sum_of_moments(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum)
         result[_D] = x[_D]
         if step_propagator is not None:
             result[_ETA : _ETA + m], result[_ETA + m :] = eta1, pi1
@@ -273,7 +281,7 @@ class Body(Component):
                 eta = self._modal_force(a1, a1, result[_ETA : _ETA + m], force, torque) / c.frequency**2
                 result[_ETA : _ETA + m] = eta
                 arms = self.arms + (self._phi @ eta).reshape(-1, 3)
-            moment = _moment(arms @ a1.T, force) + torque.sum(0)
+            moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
             turn = h * h * (self._inverse_inertia @ (moment @ a1))
             q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
             a1 = rotation_matrix(q1)
@@ -461,12 +469,6 @@ def _observations(modes: int) -> list[Quantity]:
     if modes:
         found.append(Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes))
     return found
-
-
-def _moment(arms: Vector, force: Vector) -> Vector:
-    """Sum of arms x force over rows."""
-    s = arms.T @ force
-    return np.array((s[1, 2] - s[2, 1], s[2, 0] - s[0, 2], s[0, 1] - s[1, 0]))
 
 
 def _solve_symmetric(entries: Vector, right: Vector) -> Vector:

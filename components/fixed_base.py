@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ._component import Component, Port, Quantity, Vector
+from ._frames import sum_of_moments
 
 _HISTORY = 6
 
@@ -51,9 +52,8 @@ class FixedBase(Component):
         if u[-1] > 0.5:
             return np.zeros_like(x)
         wrench = u[:-1].reshape(-1, 6)
-        load = np.concatenate(
-            (wrench[:, :3].sum(0), wrench[:, 3:].sum(0) + np.cross(self._arms, wrench[:, :3]).sum(0))
-        )
+        force, torque = wrench[:, :3], wrench[:, 3:]
+        load = np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
         return np.concatenate((load, x[:_HISTORY], (h, x[-2])))
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:

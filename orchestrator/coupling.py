@@ -163,11 +163,15 @@ class Coupling:
             self.probes += 1
             self._stiffnesses[key] = [
                 probe_stiffness(connection, len(ports), time, h)
-                for connection, ports in zip(self.network.connections, self.network.connection_ports, strict=True)
+                for connection, ports in zip(
+                    self.network.connections, self.network.connection_ports, strict=True
+                )
             ]
         size = self.network.size
         mobility = np.zeros((2 * size, size))
-        for body, rows, probe in zip(self.network.bodies, self.network.rows, self._mobilities[key], strict=True):
+        for body, rows, probe in zip(
+            self.network.bodies, self.network.rows, self._mobilities[key], strict=True
+        ):
             mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
         matrix = np.eye(size)
         for connection, rows, probe in zip(

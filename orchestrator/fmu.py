@@ -37,7 +37,9 @@ class FmuParticipant:
     Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
     """
 
-    def __init__(self, name: str, path: Path, start: Mapping[str, float | Sequence[float]] | None = None) -> None:
+    def __init__(
+        self, name: str, path: Path, start: Mapping[str, float | Sequence[float]] | None = None
+    ) -> None:
         self.name = name
         self.path = path
         self._messages: list[str] = []
@@ -60,7 +62,9 @@ class FmuParticipant:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
         reals = [v for v in description.modelVariables if v.type == "Real"]
-        self.parameter_layout, self._parameter_references = _group(v for v in reals if v.causality == "parameter")
+        self.parameter_layout, self._parameter_references = _group(
+            v for v in reals if v.causality == "parameter"
+        )
         self.input_layout, inputs = _group(v for v in reals if v.causality == "input")
         outputs = [v for v in reals if v.causality == "output"]
         self.output_layout, coupled = _group(v for v in outputs if _is_coupled(v.name))
@@ -134,7 +138,9 @@ class FmuParticipant:
         if not np.isfinite(self.outputs.sum()):
             bad = int(np.argmin(np.isfinite(self.outputs)))
             name = self.output_layout.scalar_names()[bad]
-            raise ParticipantError(f"{self.name}: output {name} is {self.outputs[bad]} at t = {self._time:.6g} s")
+            raise ParticipantError(
+                f"{self.name}: output {name} is {self.outputs[bad]} at t = {self._time:.6g} s"
+            )
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""
@@ -196,5 +202,7 @@ def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:
         found = list(members)
         references += [v.valueReference for v in found]
         starts = tuple(float(v.start) if v.start is not None else 0.0 for v in found)
-        quantities.append(Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts))
+        quantities.append(
+            Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts)
+        )
     return Layout(quantities), references

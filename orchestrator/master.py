@@ -260,7 +260,9 @@ class Master:
             self._command("impulse", 1.0)
             solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
             if not solution.converged:
-                raise StepError("latch impulse: " + failure_sentence(self._coupling, solution, self.time, _IMPULSE_STEP))
+                raise StepError(
+                    "latch impulse: " + failure_sentence(self._coupling, solution, self.time, _IMPULSE_STEP)
+                )
             self.time += _IMPULSE_STEP
             self._save()
             self._command("impulse", 0.0)

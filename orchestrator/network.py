@@ -73,9 +73,7 @@ class Network:
         place = {port: i for i, port in enumerate(self.port_names)}
         reverse = {link.connection: link.body for link in links}
         self.connection_rows = [
-            np.concatenate(
-                [np.arange(6) + 6 * place[reverse[(c.name, port)]] for port in ports]
-            )
+            np.concatenate([np.arange(6) + 6 * place[reverse[(c.name, port)]] for port in ports])
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
         self._motion = np.zeros(13 * len(self.port_names))
@@ -118,7 +116,11 @@ def _problems(participants: Sequence[Participant], links: Sequence[Link]) -> lis
     """Everything wrong, as sentences."""
     problems = []
     names = [p.name for p in participants]
-    problems += [f"{name}: two FMUs have this name; names must differ" for name in sorted(set(names)) if names.count(name) > 1]
+    problems += [
+        f"{name}: two FMUs have this name; names must differ"
+        for name in sorted(set(names))
+        if names.count(name) > 1
+    ]
     sides = {p.name: port_sides(p) for p in participants}
     by_name = {p.name: p for p in participants}
     used: dict[tuple[str, str], int] = {}
@@ -138,9 +140,16 @@ def _problems(participants: Sequence[Participant], links: Sequence[Link]) -> lis
             else:
                 problems += _unit_problems(by_name[name], port, side)
             used[(name, port)] = used.get((name, port), 0) + 1
-    problems += [f"{n}.{port}: connected {k} times; a port takes one connection" for (n, port), k in used.items() if k > 1]
     problems += [
-        f"{name}.{port}: the port is not connected" for name, ports in sides.items() for port in ports if (name, port) not in used
+        f"{n}.{port}: connected {k} times; a port takes one connection"
+        for (n, port), k in used.items()
+        if k > 1
+    ]
+    problems += [
+        f"{name}.{port}: the port is not connected"
+        for name, ports in sides.items()
+        for port in ports
+        if (name, port) not in used
     ]
     return problems
 
@@ -158,9 +167,13 @@ def _unit_problems(participant: Participant, port: str, side: str) -> list[str]:
             quantity = declared.get(name)
             size = 4 if variable == "orientation" else 3
             if quantity is None:
-                problems.append(f"{participant.name}.{name}: the variable is missing or has the wrong causality")
+                problems.append(
+                    f"{participant.name}.{name}: the variable is missing or has the wrong causality"
+                )
             elif quantity.size != size:
-                problems.append(f"{participant.name}.{name}: has {quantity.size} elements; a port needs {size}")
+                problems.append(
+                    f"{participant.name}.{name}: has {quantity.size} elements; a port needs {size}"
+                )
             elif quantity.unit != _UNITS[variable]:
                 problems.append(
                     f"{participant.name}.{name}: is in {quantity.unit or 'no unit'}; a port needs {_UNITS[variable]}"

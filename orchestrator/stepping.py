@@ -12,7 +12,7 @@ from .coupling import Coupling, Solution
 from .participant import Vector
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARE = 0.05
+_ERROR_SHARE = 1.5
 _SLOWEST = 0.05
 _GROWTH_MARGIN = 0.6
 _EVENT_TOLERANCE = 1e-11
@@ -114,13 +114,13 @@ class ErrorEstimate:
     def __call__(self, velocity_change: Vector) -> float:
         """Error over what is allowed, from the (ports x 6,) change of velocities that the curvature makes."""
         table = np.abs(velocity_change.reshape(-1, 6))
-        largest = max(float(table[:, :3].max(initial=0.0)), self._length * float(table[:, 3:].max(initial=0.0)))
+        largest = max(
+            float(table[:, :3].max(initial=0.0)), self._length * float(table[:, 3:].max(initial=0.0))
+        )
         return largest / (12.0 * self._allowed * self._speed)
 
 
-def find_event(
-    distance: Callable[[float], float], before: float, after: float, h: float
-) -> float:
+def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
     """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
 
     `distance(h)` restores, steps by h and returns the distance; it is called last with the result, so the
