@@ -5,8 +5,9 @@ from pkgutil import iter_modules
 
 from ._component import (
     DISSIPATED_ENERGY,
+    KINETIC_ENERGY,
+    POTENTIAL_ENERGY,
     REGISTRY,
-    STORED_ENERGY,
     Component,
     ComponentError,
     Layout,
@@ -21,8 +22,9 @@ for _module in iter_modules(__path__):
 
 __all__ = [
     "DISSIPATED_ENERGY",
+    "KINETIC_ENERGY",
+    "POTENTIAL_ENERGY",
     "REGISTRY",
-    "STORED_ENERGY",
     "Component",
     "ComponentError",
     "Layout",

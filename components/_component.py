@@ -37,10 +37,10 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 
-STORED_ENERGY = ("kinetic_energy", "potential_energy")
-"""Observations that the energy balance of a scene adds up as stored (J)."""
+KINETIC_ENERGY = "kinetic_energy"
+POTENTIAL_ENERGY = "potential_energy"
 DISSIPATED_ENERGY = "dissipated_energy"
-"""Observation that the energy balance adds up as dissipated since the start (J), never by difference."""
+"""Observations (J) that the energy balance of a scene adds up; dissipation is never found by difference."""
 
 
 class ComponentError(Exception):

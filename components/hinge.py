@@ -394,6 +394,7 @@ class Hinge(Component):
             gap=pose.gap,
             coordinates=_coordinates(pose, angle),
             rates=(*rates.velocity, *rates.angular_velocity),
+            holding=1.0 if values[28] > 0.5 else 0.0,
         )
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:

@@ -138,13 +138,13 @@ class Coupling:
             connection.read()
         network.collect_wrenches(self._law)
 
-    def velocity_change(self, h: float, change: Vector) -> Vector:
-        """Change of all ports' velocities and rates, (ports x 6,), that a change of wrenches causes in a step."""
-        result = np.empty_like(change)
+    def work(self, h: float, change: Vector) -> float:
+        """Work (J) that a change of wrenches does on the motion it causes in a step of size h."""
+        total = 0.0
         for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)], strict=True):
-            motion = (probe.matrix @ change[rows]).reshape(-1, 12)
-            result[rows] = motion[:, 6:].ravel()
-        return result
+            moved = (probe.matrix @ change[rows]).reshape(-1, 12)[:, :6]
+            total += float(moved.ravel() @ change[rows])
+        return total
 
     def _direction(self, residual: Vector) -> Vector:
         result: Vector = lu_solve(self._factors, residual, check_finite=False)

@@ -20,7 +20,8 @@ from .participant import Participant, Vector
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 _MOTION_PROBE = np.array([1e-7] * 6 + [1e-6] * 6)
-_WRENCH_PROBE = 1e-5
+_DISPLACEMENT_PROBE = 1e-5
+_VELOCITY_PROBE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Prob
     held = wrenches.copy()
     reference = _stepped(body, time, h)[: 13 * ports].copy()
     axes = first_port_axes(reference)
-    amplitude = _WRENCH_PROBE / h**2
+    amplitude = min(_DISPLACEMENT_PROBE / h**2, _VELOCITY_PROBE / h)
     matrix = np.empty((12 * ports, 6 * ports))
     for column in range(6 * ports):
         wrenches[column] = held[column] + amplitude

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import ceil, floor, log, sqrt
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from components import DISSIPATED_ENERGY, STORED_ENERGY
+from components import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY
 
 from .assembly import HingeLine
 from .coupling import Coupling, Solution, Tolerance
@@ -85,11 +85,12 @@ class Master:
         self._hinge_lines = tuple(hinge_lines)
         self._coupling = Coupling(network, Tolerance(min(1e-3 * settings.tolerance, 1e-7)))
         self._history = History()
-        self._error = ErrorEstimate(settings.tolerance, 1.0)
+        self._error = ErrorEstimate(settings.tolerance, 0.0)
         self._sizes = StepSizes(settings.largest_step, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, settings.largest_step))
         self._wrenches = np.zeros(network.size)
         self._energy_start = 0.0
+        self._kinetic = 0.0
         self._since_change = 0
         self._energies = [_energy_rows(p) for p in self._participants]
         self._scene = np.zeros(len(SCENE_CHANNELS))
@@ -100,7 +101,6 @@ class Master:
         for body in self.network.bodies:
             body.write()
             body.read()
-        self._error = ErrorEstimate(self.settings.tolerance, self._length())
         self.network.carry_motion()
         for connection in self.network.connections:
             connection.write()
@@ -110,16 +110,10 @@ class Master:
         self._save()
         if preload:
             self._seek_equilibrium(start)
-        self._energy_start = sum(self._energy())
+        stored, dissipated = self._energy()
+        self._energy_start = stored + dissipated
+        self._error = ErrorEstimate(self.settings.tolerance, stored)
         self._record(0.0, 0)
-
-    def _length(self) -> float:
-        """Largest distance (m) between two ports of one body, or 1 where bodies have no extension."""
-        largest = 0.0
-        for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True):
-            places = body.outputs[: 13 * len(ports)].reshape(-1, 13)[:, :3]
-            largest = max(largest, float(np.abs(places - places[0]).max()))
-        return largest or 1.0
 
     def _seek_equilibrium(self, start: float) -> None:
         """Static equilibrium by implicit steps of the participants' own gradient flow."""
@@ -195,7 +189,7 @@ class Master:
         curvature = self._history.curvature(middle, self._coupling.wrenches, h)
         if curvature is None:
             return solution
-        error = self._error(self._coupling.velocity_change(h, curvature))
+        error = self._error(self._coupling.work(h, curvature))
         if error > 1.0 and self._sizes.size > self.settings.smallest_step * 2.0:
             self._sizes.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(sqrt(2.0)))))))
             self._reject()
@@ -246,9 +240,8 @@ class Master:
         self._history.add(self.time + 0.5 * h, self._wrenches)
         self.time += h
         self._save()
-        for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True):
-            self._error.see(body.outputs[: 13 * len(ports)].reshape(-1, 13))
         self._record(h, solution.iterations)
+        self._error.see(self._kinetic)
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
@@ -286,12 +279,14 @@ class Master:
         self._before = {line.name: self._distance(line) for line in self._pending}
 
     def _energy(self) -> tuple[float, float]:
-        stored = dissipated = 0.0
+        """Stored and dissipated energy of all participants (J), from observations made here."""
+        potential = dissipated = self._kinetic = 0.0
         self._observed = [p.observe() for p in self._participants]
-        for values, (rows, heat) in zip(self._observed, self._energies, strict=True):
-            stored += float(values[rows].sum())
-            dissipated += float(values[heat].sum())
-        return stored, dissipated
+        for values, rows in zip(self._observed, self._energies, strict=True):
+            self._kinetic += float(values[rows.kinetic].sum())
+            potential += float(values[rows.potential].sum())
+            dissipated += float(values[rows.dissipated].sum())
+        return self._kinetic + potential, dissipated
 
     def _record(self, h: float, iterations: int) -> None:
         stored, dissipated = self._energy()
@@ -299,8 +294,15 @@ class Master:
         self.recorder.append(self.time, [*self._observed, self._scene])
 
 
-def _energy_rows(participant: Participant) -> tuple[list[int], list[int]]:
-    """Where a participant's observations hold stored and dissipated energy."""
+class _EnergyRows(NamedTuple):
+    """Where a participant's observations hold energies; each has one element or none."""
+
+    kinetic: list[int]
+    potential: list[int]
+    dissipated: list[int]
+
+
+def _energy_rows(participant: Participant) -> _EnergyRows:
     layout = participant.observation_layout
-    stored = [layout[name].start for name in STORED_ENERGY if name in layout]
-    return stored, [layout[DISSIPATED_ENERGY].start] if DISSIPATED_ENERGY in layout else []
+    names = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY)
+    return _EnergyRows(*([layout[name].start] if name in layout else [] for name in names))

@@ -13,7 +13,8 @@ from .participant import Vector
 
 _RATIO = sqrt(2.0)
 _ERROR_SHARE = 1.5
-_SLOWEST = 0.05
+_LEAST_KINETIC_SHARE = 1e-3
+_LEAST_KINETIC_ENERGY = 1e-9
 _GROWTH_MARGIN = 0.6
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
@@ -96,28 +97,23 @@ class History:
 class ErrorEstimate:
     """Local error of a step from how far its mean wrench lies off the line through the last two.
 
-    The mean over the step errs by a twelfth of h^2 u'', hence the velocity of every port by h times that
-    and the port's inverse mass. It is measured against the largest speed seen so far, where rates count
-    with the length (m) of the scene, and which is taken to be at least `_SLOWEST` times that length.
+    The mean over the step errs by a twelfth of h^2 u''. The work such wrenches do on the motion they cause,
+    over the kinetic energy, is the square of a relative error in velocity; measured so, a light attachment
+    point that springs about without energy does not hold up a whole wing. The kinetic energy is the largest
+    seen, and at least a thousandth of what is stored at the start.
     """
 
-    def __init__(self, tolerance: float, length: float) -> None:
-        self._allowed = _ERROR_SHARE * tolerance
-        self._length = length
-        self._speed = _SLOWEST * length
+    def __init__(self, tolerance: float, stored: float) -> None:
+        self._allowed = 12.0 * _ERROR_SHARE * tolerance
+        self._energy = max(_LEAST_KINETIC_SHARE * abs(stored), _LEAST_KINETIC_ENERGY)
 
-    def see(self, motion: Vector) -> None:
-        """Take note of port velocities, (ports, 13)."""
-        speed, rate = np.abs(motion[:, 7:10]).max(initial=0.0), np.abs(motion[:, 10:13]).max(initial=0.0)
-        self._speed = max(self._speed, float(speed), self._length * float(rate))
+    def see(self, kinetic: float) -> None:
+        """Take note of the kinetic energy (J)."""
+        self._energy = max(self._energy, kinetic)
 
-    def __call__(self, velocity_change: Vector) -> float:
-        """Error over what is allowed, from the (ports x 6,) change of velocities that the curvature makes."""
-        table = np.abs(velocity_change.reshape(-1, 6))
-        largest = max(
-            float(table[:, :3].max(initial=0.0)), self._length * float(table[:, 3:].max(initial=0.0))
-        )
-        return largest / (12.0 * self._allowed * self._speed)
+    def __call__(self, work: float) -> float:
+        """Error over what is allowed, from the work (J) of the wrenches h^2 u'' on the motion they cause."""
+        return sqrt(max(work, 0.0) / self._energy) / self._allowed
 
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
