@@ -265,7 +265,7 @@ class CableLoop(Component):
                 c.radius_1 * difference,
                 -c.radius_2 * difference,
                 (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance,
-                difference * step / distance,
+                -difference * step / distance,
                 0.5 * (a - b),
                 c.strand.potential(a) + c.strand.potential(b),
                 v[_HEAT],

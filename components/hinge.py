@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ._bushing import StepMotion, bushing_force, inertial_force
+from ._bushing import Memory, StepMotion, bushing_force, inertial_force, remembered
 from ._component import Component, ComponentError, Port, Quantity, Vector
 from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn, rotate
 from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
@@ -63,9 +63,11 @@ class _State(NamedTuple):
     gap: Vector3
     coordinates: tuple[float, ...]
     rates: tuple[float, ...]
-    means: tuple[float, ...]
+    mean_rates: tuple[float, ...]
+    end_rates: tuple[float, ...]
     wrench: tuple[float, ...]
     power: tuple[float, ...]
+    memory_h: float
     friction_energy: float
     latch_energy: float
     damping_energy: float
@@ -82,10 +84,11 @@ class _State(NamedTuple):
                 *self.gap,
                 *self.coordinates,
                 *self.rates,
-                *self.means,
+                *self.mean_rates,
+                *self.end_rates,
                 *self.wrench,
                 *self.power,
-                *self[7:],
+                *self[8:],
             )
         )
 
@@ -99,9 +102,10 @@ class _State(NamedTuple):
             tuple(v[7:13]),
             tuple(v[13:19]),
             tuple(v[19:25]),
+            tuple(v[25:31]),
             tuple(v[_WRENCH]),
-            tuple(v[37:40]),
-            *v[40:],
+            tuple(v[43:46]),
+            *v[46:],
         )
 
     @property
@@ -110,8 +114,9 @@ class _State(NamedTuple):
         return self.coordinates[3]
 
 
-_WRENCH = slice(25, 37)
-_ANGLE, _LATCHED = 10, 43
+_WRENCH = slice(31, 43)
+_ANGLE, _LATCHED = 10, 50
+_RATES_FOR_ANY_STEP = 1e6
 
 
 class _Loads(NamedTuple):
@@ -122,6 +127,16 @@ class _Loads(NamedTuple):
     latch_torque: float
     friction_torque: float
     heat: tuple[float, float, float]
+
+
+def _motion(old: _State, new: _State, i: int, h: float) -> StepMotion:
+    memory = Memory(old.mean_rates[i], old.end_rates[i])
+    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory, old.memory_h)
+
+
+def _shifted(motion: StepMotion, origin: float) -> StepMotion:
+    """The same motion counted from another origin."""
+    return motion._replace(start=motion.start - origin, end=motion.end - origin)
 
 
 def _coordinates(pose: Pose, angle: float) -> Six:
@@ -230,8 +245,10 @@ class Hinge(Component):
             _coordinates(pose, angle),
             (*rates.velocity, *rates.angular_velocity),
             (*rates.velocity, *rates.angular_velocity),
+            (*rates.velocity, *rates.angular_velocity),
             (0.0,) * 12,
             (0.0,) * 3,
+            _RATES_FOR_ANY_STEP,
             *((0.0,) * 6),
             angle,
         ).pack()
@@ -248,11 +265,17 @@ class Hinge(Component):
         if self._endpoint:
             return self._endpoint_step(c, old, moved, h).pack()
         impulse = values[27] > 0.5
-        loads = self._impulse_loads(c, old, moved, h) if impulse else self._mean_loads(c, old, moved, h)
+        motions = [_motion(old, moved, i, h) for i in range(6)]
+        loads = (
+            self._impulse_loads(c, old, moved, h) if impulse else self._mean_loads(c, old, moved, motions, h)
+        )
         force = mean_direction(old.frame, pose.frame, loads.force)
         torque = mean_direction(old.frame, pose.frame, loads.torque)
+        memories = [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
         return moved._replace(
-            means=rates if impulse else tuple((b - a) / h for a, b in zip(old.coordinates, end, strict=True)),
+            mean_rates=rates if impulse else tuple(m.mean_rate for m in memories),
+            end_rates=rates if impulse else tuple(m.end_rate for m in memories),
+            memory_h=_RATES_FOR_ANY_STEP if impulse else h,
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
             wrench=pair(force, torque, mean(old.gap, pose.gap)),
             friction_energy=old.friction_energy + loads.heat[0],
@@ -269,23 +292,21 @@ class Hinge(Component):
             state = state._replace(hold_angle=state.angle)
         return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
-    def _mean_loads(self, c: _Constants, old: _State, new: _State, h: float) -> _Loads:
+    def _mean_loads(
+        self, c: _Constants, old: _State, new: _State, motions: list[StepMotion], h: float
+    ) -> _Loads:
         """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
         elastic: list[float] = []
         heat = 0.0
-        for i in range(6):
-            offset = c.aligned_angle if i == 3 else 0.0
-            motion = StepMotion(
-                old.coordinates[i] - offset, new.coordinates[i] - offset, old.rates[i], new.rates[i],
-                old.means[i], h,
-            )  # fmt: skip
-            force, lost = bushing_force(c.stiffness[i], c.damping[i], motion, c.end_weight)
+        for i, motion in enumerate(motions):
+            moved = _shifted(motion, c.aligned_angle) if i == 3 else motion
+            force, lost = bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
             elastic.append(force)
             heat += lost
         force_on_b = (elastic[0], elastic[1], elastic[2])
         change = new.angle - old.angle
         friction = self._friction(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
-        latch, latch_heat = self._latch(c, old, new, h)
+        latch, latch_heat = self._latch(c, old, motions[3])
         twist = (
             elastic[3]
             + mean_force(c.motor, old.angle, new.angle, c.end_weight)
@@ -309,22 +330,23 @@ class Hinge(Component):
     ) -> float:
         """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
         preload = 0.0 if latched else c.friction_preload
-        normal = sqrt(force[1] * force[1] + force[2] * force[2] + _FORCE_SMOOTHING**2) - _FORCE_SMOOTHING
+        square = force[1] * force[1] + force[2] * force[2]
+        normal = square / sqrt(square + _FORCE_SMOOTHING**2)
         if c.bending_arm > 0.0:
             normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.bending_arm
         sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
         return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
 
-    def _latch(self, c: _Constants, old: _State, new: _State, h: float) -> tuple[float, float]:
+    def _latch(self, c: _Constants, old: _State, motion: StepMotion) -> tuple[float, float]:
         """Mean latch torque, and the energy it turned to heat."""
         if not old.latched or self.latch == "none":
             return 0.0, 0.0
-        s0, s1 = old.angle - old.latched_angle, new.angle - old.latched_angle
-        motion = StepMotion(s0, s1, old.rates[3], new.rates[3], old.means[3], h)
-        extra = -c.latch_damping * (s1 - s0) / h
+        deflection = _shifted(motion, old.latched_angle)
+        change = deflection.end - deflection.start
+        extra = -c.latch_damping * change / motion.h
         if c.end_weight == 0.5:
-            extra += inertial_force(c.latch_stiffness, motion)
-        return mean_force(c.latch, s0, s1) + extra, -extra * (s1 - s0)
+            extra += inertial_force(c.latch_stiffness, deflection)
+        return mean_force(c.latch, deflection.start, deflection.end) + extra, -extra * change
 
     def _impulse_loads(self, c: _Constants, old: _State, new: _State, h: float) -> _Loads:
         """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.

@@ -143,6 +143,7 @@ class ModalData:
             invariant5=i.i5,
             invariant8=i.i8,
             invariant9=i.i9,
+            display_shapes=np.zeros((0, 3, rate.size)),
         )
 
     def to_arrays(self) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from .participant import Participant, Vector
 from .stepping import ErrorEstimate, History, StepError, StepSizes, failure_sentence, find_event
 
 _IMPULSE_STEP = 1e-7
+_REFERENCE_TOLERANCE = 1e-4
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
@@ -44,7 +45,8 @@ SCENE_CHANNELS = (
 class Settings:
     """Numbers of the master.
 
-    tolerance: relative accuracy asked of a run. fixed_step: constant communication step size instead of
+    tolerance: relative accuracy asked of a run. largest_step: at a tolerance of 1e-4; it goes with the root
+    of the tolerance, as the rotations' error goes with its square. fixed_step: constant communication step size instead of
     control. step_plan: step sizes of an earlier run to follow, one list per segment between events.
     """
 
@@ -86,8 +88,9 @@ class Master:
         self._coupling = Coupling(network, Tolerance(min(1e-3 * settings.tolerance, 1e-7)))
         self._history = History()
         self._error = ErrorEstimate(settings.tolerance, 0.0)
-        self._sizes = StepSizes(settings.largest_step, settings.smallest_step)
-        self._sizes.restart(min(settings.start_step, settings.largest_step))
+        largest = settings.largest_step * sqrt(settings.tolerance / _REFERENCE_TOLERANCE)
+        self._sizes = StepSizes(largest, settings.smallest_step)
+        self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = np.zeros(network.size)
         self._energy_start = 0.0
         self._kinetic = 0.0
