@@ -43,7 +43,7 @@ _R, _Q, _P, _L, _W, _D, _ETA = (
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 _SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
 _MAX_ITERATIONS = 12
-_ANGLE_TOLERANCE = 1e-12
+_ANGLE_TOLERANCE = 1e-11
 _CACHED_STEP_SIZES = 64
 
 

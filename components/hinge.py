@@ -518,7 +518,7 @@ def _parameters() -> list[Quantity]:
         tunable(
             "lock_inertia", "kg.m2", "Numerical: inertia that a lock sets against residual rate", 1e6, 1.0
         ),
-        tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e10, 1.0),
+        tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0),
         tunable("hold_stiffness", "N.m/rad", "Stiffness that holds the angle while hold is 1", 1e7),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
     ]

@@ -6,14 +6,14 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import LinAlgError, lu_factor, lu_solve
 
 from .interface import Matrix, Probe, first_port_axes, probe_mobility, probe_stiffness
 from .network import Network
-from .participant import Vector
+from .participant import ParticipantError, Vector
 
 _MAX_ITERATIONS = 14
 _SLOW = 0.15
@@ -22,12 +22,16 @@ _DIVERGED = 50.0
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """Outcome of a coupled step: whether it converged, sweeps taken, size of the last correction (scaled)."""
+    """Outcome of a coupled step: whether it converged, sweeps taken, size of the last correction (scaled).
+
+    failure: what a participant said that refused a sweep, as it may under absurd wrenches of an iteration.
+    """
 
     converged: bool
     iterations: int
     correction: float
     worst_row: int
+    failure: ParticipantError | None = None
 
 
 @dataclass(slots=True)
@@ -79,9 +83,7 @@ class Coupling:
             self.forget()
             self.wrenches[:] = guess if not np.all(np.isfinite(self.wrenches)) else self.wrenches
             again = self._iterate(time, h)
-            solution = Solution(
-                again.converged, solution.iterations + again.iterations, again.correction, again.worst_row
-            )
+            solution = replace(again, iterations=solution.iterations + again.iterations)
         return solution
 
     def _iterate(self, time: float, h: float) -> Solution:
@@ -89,7 +91,10 @@ class Coupling:
         scale = np.ones(0)
         last = np.inf
         for iteration in range(1, _MAX_ITERATIONS + 1):
-            self.sweep(time, h)
+            try:
+                self.sweep(time, h)
+            except ParticipantError as error:
+                return Solution(False, iteration, np.inf, 0, error)
             residual = self._law - self.wrenches
             if not np.all(np.isfinite(residual)):
                 return Solution(False, iteration, np.inf, int(np.argmin(np.isfinite(residual))))
@@ -104,7 +109,7 @@ class Coupling:
                 return Solution(True, iteration, size, 0)
             if size > _DIVERGED * last:
                 break
-            if iteration in (4, 9) or (iteration == 2 and size > _SLOW * last):
+            if size > _SLOW * last and iteration in (2, 4, 8):
                 self._refresh(time, h, probe=iteration > 2)
                 steps.clear()
                 correction = self._direction(residual) / scale

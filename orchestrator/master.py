@@ -15,7 +15,7 @@ from .assembly import HingeLine
 from .coupling import Coupling, Solution, Tolerance
 from .network import Network
 from .participant import Participant, Vector
-from .stepping import ErrorEstimate, History, StepError, StepSizes, failure_sentence, find_event
+from .stepping import ErrorEstimate, History, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
 _REFERENCE_TOLERANCE = 1e-4
@@ -45,14 +45,14 @@ SCENE_CHANNELS = (
 class Settings:
     """Numbers of the master.
 
-    tolerance: relative accuracy asked of a run. largest_step: at a tolerance of 1e-4; it goes with the root
-    of the tolerance, as the rotations' error goes with its square. fixed_step: constant communication step size instead of
+    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below,
+    it goes with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant communication step size instead of
     control. step_plan: step sizes of an earlier run to follow, one list per segment between events.
     """
 
     tolerance: float = 1e-4
     largest_step: float = 0.02
-    smallest_step: float = 1e-6
+    smallest_step: float = 2e-5
     start_step: float = 1e-3
     event_step: float = 2e-4
     fixed_step: float | None = None
@@ -85,10 +85,10 @@ class Master:
         self._participants = [*network.bodies, *network.connections]
         self._pending = [line for line in hinge_lines if line.latches]
         self._hinge_lines = tuple(hinge_lines)
-        self._coupling = Coupling(network, Tolerance(min(1e-3 * settings.tolerance, 1e-7)))
+        self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._history = History()
         self._error = ErrorEstimate(settings.tolerance, 0.0)
-        largest = settings.largest_step * sqrt(settings.tolerance / _REFERENCE_TOLERANCE)
+        largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = np.zeros(network.size)
@@ -133,7 +133,7 @@ class Master:
         for h in _STATIC_STEPS:
             solution = self._coupling.solve(start, h, self._wrenches)
             if not solution.converged:
-                raise StepError("static preload: " + failure_sentence(self._coupling, solution, start, h))
+                raise failure(self._coupling, solution, start, h)
             self._wrenches[:] = self._coupling.wrenches
             self._save()
             start += h
@@ -184,7 +184,7 @@ class Master:
         solution = self._coupling.solve(self.time, h, self._wrenches if guess is None else guess)
         if not solution.converged:
             if not self._controlled or not self._sizes.shrink(2):
-                raise StepError(failure_sentence(self._coupling, solution, self.time, h))
+                raise failure(self._coupling, solution, self.time, h)
             self._reject()
             return None
         if not self._controlled:
@@ -231,7 +231,7 @@ class Master:
             guess = self._history.extrapolated(self.time + 0.5 * trial)
             found[0] = self._coupling.solve(self.time, trial, self._wrenches if guess is None else guess)
             if not found[0].converged:
-                raise StepError(failure_sentence(self._coupling, found[0], self.time, trial))
+                raise failure(self._coupling, found[0], self.time, trial)
             return self._distance(line)
 
         return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
@@ -256,9 +256,7 @@ class Master:
             self._command("impulse", 1.0)
             solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
             if not solution.converged:
-                raise StepError(
-                    "latch impulse: " + failure_sentence(self._coupling, solution, self.time, _IMPULSE_STEP)
-                )
+                raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
             self.time += _IMPULSE_STEP
             self._save()
             self._command("impulse", 0.0)

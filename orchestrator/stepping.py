@@ -141,9 +141,11 @@ def find_event(distance: Callable[[float], float], before: float, after: float, 
     return trial
 
 
-def failure_sentence(coupling: Coupling, solution: Solution, time: float, h: float) -> str:
-    """What to tell when even the smallest step does not converge."""
-    return (
+def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Exception:
+    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError."""
+    if solution.failure is not None:
+        return solution.failure
+    return StepError(
         f"the step of {h:.3g} s from t = {time:.6f} s does not converge: after {solution.iterations} iterations the "
         f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} times "
         "its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"

@@ -1,0 +1,171 @@
+"""From an assembly to a finished result file: load participants, couple them, record, sum up."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Literal
+
+from components import REGISTRY, ComponentError
+from fmus import build_fmu
+
+from .assembly import Assembly
+from .explicit import ExplicitMaster
+from .fmu import FmuParticipant
+from .master import SCENE_CHANNELS, Master, Settings
+from .network import Network, NetworkError
+from .participant import Participant, ParticipantError
+from .result import Result, ResultWriter, SignalGroup
+from .stepping import StepError
+from .summary import Headline, headline
+
+MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
+_PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
+
+
+class RunError(Exception):
+    """A run that could not start or did not reach its end: a sentence; results so far stay in the file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A finished run: where its result is, its headline numbers, costs, and the step sizes it took."""
+
+    path: Path
+    headline: Headline
+    steps: int
+    iterations: int
+    rejected: int
+    wall_time: float
+    fmu_time_share: float
+    segments: tuple[tuple[float, ...], ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON: headline numbers, then costs."""
+        return {
+            **self.headline.as_dict(),
+            "steps": self.steps,
+            "iterations": self.iterations,
+            "rejected_steps": self.rejected,
+            "wall_time_s": self.wall_time,
+            "real_time_factor": self.headline.end_time / self.wall_time,
+            "fmu_time_share": self.fmu_time_share,
+            "output": str(self.path),
+        }
+
+
+def export(assembly: Assembly, directory: Path) -> list[Path]:
+    """Write every part of an assembly as an FMU into a directory (made if missing)."""
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for part in assembly.parts:
+        try:
+            paths.append(build_fmu(REGISTRY[part.kind](**part.structure), part.name, directory, part.start))
+        except ComponentError as error:
+            raise RunError(f"{assembly.name}: {part.name}: {error}") from None
+    return paths
+
+
+def run(
+    assembly: Assembly,
+    output: Path,
+    settings: Settings,
+    until: float | None = None,
+    master: MasterKind = "implicit",
+    watch: Callable[[float, float], None] = lambda time, h: None,
+) -> Outcome:
+    """Run an assembly as FMUs and write its result; RunError with a sentence where it does not finish."""
+    end = assembly.until if until is None else until
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
+        participants: list[FmuParticipant] = []
+        try:
+            for path in export(assembly, folder):
+                participants.append(FmuParticipant(path.stem, path))
+                stack.callback(participants[-1].close)
+            network = Network(participants, assembly.links)
+        except (ParticipantError, NetworkError) as error:
+            raise RunError(f"{assembly.name}: {error}") from None
+        return _follow(assembly, network, output, replace(settings, progress=watch), end, master)
+
+
+def _follow(
+    assembly: Assembly, network: Network, output: Path, settings: Settings, end: float, kind: MasterKind
+) -> Outcome:
+    """Step a network through time into a result file."""
+    participants: list[Participant] = [*network.bodies, *network.connections]
+    clocks = [_timed(p) for p in participants]
+    groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
+    start = perf_counter()
+    with ResultWriter(
+        output, groups, _provenance(assembly, participants), assembly.geometry, assembly.hinge_lines
+    ) as writer:
+        try:
+            runner = (
+                Master(network, assembly.hinge_lines, writer, settings)
+                if kind == "implicit"
+                else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
+            )
+            runner.initialize(preload=assembly.preload)
+            runner.run(end)
+        except (ParticipantError, StepError) as error:
+            raise RunError(f"{assembly.name}: {error}; results up to there are in {output}") from None
+        wall = perf_counter() - start
+        statistics = runner.statistics
+        writer.statistics(
+            {
+                "steps": statistics.steps,
+                "iterations": statistics.sweeps,
+                "rejected_steps": statistics.rejected,
+                "wall_time_s": wall,
+                "real_time_factor": end / wall,
+                "fmu_time_share": sum(clock[0] for clock in clocks) / wall,
+            }
+        )
+    return Outcome(
+        path=output,
+        headline=headline(Result.open(output)),
+        steps=statistics.steps,
+        iterations=statistics.sweeps,
+        rejected=statistics.rejected,
+        wall_time=wall,
+        fmu_time_share=sum(clock[0] for clock in clocks) / wall,
+        segments=tuple(tuple(segment) for segment in runner.segments),
+    )
+
+
+def _timed(participant: Participant) -> list[float]:
+    """Replace a participant's step by one that adds up the time it takes; the sum is the list's one number."""
+    clock = [0.0]
+    step = participant.do_step
+
+    def timed_step(time: float, h: float) -> None:
+        begin = perf_counter()
+        step(time, h)
+        clock[0] += perf_counter() - begin
+
+    participant.do_step = timed_step  # type: ignore[method-assign]
+    return clock
+
+
+def _scene_group() -> SignalGroup:
+    names, units, descriptions = zip(*SCENE_CHANNELS, strict=True)
+    return SignalGroup("scene", names, units, (1,) * len(names), descriptions)
+
+
+def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict[str, str]:
+    """Scene text, versions and the digest of every FMU file."""
+    found = {"scene": assembly.name, "scene_text": assembly.scene_text, "python": platform.python_version()}
+    found.update({name: version(name) for name in _PACKAGES})
+    for participant in participants:
+        if isinstance(participant, FmuParticipant):
+            digest = hashlib.sha256(participant.path.read_bytes()).hexdigest()
+            found[f"fmu/{participant.name}"] = digest
+    return found
