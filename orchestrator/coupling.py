@@ -65,6 +65,7 @@ class Coupling:
         self.sweeps = 0
         self.probes = 0
         self._law = np.zeros(network.size)
+        self._round_off = np.zeros(network.size)
         self._mobilities: dict[tuple[str, float], list[Probe]] = {}
         self._stiffnesses: dict[tuple[str, float], list[Probe]] = {}
         self._factor_key: tuple[str, float] | None = None
@@ -105,7 +106,7 @@ class Coupling:
                 scale = self.tolerance.scale(self.wrenches + direction)
             correction = _broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
-            if size <= 1.0:
+            if size <= 1.0 or bool(np.all(np.abs(residual) <= self._round_off)):
                 return Solution(True, iteration, size, 0)
             if size > _DIVERGED * last:
                 break
@@ -183,12 +184,23 @@ class Coupling:
             self.network.connections, self.network.connection_rows, self._stiffnesses[key], strict=True
         ):
             motion_rows = (2 * rows.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
-            matrix[rows] -= probe.turned(first_port_axes(connection.inputs)) @ mobility[motion_rows]
+            stiffness = probe.turned(first_port_axes(connection.inputs))
+            matrix[rows] -= stiffness @ mobility[motion_rows]
+            self._round_off[rows] = _round_off(stiffness, connection.inputs)
         try:
             self._factors = lu_factor(matrix, check_finite=False)
         except (LinAlgError, ValueError):
             self._factors = lu_factor(np.eye(size))
         self._factor_key = key
+
+
+def _round_off(stiffness: Matrix, motion: Vector) -> Vector:
+    """Wrenches that the rounding of a connection's poses makes: its ports cannot agree better than that."""
+    sizes = np.zeros((len(stiffness) // 6, 12))
+    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
+    sizes[:, 3:6] = 1.0
+    result: Vector = 8.0 * np.finfo(float).eps * (np.abs(stiffness) @ sizes.ravel())
+    return result
 
 
 def _broyden(direction: Vector, steps: list[Vector]) -> Vector:

@@ -167,5 +167,5 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
     for participant in participants:
         if isinstance(participant, FmuParticipant):
             digest = hashlib.sha256(participant.path.read_bytes()).hexdigest()
-            found[f"fmu/{participant.name}"] = digest
+            found[f"fmu.{participant.name}"] = digest
     return found
