@@ -18,6 +18,7 @@ from .participant import Participant, Vector
 from .stepping import ErrorEstimate, History, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
+_IMPULSE_TOLERANCE = 1e-10
 _REFERENCE_TOLERANCE = 1e-4
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
@@ -254,7 +255,9 @@ class Master:
         self._coupling.forget()
         if line.kinematic:
             self._command("impulse", 1.0)
+            usual, self._coupling.tolerance = self._coupling.tolerance, Tolerance(_IMPULSE_TOLERANCE)
             solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
+            self._coupling.tolerance = usual
             if not solution.converged:
                 raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
             self.time += _IMPULSE_STEP

@@ -87,7 +87,10 @@ class InProcess:
         self._state = np.zeros(0)
         self._saved = self._state
         for key, value in (start or {}).items():
-            self.set_parameter(key, value)
+            if key in self.input_layout:
+                self.inputs[self.input_layout[key]] = value
+            else:
+                self.set_parameter(key, value)
         self._prepare()
 
     def _prepare(self) -> None:

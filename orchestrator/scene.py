@@ -17,6 +17,7 @@ from components.modal import ModalData
 
 from . import scene_check
 from .assembly import Assembly, Geometry, Link, Part
+from .port_starts import with_port_starts
 from .scene_bodies import (
     Attachment,
     attachments,
@@ -242,11 +243,12 @@ def assemble(
     parts += [loop_part(loop, wrench_mode) for loop in scene.loops]
     parts += [damper_part(scene, damper, wrench_mode) for damper in scene.dampers]
     header = scene.header
+    links = tuple(Link((a.body, a.connection), (a.connection, a.port)) for a in found)
     return Assembly(
         name=header.name,
         scene_text=scene.text,
-        parts=tuple(parts),
-        links=tuple(Link((a.body, a.connection), (a.connection, a.port)) for a in found),
+        parts=with_port_starts(parts, links),
+        links=links,
         hinge_lines=tuple(map(assembly_line, scene.hinge_lines, latches)),
         base=scene.base.name,
         until=header.until,
