@@ -23,7 +23,7 @@ from .master import Settings
 from .plots import plot_all
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, export, run
-from .scene import SceneError, assemble, find_scene, list_scenes, load_scene
+from .scene import SceneError, WrenchMode, assemble, find_scene, list_scenes, load_scene
 from .summary import headline_table
 from .verify import Verified, verify
 
@@ -85,7 +85,10 @@ def _fidelity(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
 @click.option("--step", type=click.FloatRange(min=1e-7), help="Fixed communication step size in seconds.")
 @click.option(
-    "--master", type=click.Choice(["implicit", "jacobi", "gauss-seidel"]), default="implicit", show_default=True
+    "--master",
+    type=click.Choice(["implicit", "jacobi", "gauss-seidel"]),
+    default="implicit",
+    show_default=True,
 )
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -124,7 +127,9 @@ def _progress(assembly: Assembly, end: float) -> Iterator[Callable[[float, float
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("t = {task.completed:7.3f} s  H = {task.fields[h]:.1e} s  real-time factor {task.fields[factor]:.2f}"),
+        TextColumn(
+            "t = {task.completed:7.3f} s  H = {task.fields[h]:.1e} s  real-time factor {task.fields[factor]:.2f}"
+        ),
         TimeElapsedColumn(),
     )
     start = perf_counter()
@@ -191,17 +196,18 @@ def plot_command(result: Path, output: Path | None) -> None:
 @main.command("export")
 @click.argument("scene")
 @_fidelity
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder."
+)
 @click.option(
     "--wrench-mode", type=click.Choice(["endpoint", "mean"]), default="endpoint", show_default=True,
     help="endpoint for other tools, mean for the implicit master.",
 )  # fmt: skip
 def export_command(
-    scene: str, rigid: frozenset[str], flexible: frozenset[str], output: Path, wrench_mode: str
+    scene: str, rigid: frozenset[str], flexible: frozenset[str], output: Path, wrench_mode: WrenchMode
 ) -> None:
     """Write every component of SCENE as an FMU."""
-    mode = "mean" if wrench_mode == "mean" else "endpoint"
-    for path in export(assemble(load_scene(find_scene(scene)), rigid, flexible, mode), output):
+    for path in export(assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode), output):
         click.echo(path)
 
 

@@ -7,6 +7,7 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.linalg import LinAlgError, lu_factor, lu_solve
@@ -69,7 +70,7 @@ class Coupling:
         self._mobilities: dict[tuple[str, float], list[Probe]] = {}
         self._stiffnesses: dict[tuple[str, float], list[Probe]] = {}
         self._factor_key: tuple[str, float] | None = None
-        self._factors: tuple[Matrix, Matrix] | None = None
+        self._factors: tuple[Matrix, Any] = lu_factor(np.eye(network.size))
 
     def forget(self) -> None:
         """The laws changed (an event): probe connections anew at the next solve."""

@@ -192,7 +192,7 @@ def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any
 
 def _is_coupled(name: str) -> bool:
     base = _INDEX.sub("", name)
-    return base in EVENT_OUTPUTS or base.rpartition(".")[2] in (*MOTION, *WRENCH) and "." in base
+    return base in EVENT_OUTPUTS or (base.rpartition(".")[2] in (*MOTION, *WRENCH) and "." in base)
 
 
 def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:

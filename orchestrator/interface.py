@@ -41,7 +41,9 @@ class Probe:
 
 def first_port_axes(motion: Vector) -> Matrix:
     """Rotation matrix of the first port of a flat array of port motions."""
-    return rotation_matrix(tuple(motion[3:7].tolist()))
+    w, x, y, z = motion[3:7].tolist()
+    axes: Matrix = rotation_matrix((w, x, y, z))
+    return axes
 
 
 def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Probe:
@@ -91,10 +93,10 @@ def _displace(motion: Vector, coordinate: int, amount: float) -> None:
     if coordinate < 3:
         motion[coordinate] += amount
     elif coordinate < 6:
-        half = np.zeros(4)
-        half[1 + coordinate - 3] = 0.5 * amount
-        half[0] = np.sqrt(1.0 - half @ half)
-        motion[3:7] = left_product(tuple(half.tolist())) @ motion[3:7]
+        half = [0.0, 0.0, 0.0]
+        half[coordinate - 3] = 0.5 * amount
+        turn = (np.sqrt(1.0 - 0.25 * amount * amount), half[0], half[1], half[2])
+        motion[3:7] = left_product(turn) @ motion[3:7]
     else:
         motion[coordinate + 1] += amount
 

@@ -11,8 +11,6 @@ from typing import Literal
 
 import numpy as np
 
-from components import Layout
-
 from .assembly import Link
 from .participant import Participant, Vector
 

@@ -31,5 +31,6 @@ def _outputs(part: Part) -> Mapping[str, tuple[float, ...]]:
     body = InProcess(part.name, REGISTRY[part.kind](**part.structure), part.start)
     body.read()
     return {
-        q.name: tuple(body.outputs[body.output_layout[q.name]].tolist()) for q in body.output_layout.quantities
+        q.name: tuple(body.outputs[body.output_layout[q.name]].tolist())
+        for q in body.output_layout.quantities
     }

@@ -227,14 +227,13 @@ def _component_peaks(result: Result, variable: str) -> tuple[float, ...]:
 
 
 def _force_extremes(result: Result, name: str) -> dict[str, tuple[float, float]]:
-    """Lowest and highest of every force of a cable loop."""
-    events = [time for time, _, _ in result.events]
-    found = {}
-    for variable in result.variables(name):
-        if result.unit(name, variable) == "N":
-            low, high = extremes(result.time, result.signal(name, variable), events)
-            found[variable] = (low.value, high.value)
-    return found
+    """Lowest and highest sample of every force of a cable loop; a strand that goes slack has a kink there."""
+    return {
+        variable: (float(values.min()), float(values.max()))
+        for variable in result.variables(name)
+        if result.unit(name, variable) == "N"
+        for values in (result.signal(name, variable),)
+    }
 
 
 def _motor_energy(result: Result, until: float) -> float:

@@ -64,5 +64,8 @@ def _verified(number: Number, second: float, third: float) -> Verified:
     noise = 1e-9 * abs(third)
     order = log2(abs(coarse / fine)) if abs(fine) > noise and abs(coarse) > noise else None
     return Verified(
-        number, extrapolated, abs(number.value - extrapolated), order if order is None or isfinite(order) else None
+        number,
+        extrapolated,
+        abs(number.value - extrapolated),
+        order if order is None or isfinite(order) else None,
     )

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from components.body import Body
 from orchestrator.assembly import HingeLine, Part
+from orchestrator.coupling import Tolerance
 from orchestrator.master import Settings
 from tests.references.coupled import between, completed, rigid, turned
 
@@ -14,6 +15,7 @@ PI = np.pi
 INERTIA, MASS, ARM = 6.2514, 7.582, 0.805
 ROOT = np.array((0.9, 0.0, 0.3))
 SIDES = {"left": 0.565, "right": -0.565}
+HINGES = ("hinge_left", "hinge_right")
 JOINT = {
     "translational_stiffness": (2e6, 5e6, 5e6),
     "translational_damping": (173.0, 432.0, 432.0),
@@ -62,8 +64,7 @@ def free_scene(latch, until, master, start_angle=PI - 0.2, opening=0.6, spin=SPI
     links = [
         link for side in SIDES for link in between(f"hinge_{side}", f"spacecraft.{side}", f"panel.{side}")
     ]
-    hinges = ("hinge_left", "hinge_right")
-    line = HingeLine("line", hinges, hinges[0], latches=latch != "none", kinematic=latch == "kinematic")
+    line = HingeLine("line", HINGES, HINGES[0], latches=latch != "none", kinematic=latch == "kinematic")
     return completed(until, parts, links, [line], settings=master)
 
 
@@ -78,8 +79,8 @@ def drift(run, name, bodies=("spacecraft", "panel")):
 def test_deployment_in_free_flight_keeps_both_momenta(latch):
     """Benchmark 14: P and H constant to 1e-12 of the largest body momentum, through motor, friction and latch.
 
-    The angular momentum of a connection's two wrenches is balanced as far as the coupling iterates, 1e-11 of
-    the largest wrench here; the linear one always.
+    The angular momentum of a connection's two wrenches is balanced as far as the coupling iterates; the linear
+    one always.
     """
     run = free_scene(latch, 0.8, Settings(tolerance=1e-8, fixed_step=1e-3))
     assert len(run.events) == (latch != "none")
@@ -91,12 +92,17 @@ def test_deployment_in_free_flight_keeps_both_momenta(latch):
 
 
 def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteration():
-    """Conservation law at default settings: P to round-off, H to the iteration's 1e-7 times what it sums up."""
+    """Conservation law at default settings: P to round-off, H to the iteration's tolerance.
+
+    That is 1e-6 of the largest torque and 1e-6 N.m, over 1 s and against the momentum.
+    """
     run = free_scene("spring", 1.0, Settings())
     change, size = drift(run, "linear_momentum")
     assert change < 1e-12 * size
     change, size = drift(run, "angular_momentum")
-    assert change < 1e-7 * size
+    torque = max(np.abs(run.signal(h, n)).max() for h in HINGES for n in ("latch_torque", "bending_moment"))
+    assert change < 1e-6 * (1.0 + torque) * 1.0
+    assert change < 1e-6 * size
 
 
 @pytest.mark.parametrize("latch", ["spring", "kinematic"])
@@ -121,17 +127,25 @@ def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step):
 
 
 def test_flexible_bodies_exchange_momentum_exactly():
-    """Conservation law with full inertia coupling: two flexible bodies that pull at each other through a hinge."""
+    """Conservation law with full inertia coupling: two flexible bodies that pull at each other through a hinge.
+
+    With the usual 1e-6 N.m at which the iteration ends, 1e-9 would be left; here it is told to go on.
+    """
     example = Body.example().structure
     one, two = ({**example, "ports": [port]} for port in reversed(example["ports"]))
     meeting = (1.1, 0.8, 0.06)
     parts = [
         Part("one", "body", one, {"initial_angular_velocity": (0.3, -0.2, 0.5)}),
         Part("two", "body", two, {"initial_position": meeting, "initial_velocity": (0.1, 0.2, -0.1)}),
-        Part("hinge", "hinge", {}, {**JOINT, "translational_stiffness": (2e4, 2e4, 2e4), "aligned_angle": 0.0}),
+        Part(
+            "hinge", "hinge", {}, {**JOINT, "translational_stiffness": (2e4, 2e4, 2e4), "aligned_angle": 0.0}
+        ),
     ]
     links = between("hinge", "one.outboard", "two.inboard")
-    run = completed(0.3, parts, links, settings=Settings(tolerance=1e-8, fixed_step=2e-3))
+    run = completed(
+        0.3, parts, links,
+        settings=Settings(tolerance=1e-8, fixed_step=2e-3), iteration=Tolerance(1e-10, 1e-10, 1e-10),
+    )  # fmt: skip
     assert np.abs(run.signal("hinge", "axial_force")).max() < 1e3
     assert np.abs(run.signal("one", "modal_coordinate")).max() > 1e-3
     for name in ("linear_momentum", "angular_momentum"):

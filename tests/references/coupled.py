@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from components.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
+from orchestrator.coupling import Tolerance
 from orchestrator.master import Master, Settings
 from orchestrator.network import Network
 from orchestrator.participant import in_process
@@ -72,11 +73,18 @@ def prepared(
     lines: Sequence[HingeLine] = (),
     settings: Settings | None = None,
     commands: Mapping[tuple[str, str], float] | None = None,
+    iteration: Tolerance | None = None,
 ) -> Run:
-    """An initialised scene; `commands` are discrete inputs by (participant, input) that hold from t = 0."""
+    """An initialised scene; `commands` are discrete inputs by (participant, input) that hold from t = 0.
+
+    `iteration` replaces the tolerance to which wrenches are iterated, in which the conservation of angular
+    momentum is to be seen.
+    """
     network = Network(in_process(parts), links)
     recording = Recording()
     master = Master(network, lines, recording, settings or Settings())
+    if iteration is not None:
+        master._coupling.tolerance = iteration
     run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
     recording.run = run
     for (name, key), value in (commands or {}).items():
@@ -86,7 +94,7 @@ def prepared(
     return run
 
 
-def completed(until: float, *scene: Any, **options: Any) -> Run:  # noqa: ANN401
+def completed(until: float, *scene: Any, **options: Any) -> Run:
     """The scene of `prepared` after running to `until` (s)."""
     run = prepared(*scene, **options)
     run.master.run(until)
@@ -99,7 +107,7 @@ def rigid(
     inertia: Sequence[float],
     points: Mapping[str, Sequence[float]],
     center: Sequence[float] = (0.0, 0.0, 0.0),
-    **start: Any,  # noqa: ANN401
+    **start: Any,
 ) -> Part:
     """A rigid body with principal inertia (3,) about its centre of mass and one port per point."""
     data = ModalData.rigid(mass, center, np.diag(inertia), points)
@@ -113,12 +121,12 @@ def base(**points: Sequence[float]) -> Part:
     return Part("base", "fixed_base", {"ports": ports}, {})
 
 
-def between(connection: str, first: str, second: str, sides: Sequence[str] = ("inboard", "outboard")) -> list[Link]:
+def between(
+    connection: str, first: str, second: str, sides: Sequence[str] = ("inboard", "outboard")
+) -> list[Link]:
     """Links of a connection's ports to two body ports given as "body.port"."""
     ends = [tuple(end.split(".")) for end in (first, second)]
-    return [
-        Link((body, port), (connection, side)) for (body, port), side in zip(ends, sides, strict=True)
-    ]
+    return [Link((body, port), (connection, side)) for (body, port), side in zip(ends, sides, strict=True)]
 
 
 def turned(axis: Sequence[float], angle: float) -> tuple[float, float, float, float]:

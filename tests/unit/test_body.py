@@ -49,9 +49,7 @@ def modal_data(turn=0.05, damping=(0.02, 0.05, 0.1, 0.3)):
 
 def nodal_body(data):
     arms = data.point_positions - data.center_of_mass
-    return nodal.NodalBody(
-        MASSES, arms, data.translation, data.rotation, data.frequency, data.damping_ratio
-    )
+    return nodal.NodalBody(MASSES, arms, data.translation, data.rotation, data.frequency, data.damping_ratio)
 
 
 def prepared(body, **start):
@@ -160,7 +158,10 @@ def test_flexible_body_follows_the_nodal_equations(forced, refined):
     errors = [np.abs(coordinates(x) - reference).max() for x in refined]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx([2.0, 2.0], abs=0.02)
-    coarse, fine = ((4 * b - a) / 3 for a, b in zip(*[map(coordinates, s) for s in (refined[:-1], refined[1:])], strict=True))
+    coarse, fine = (
+        (4 * b - a) / 3
+        for a, b in zip(*[map(coordinates, s) for s in (refined[:-1], refined[1:])], strict=True)
+    )
     bound = np.abs(fine - coarse).max() / 8 + 1e-10
     assert bound < 1e-8
     assert np.abs(fine - reference).max() < bound
@@ -233,7 +234,9 @@ def test_torques_on_turning_nodes_do_the_nodal_work():
     end = nodal.integrate(nodal_body(data), loads(), start, DURATION)
     a, b = (coordinates(after(data, h, torque=1.0)) for h in (1e-3, 5e-4))
     theta = max(np.linalg.norm(data.rotation[i] @ end.eta) for i in ENDS)
-    effect = sum(np.linalg.norm(t) * np.linalg.norm(data.rotation[i]) for t, i in zip(TORQUES, ENDS, strict=True))
+    effect = sum(
+        np.linalg.norm(t) * np.linalg.norm(data.rotation[i]) for t, i in zip(TORQUES, ENDS, strict=True)
+    )
     bound = effect * theta**3 / 24 * 0.5 * DURATION**2 + np.abs(b - a).max() * 1e-3
     assert bound < 1e-6
     assert np.abs((4 * b - a) / 3 - pose_of(end)).max() < bound
@@ -252,7 +255,9 @@ def test_momenta_and_kinetic_energy_are_sums_over_the_nodes():
     assert observed(body, c, x, "angular_momentum") == pytest.approx(
         np.cross(place, momentum).sum(0), rel=1e-12, abs=1e-12
     )
-    assert observed(body, c, x, "kinetic_energy") == pytest.approx(0.5 * np.sum(momentum * velocity), rel=1e-13)
+    assert observed(body, c, x, "kinetic_energy") == pytest.approx(
+        0.5 * np.sum(momentum * velocity), rel=1e-13
+    )
 
 
 def test_momenta_change_by_the_impulse_of_the_wrenches():
@@ -474,7 +479,9 @@ def test_initial_parameters_place_and_move_the_construction_frame():
     port = motions(body, c, x)[0]
     arm = turn.apply(np.array([0.6, 0.6, -0.9]))
     assert port[:3] == pytest.approx(place + arm)
-    assert Rotation.from_quat(np.roll(port[3:7], -1)).as_matrix() == pytest.approx((turn * port_turn).as_matrix())
+    assert Rotation.from_quat(np.roll(port[3:7], -1)).as_matrix() == pytest.approx(
+        (turn * port_turn).as_matrix()
+    )
     assert port[7:10] == pytest.approx(velocity + np.cross(spin, arm - turn.apply(center)))
     assert port[10:13] == pytest.approx(spin)
     assert observed(body, c, x, "frame_position") == pytest.approx(place)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from components._component import ComponentError
 from components.ccl import CableLoop
@@ -42,7 +41,10 @@ def motions(component, turn_1=0.0, turn_2=0.0, turn_link=0.0, shift=(0.0, 0.0, 0
 
 def observed(component, c, x, u):
     z = component.observe(c, x, u)
-    return {q.name: float(z[component.observation_layout[q.name]][0]) for q in component.observation_layout.quantities}
+    return {
+        q.name: float(z[component.observation_layout[q.name]][0])
+        for q in component.observation_layout.quantities
+    }
 
 
 def turn_for(tension):
@@ -117,12 +119,16 @@ def test_tension_is_never_negative(guided, turn):
     assert min(z["tension_a"], z["tension_b"]) == pytest.approx(
         max(0.0, PRELOAD - STIFFNESS * R1 * abs(turn)), abs=1e-8
     )
-    assert max(z["tension_a"], z["tension_b"]) == pytest.approx(PRELOAD + STIFFNESS * R1 * abs(turn), rel=1e-9)
+    assert max(z["tension_a"], z["tension_b"]) == pytest.approx(
+        PRELOAD + STIFFNESS * R1 * abs(turn), rel=1e-9
+    )
 
 
 @pytest.mark.parametrize("guided", [False, True])
 @pytest.mark.parametrize("mode", ["mean", "endpoint"])
-@given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), third=st.tuples(THREE, THREE), about=THREE)
+@given(
+    first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), third=st.tuples(THREE, THREE), about=THREE
+)
 def test_wrenches_sum_to_zero_about_any_point(guided, mode, first, second, third, about):
     """Conservation law: no net force and no net moment, at mid-step (mean) or at its end (endpoint)."""
     component, c = loop(mode, guided, strand_damping=3.0)
@@ -130,7 +136,9 @@ def test_wrenches_sum_to_zero_about_any_point(guided, mode, first, second, third
     x = component.initial(c, before)
     moved = [
         port_motion(np.array(place) + p, 10 * np.array(t))
-        for place, (p, t) in zip(((0, 0, 0), (DISTANCE, 0, 0), (0.5, 0, 0)), (first, second, third), strict=True)
+        for place, (p, t) in zip(
+            ((0, 0, 0), (DISTANCE, 0, 0), (0.5, 0, 0)), (first, second, third), strict=True
+        )
     ]
     after = inputs(component, *moved[: len(component.ports)])
     y = component.step(c, x, after, 0.01)
@@ -155,7 +163,9 @@ def test_work_of_the_mean_wrench_is_the_change_of_energy(guided, turns, damping)
     assert heat >= 0.0
     scale = before["potential_energy"] + after["potential_energy"] + heat
     ports = len(component.ports)
-    assert work(component.outputs(c, x1, u1), u0, u1, ports) + stored + heat == pytest.approx(0.0, abs=1e-13 * scale)
+    assert work(component.outputs(c, x1, u1), u0, u1, ports) + stored + heat == pytest.approx(
+        0.0, abs=1e-13 * scale
+    )
 
 
 @pytest.mark.parametrize("guided", [False, True])
@@ -228,7 +238,9 @@ def test_hold_adjusts_the_strands_to_their_preload():
     y = component.step(c, x, u, 0.1)
     z = observed(component, c, y, u)
     assert (z["tension_a"], z["tension_b"]) == pytest.approx((PRELOAD, PRELOAD), rel=1e-13)
-    assert component.outputs(c, y, u).reshape(2, 6)[1, :3] == pytest.approx((-2 * PRELOAD * FREE / DISTANCE, 0, 0), abs=1e-11)
+    assert component.outputs(c, y, u).reshape(2, 6)[1, :3] == pytest.approx(
+        (-2 * PRELOAD * FREE / DISTANCE, 0, 0), abs=1e-11
+    )
 
 
 def test_pulleys_too_close_are_refused():
@@ -251,7 +263,13 @@ def synchronised(radius_1, radius_2, strand, guided, until=3.0):
     parts = [
         base(root=(0, 0, 0), pulley=(0, 0, 0)),
         rigid("link", 2.0, (0.5, 3.0, 3.0), points),
-        rigid("wheel", 3.0, (0.7, 0.8, 0.9), {"hub": (0, 0, 0), "pulley": (0, 0, 0)}, initial_position=(1.0, 0, 0)),
+        rigid(
+            "wheel",
+            3.0,
+            (0.7, 0.8, 0.9),
+            {"hub": (0, 0, 0), "pulley": (0, 0, 0)},
+            initial_position=(1.0, 0, 0),
+        ),
         Part("root_hinge", "hinge", {"axis": (0, -1, 0)}, {**stiff, **motor}),
         Part("tip_hinge", "hinge", {"axis": (0, -1, 0)}, stiff),
         Part(
@@ -277,7 +295,9 @@ def synchronised(radius_1, radius_2, strand, guided, until=3.0):
     return completed(until, parts, links, settings=Settings(tolerance=1e-6, fixed_step=0.01))
 
 
-@pytest.mark.parametrize(("radius_1", "radius_2", "guided"), [(0.06, 0.03, False), (0.05, 0.05, False), (0.04, 0.06, True)])
+@pytest.mark.parametrize(
+    ("radius_1", "radius_2", "guided"), [(0.06, 0.03, False), (0.05, 0.05, False), (0.04, 0.06, True)]
+)
 def test_stiff_loop_makes_one_coordinate(radius_1, radius_2, guided):
     """Closed form: r1 phi1 = r2 phi2 makes the pair a spring-driven rotor of inertia J + m d^2 + Jw (1 - r1/r2)^2.
 

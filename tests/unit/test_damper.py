@@ -34,7 +34,10 @@ def rotor(h, until, torque=TORQUE, peak_rate=0.0, rate=0.0):
         Part("hinge", "hinge", harness, stiff),
         Part("damper", "eddy_current_damper", {}, {"damping_coefficient": COEFFICIENT, "peak_rate": peak_rate}),
     ]  # fmt: skip
-    links = [*between("hinge", "base.hinge", "rotor.hinge"), *between("damper", "base.damper", "rotor.damper")]
+    links = [
+        *between("hinge", "base.hinge", "rotor.hinge"),
+        *between("damper", "base.damper", "rotor.damper"),
+    ]
     return completed(until, parts, links, settings=Settings(fixed_step=h))
 
 

@@ -10,9 +10,11 @@ from components import _frames as frames
 
 COORDINATE = st.floats(-3.0, 3.0)
 VECTOR = st.tuples(COORDINATE, COORDINATE, COORDINATE)
-QUATERNION = st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE).filter(
-    lambda q: np.linalg.norm(q) > 1e-3
-).map(frames.normalized)
+QUATERNION = (
+    st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE)
+    .filter(lambda q: np.linalg.norm(q) > 1e-3)
+    .map(frames.normalized)
+)
 
 
 def library(q):

@@ -90,7 +90,11 @@ def spring_driven_panel(step, line=None):
         "motor_wind_up": 8.3198,
         "latch_stiffness": 2000.0,
     }
-    parts = [base(root=(0, 0, 0)), panel, Part("hinge", "hinge", {"axis": (0, -1, 0), "latch": "spring"}, start)]
+    parts = [
+        base(root=(0, 0, 0)),
+        panel,
+        Part("hinge", "hinge", {"axis": (0, -1, 0), "latch": "spring"}, start),
+    ]
     line = HingeLine("line", ("hinge",), "hinge", latches=True, kinematic=False)
     settings = Settings(tolerance=1e-6, fixed_step=step)
     return completed(4.3, parts, between("hinge", "base.root", "panel.root"), [line], settings=settings)
@@ -124,8 +128,16 @@ def latched_pair(stiffness, step, latch="spring", **structure):
     inertia_1, inertia_2, rate = PAIR[0], PAIR[1], 0.01
     share = inertia_1 / (inertia_1 + inertia_2)
     parts = [
-        rigid("one", 8.0, (7.0, inertia_1, 8.0), {"p": (0, 0, 0)}, initial_angular_velocity=(0, (share - 1) * rate, 0)),
-        rigid("two", 7.0, (7.0, inertia_2, 8.0), {"p": (0, 0, 0)}, initial_angular_velocity=(0, share * rate, 0)),
+        rigid(
+            "one",
+            8.0,
+            (7.0, inertia_1, 8.0),
+            {"p": (0, 0, 0)},
+            initial_angular_velocity=(0, (share - 1) * rate, 0),
+        ),
+        rigid(
+            "two", 7.0, (7.0, inertia_2, 8.0), {"p": (0, 0, 0)}, initial_angular_velocity=(0, share * rate, 0)
+        ),
         Part("hinge", "hinge", {"latch": latch, **structure}, {**STIFF, "latch_stiffness": stiffness}),
     ]
     return completed(
@@ -147,7 +159,9 @@ def frequency(run):
             a, b = h * v[i - 1], h * v[i]
             rise = s[i] - s[i - 1]
             cubic = np.polynomial.Polynomial((s[i - 1], a, 3 * rise - 2 * a - b, a + b - 2 * rise))
-            crossings += [t[i - 1] + h * r.real for r in cubic.roots() if abs(r.imag) < 1e-9 and 0 <= r.real <= 1]
+            crossings += [
+                t[i - 1] + h * r.real for r in cubic.roots() if abs(r.imag) < 1e-9 and 0 <= r.real <= 1
+            ]
     return (len(crossings) - 1) / 2 / (crossings[-1] - crossings[0])
 
 
@@ -235,9 +249,7 @@ def test_friction_torque_of_the_pin_force(bending_arm, swing):
         friction_coefficient=0.1, pin_radius=0.006, friction_bending_arm=bending_arm,
     )  # fmt: skip
     place = (24e-6, 0, -32e-6)
-    states = [
-        inputs(component, port_motion(), port_motion(place, (0, turn, 0))) for turn in (0.0, 0.1)
-    ]
+    states = [inputs(component, port_motion(), port_motion(place, (0, turn, 0))) for turn in (0.0, 0.1)]
     if swing:
         for u, turn in zip(states, (0.0, 0.1), strict=True):
             tilt, twist = np.array(turned((1, 0, 0), swing)), np.array(turned(AXIS, turn))
@@ -362,7 +374,9 @@ def test_hold_keeps_the_angle(mode):
 def test_wrenches_sum_to_zero_about_any_point(mode, first, second, about):
     """Conservation law: no net force and no net moment, at mid-step (mean) or at its end (endpoint)."""
     component, c = hinge(mode, {**HARNESS, "latch": "spring"}, **MECHANISM)
-    before = inputs(component, port_motion(), port_motion((0.01, 0.02, -0.01), (0.1, 0.5, 0)), latch_command=1.0)
+    before = inputs(
+        component, port_motion(), port_motion((0.01, 0.02, -0.01), (0.1, 0.5, 0)), latch_command=1.0
+    )
     after = inputs(
         component,
         port_motion(first[0], 10 * np.array(first[1]), 50 * np.array(second[1]), 50 * np.array(first[0])),
@@ -425,7 +439,9 @@ def test_endpoint_and_mean_wrench_agree_in_the_limit():
         return inputs(
             component,
             port_motion((0, 0, 0), (0, 0.3 * t, 0), (0, 0, 0), (0, 0.3, 0)),
-            port_motion((0.02 * t, -0.01 * t, 0.03 * t), (0, 0.4 + 1.1 * t, 0), (0.02, -0.01, 0.03), (0, 1.1, 0)),
+            port_motion(
+                (0.02 * t, -0.01 * t, 0.03 * t), (0, 0.4 + 1.1 * t, 0), (0.02, -0.01, 0.03), (0, 1.1, 0)
+            ),
         )
 
     differences = []
@@ -505,7 +521,9 @@ def pinned_pair(step, lead, latch="kinematic"):
     spin_1, spin_2 = np.array((0, turn_1, 0)), np.array((0, turn_1 + RELATIVE_RATE, 0))
     elbow = np.array((LENGTH, 0, 0))
     center_2 = ARM[1] * np.array((np.cos(lead), 0, np.sin(lead)))
-    inertias = [(0.5, j - m * a * a, j - m * a * a + 0.4) for j, m, a in zip(ABOUT_HINGE, MASS, ARM, strict=True)]
+    inertias = [
+        (0.5, j - m * a * a, j - m * a * a + 0.4) for j, m, a in zip(ABOUT_HINGE, MASS, ARM, strict=True)
+    ]
     parts = [
         base(root=(0, 0, 0)),
         rigid(
@@ -582,7 +600,9 @@ def test_kinematic_latch_locks_from_the_event_on():
 def test_spring_latch_keeps_the_energy():
     """Conservation law: no damping, so the spring latch gives and takes; only the hinges' own damping is lost."""
     run, i = pinned_pair(1e-3, 2e-3, "spring")
-    total = kinetic_energy(run) + run.signal("HL2", "potential_energy") + run.signal("HL1", "potential_energy")
+    total = (
+        kinetic_energy(run) + run.signal("HL2", "potential_energy") + run.signal("HL1", "potential_energy")
+    )
     lost = run.signal("HL1", "damping_energy") + run.signal("HL2", "dissipated_energy")
     assert run.signal("HL2", "potential_energy")[i:].max() > 0.01
     assert total + lost == pytest.approx(total[0], abs=1e-6 * total[0])

@@ -106,9 +106,9 @@ def test_table_meets_its_points_and_does_not_overshoot():
     for edge, sign in ((-1.0, -1.0), (2.0, 1.0)):
         slope = (table.value(edge + sign) - table.value(edge)) / sign
         assert table.value(edge + 3.7 * sign) == pytest.approx(table.value(edge) + 3.7 * sign * slope)
-        assert (table.value(edge + sign * 1e-6) - table.value(edge - sign * 1e-6)) / (2e-6 * sign) == pytest.approx(
-            slope, abs=1e-4
-        )
+        assert (table.value(edge + sign * 1e-6) - table.value(edge - sign * 1e-6)) / (
+            2e-6 * sign
+        ) == pytest.approx(slope, abs=1e-4)
 
 
 def test_table_of_two_points_is_a_line_everywhere():
@@ -121,7 +121,11 @@ def test_table_of_two_points_is_a_line_everywhere():
 
 @pytest.mark.parametrize(
     ("places", "forces", "words"),
-    [((0.0,), (1.0,), "two points"), ((0.0, 1.0), (1.0,), "two points"), ((1.0, 0.0), (1.0, 2.0), "increase")],
+    [
+        ((0.0,), (1.0,), "two points"),
+        ((0.0, 1.0), (1.0,), "two points"),
+        ((1.0, 0.0), (1.0, 2.0), "increase"),
+    ],
 )
 def test_impossible_tables_are_refused(places, forces, words):
     """A sentence says what is wrong."""

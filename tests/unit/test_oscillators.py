@@ -35,7 +35,9 @@ def test_propagator_is_the_matrix_exponential(w, zeta, h):
     expected = expm(h * generator)[:2]
     gap = abs(np.emath.sqrt(zeta**2 - 1.0)) * w * h
     loss = EPS * max(1.0, zeta * w * h) / max(gap, 1e-6) * min(1.0, w * h)
-    assert scaled(w, matrix(p)) == pytest.approx(expected, abs=50 * EPS * (1 + w * h * (1 + zeta)) + 20 * loss)
+    assert scaled(w, matrix(p)) == pytest.approx(
+        expected, abs=50 * EPS * (1 + w * h * (1 + zeta)) + 20 * loss
+    )
 
 
 @given(FREQUENCY, DAMPING, STEP)

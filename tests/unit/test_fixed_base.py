@@ -1,0 +1,66 @@
+"""The fixed base: constant ports, and the interface load as a sum of moments."""
+
+import numpy as np
+import pytest
+
+from components.fixed_base import FixedBase
+
+PLACES = np.array([(0.0, 0.0, 0.0), (0.2, 0.6, -0.1)])
+REFERENCE = np.array([0.1, -0.3, 0.4])
+
+
+def base():
+    return FixedBase([{"name": f"p{i}", "position": tuple(p)} for i, p in enumerate(PLACES)], tuple(REFERENCE))
+
+
+def wrench(component, time):
+    """Inputs of loads that grow linearly with time."""
+    u = component.input_layout.start_values()
+    u[:12] = np.arange(1.0, 13.0) * (1.0 + 2.0 * time)
+    return u
+
+
+def load(u):
+    table = u[:12].reshape(2, 6)
+    force = table[:, :3]
+    moment = table[:, 3:] + np.cross(PLACES - REFERENCE, force)
+    return np.concatenate((force.sum(0), moment.sum(0)))
+
+
+def test_ports_never_move():
+    """Definition of a fixed base, whatever acts on it."""
+    component = base()
+    u = wrench(component, 1.0)
+    x = component.step(None, component.initial(None, u), u, 0.1)
+    ports = component.outputs(None, x, u).reshape(2, 13)
+    assert np.array_equal(ports[:, :3], PLACES)
+    assert np.array_equal(ports[:, 3:], np.tile([1.0, *[0.0] * 9], (2, 1)))
+
+
+def test_interface_load_is_the_sum_about_the_reference_point():
+    """Statics: sum of forces, sum of torques and of arms x forces."""
+    component = base()
+    u = wrench(component, 0.0)
+    x = component.step(None, component.initial(None, u), u, 0.1)
+    assert component.observe(None, x, u) == pytest.approx(load(u), rel=1e-13)
+
+
+@pytest.mark.parametrize("steps", [(0.1, 0.1), (0.1, 0.03), (0.02, 0.3)])
+def test_load_at_the_communication_point_is_exact_for_linear_loads(steps):
+    """Closed form: means belong to mid-step; a load linear in time is met at the end of the step."""
+    component = base()
+    x, time = component.initial(None, wrench(component, 0.0)), 0.0
+    for h in steps:
+        x = component.step(None, x, wrench(component, time + 0.5 * h), h)
+        time += h
+    expected = load(wrench(component, time))
+    assert component.observe(None, x, wrench(component, time)) == pytest.approx(expected, rel=1e-12)
+
+
+def test_an_impulse_is_no_lasting_load():
+    """Definition: after an impulse the record starts anew."""
+    component = base()
+    u = wrench(component, 1.0)
+    u[component.input_layout["impulse"]] = 1.0
+    x = component.step(None, component.step(None, component.initial(None, u), u, 0.1), u, 1e-7)
+    assert not component.observe(None, x, u).any()
