@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,10 +26,10 @@ from ._frames import (
     skew,
     sum_of_moments,
 )
+from ._inertia import CouplingLevel as CouplingLevel
+from ._inertia import InertiaCoupling, solve_symmetric
 from ._oscillators import Propagator, propagator
 from .modal import ModalData
-
-InertiaCoupling = Literal["rigid", "constant", "partial", "full"]
 
 _R, _Q, _P, _L, _W, _D, _ETA = (
     slice(0, 3),
@@ -40,10 +40,8 @@ _R, _Q, _P, _L, _W, _D, _ETA = (
     16,
     17,
 )
-_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-_SYMMETRIC = np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])
 _MAX_ITERATIONS = 12
-_ANGLE_TOLERANCE = 1e-11
+_ANGLE_TOLERANCE = 1e-12
 _CACHED_STEP_SIZES = 64
 
 
@@ -68,6 +66,25 @@ class _Constants:
         return found
 
 
+class _Load(NamedTuple):
+    """Held wrenches of all ports, world axes, and the sum of their torques."""
+
+    force: Vector
+    torque: Vector
+    torque_sum: Vector
+
+
+class _Turned(NamedTuple):
+    """Outcome of a step's iteration: angular velocity of mid-step, arms at both ends, modes at the end, heat."""
+
+    omega: Vector
+    world_arms: Vector
+    arms: Vector
+    eta: Vector
+    pi: Vector
+    heat: float
+
+
 class Body(Component):
     """A rigid or flexible body with ports at attachment points, nodes, or offsets from either.
 
@@ -83,12 +100,13 @@ class Body(Component):
         self,
         modal: Mapping[str, Any],
         ports: Sequence[Mapping[str, Any]],
-        inertia_coupling: InertiaCoupling = "full",
+        inertia_coupling: CouplingLevel = "full",
     ) -> None:
         data = ModalData.from_arrays(modal)
         self.data = data
         self.modes = data.frequency.size
-        self._check(data, inertia_coupling)
+        self._check(data)
+        self._inertia = InertiaCoupling(data, inertia_coupling)
         self._declare(
             {"modal": dict(modal), "ports": [dict(p) for p in ports], "inertia_coupling": inertia_coupling},
             ports=[Port(p["name"], "body") for p in ports],
@@ -96,14 +114,9 @@ class Body(Component):
             observations=_observations(self.modes),
         )
         self._place_ports(data, ports)
-        self._place_invariants(data, inertia_coupling)
 
     @staticmethod
-    def _check(data: ModalData, inertia_coupling: str) -> None:
-        if inertia_coupling not in ("rigid", "constant", "partial", "full"):
-            raise ComponentError(
-                f"inertia_coupling is {inertia_coupling!r}; it must be rigid, constant, partial or full"
-            )
+    def _check(data: ModalData) -> None:
         if not data.mass > 0.0:
             raise ComponentError(f"mass is {data.mass:g} kg; it must be positive")
         principal = np.linalg.eigvalsh(data.inertia)
@@ -141,23 +154,6 @@ class Body(Component):
         self._turned_ports = bool(np.any(self.port_orientation[:, 1:] != 0.0))
         self._phi = self.translation.reshape(3 * count, modes)
         self._psi = self.rotation.reshape(3 * count, modes)
-
-    def _place_invariants(self, data: ModalData, inertia_coupling: str) -> None:
-        m = self.modes
-        self._full = m > 0 and inertia_coupling == "full"
-        self._varying = m > 0 and inertia_coupling in ("partial", "full")
-        self._inertia = np.array([data.inertia[i, j] for i, j in _PAIRS])
-        self._inverse_inertia = np.linalg.inv(data.inertia)
-        i8 = data.invariant8 + data.invariant8.transpose(0, 2, 1)
-        self._linear_inertia = np.array([i8[:, i, j] for i, j in _PAIRS])
-        if not self._full:
-            return
-        i9 = data.invariant9 + data.invariant9.transpose(0, 1, 3, 2)
-        i9 = 0.25 * (i9 + i9.transpose(1, 0, 2, 3))
-        quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
-        gyroscopic = data.invariant5.transpose(1, 2, 0).reshape(3 * m, m)
-        self._tensors = np.ascontiguousarray(np.vstack([quadratic, gyroscopic]))
-        self._gyroscopic = np.ascontiguousarray(gyroscopic)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -200,69 +196,68 @@ class Body(Component):
 
     def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         m = self.modes
-        mass = self.data.mass
         wrench = u.reshape(-1, 6)
-        force, torque = wrench[:, :3], wrench[:, 3:]
+        load = _Load(wrench[:, :3], wrench[:, 3:], wrench[:, 3:].sum(0))
+        turned = self._turned_flexible(c, x, load, h) if m else self._turned_rigid(x, load, h)
+        result = np.empty_like(x)
+        result[_P] = x[_P] + h * (load.force.sum(0) + self.data.mass * c.gravity)
+        result[_R] = x[_R] + (0.5 * h / self.data.mass) * (x[_P] + result[_P])
         q0 = tuple(x[_Q].tolist())
-        a0 = rotation_matrix(q0)
-        eta0, pi0, momentum0 = x[_ETA : _ETA + m], x[_ETA + m :], x[_L]
-        arms0 = (self.arms + (self._phi @ eta0).reshape(-1, 3)) if m else self.arms
-        world_arms0 = arms0 @ a0.T
-        torque_sum = torque.sum(0)
-        omega = x[_W]
-        eta1, pi1, rate0 = eta0, pi0, pi0
-        arms1 = arms0
-        modal_force = pi0
-        eta_mean, rate_mean = eta0, self._modal_rate(omega, eta0, pi0) if m else pi0
-        step_propagator = c.propagator(h) if m else None
+        half_turn = exponential(tuple((0.5 * h * turned.omega).tolist()))
+        result[_Q] = q1 = normalized(multiply(q0, multiply(half_turn, half_turn)))
+        a1 = rotation_matrix(q1)
+        arms = 0.5 * (turned.world_arms + turned.arms @ a1.T)
+        result[_L] = momentum = x[_L] + h * (sum_of_moments(arms, load.force) + load.torque_sum)
+        result[_ETA : _ETA + m], result[_ETA + m :] = turned.eta, turned.pi
+        result[_D] = x[_D] + turned.heat
+        result[_W] = self._inertia.angular_velocity(momentum @ a1, turned.eta, turned.pi)
+        return result
+
+    def _turned_rigid(self, x: Vector, load: _Load, h: float) -> _Turned:
+        """Angular velocity of mid-step, iterated on the moments of the forces at both ends."""
+        a0 = rotation_matrix(tuple(x[_Q].tolist()))
+        world_arms = self.arms @ a0.T
+        momentum, omega = x[_L], x[_W]
         for _ in range(_MAX_ITERATIONS):
-            half_turn = exponential(tuple((0.5 * h * omega).tolist()))
-            half = rotation_matrix(half_turn)
+            half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
+            a_mid = a0 @ half
+            moment = sum_of_moments(0.5 * (world_arms + self.arms @ (a_mid @ half).T), load.force)
+            updated = self._inertia.inverse @ ((momentum + (0.5 * h) * (moment + load.torque_sum)) @ a_mid)
+            change, omega = float(abs(updated - omega).max()), updated
+            if h * change < _ANGLE_TOLERANCE:
+                break
+        return _Turned(omega, world_arms, self.arms, x[_ETA:_ETA], x[_ETA:_ETA], 0.0)
+
+    def _turned_flexible(self, c: _Constants, x: Vector, load: _Load, h: float) -> _Turned:
+        """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
+        m, prop = self.modes, c.propagator(h)
+        a0 = rotation_matrix(tuple(x[_Q].tolist()))
+        eta0, pi0, momentum, omega = x[_ETA : _ETA + m], x[_ETA + m :], x[_L], x[_W]
+        world_arms = (self.arms + (self._phi @ eta0).reshape(-1, 3)) @ a0.T
+        eta_mean, rate_mean = eta0, self._inertia.modal_rate(omega, eta0, pi0)
+        for _ in range(_MAX_ITERATIONS):
+            half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
             a1 = a_mid @ half
-            if step_propagator is not None:
-                coupling, inertia, nonlinear = self._coupling(omega, eta_mean, rate_mean)
-                drag = coupling.T @ omega
-                modal_force = nonlinear + self._modal_force(0.5 * (a0 + a1), a_mid, eta_mean, force, torque)
-                rate0 = pi0 - drag
-                eta1 = (
-                    step_propagator.a11 * eta0
-                    + step_propagator.a12 * rate0
-                    + step_propagator.b1 * modal_force
-                )
-                rate1 = (
-                    step_propagator.a21 * eta0
-                    + step_propagator.a22 * rate0
-                    + step_propagator.b2 * modal_force
-                )
-                pi1 = rate1 + drag
-                eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
-                arms1 = self.arms + (self._phi @ eta1).reshape(-1, 3)
-            moment = sum_of_moments(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum
-            body_momentum = (momentum0 + (0.5 * h) * moment) @ a_mid
-            if step_propagator is None or not self._varying:
-                updated = self._inverse_inertia @ body_momentum
+            b, inertia, nonlinear = self._inertia.at(omega, eta_mean, rate_mean)
+            drag = omega @ b
+            force = nonlinear + self._modal_force(0.5 * (a0 + a1), a_mid, eta_mean, load.force, load.torque)
+            rate0 = pi0 - drag
+            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force
+            rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
+            pi1 = rate1 + drag
+            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
+            arms = self.arms + (self._phi @ eta1).reshape(-1, 3)
+            moment = sum_of_moments(0.5 * (world_arms + arms @ a1.T), load.force) + load.torque_sum
+            body_momentum = (momentum + (0.5 * h) * moment) @ a_mid
+            if self._inertia.varies:
+                updated = solve_symmetric(inertia, body_momentum - b @ (0.5 * (pi0 + pi1)))
             else:
-                body_momentum = body_momentum - coupling @ (0.5 * (pi0 + pi1))
-                updated = _solve_symmetric(inertia, body_momentum)
-            change = updated - omega
-            omega = updated
-            if h * float(abs(change).max()) < _ANGLE_TOLERANCE:
+                updated = self._inertia.inverse @ body_momentum
+            change, omega = float(abs(updated - omega).max()), updated
+            if h * change < _ANGLE_TOLERANCE:
                 break
-        result = np.empty_like(x)
-        half_turn = exponential(tuple((0.5 * h * omega).tolist()))
-        q1 = normalized(multiply(q0, multiply(half_turn, half_turn)))
-        a1 = rotation_matrix(q1)
-        result[_Q] = q1
-        result[_P] = x[_P] + h * (force.sum(0) + mass * c.gravity)
-        result[_R] = x[_R] + (0.5 * h / mass) * (x[_P] + result[_P])
-        result[_L] = momentum0 + h * (sum_of_moments(0.5 * (world_arms0 + arms1 @ a1.T), force) + torque_sum)
-        result[_D] = x[_D]
-        if step_propagator is not None:
-            result[_ETA : _ETA + m], result[_ETA + m :] = eta1, pi1
-            result[_D] += step_propagator.dissipated(eta0, rate0, modal_force)
-        result[_W] = self._angular_velocity(a1, result[_L], eta1, pi1)
-        return result
+        return _Turned(omega, world_arms, arms, eta1, pi1, prop.dissipated(eta0, rate0, force))
 
     def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
@@ -282,7 +277,7 @@ class Body(Component):
                 result[_ETA : _ETA + m] = eta
                 arms = self.arms + (self._phi @ eta).reshape(-1, 3)
             moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
-            turn = h * h * (self._inverse_inertia @ (moment @ a1))
+            turn = h * h * (self._inertia.inverse @ (moment @ a1))
             q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
             a1 = rotation_matrix(q1)
         result[_Q] = q1
@@ -301,41 +296,6 @@ class Body(Component):
         conjugate_torque = body_torque - 0.5 * once + twice / 6.0
         return (force @ a_force).ravel() @ self._phi + conjugate_torque.ravel() @ self._psi
 
-    def _coupling(self, omega: Vector, eta: Vector, rate: Vector) -> tuple[Vector, Vector, Vector]:
-        """B (3, M), J - B B^T as six entries, and the quadratic velocity forces (M,)."""
-        m = self.modes
-        if not self._varying:
-            return np.zeros((3, m)), self._inertia, np.zeros(m)
-        x, y, z = omega.tolist()
-        products = np.array((x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z))
-        slope = self._linear_inertia
-        if not self._full:
-            return np.zeros((3, m)), self._inertia - slope @ eta, -0.5 * (products @ slope)
-        stacked = self._tensors @ np.stack((eta, rate), axis=1)
-        quadratic = stacked[: 6 * m, 0].reshape(6, m)
-        b = stacked[6 * m :, 0].reshape(3, m)
-        b_rate = stacked[6 * m :, 1].reshape(3, m)
-        inertia = self._inertia - slope @ eta - quadratic @ eta
-        bb = b @ b.T
-        inertia -= np.array((bb[0, 0], bb[1, 1], bb[2, 2], bb[0, 1], bb[0, 2], bb[1, 2]))
-        forces = -0.5 * (products @ (slope + 2.0 * quadratic)) - omega @ b_rate
-        return b, inertia, forces
-
-    def _gyroscopic_coupling(self, eta: Vector) -> Vector:
-        return (self._gyroscopic @ eta).reshape(3, self.modes)
-
-    def _modal_rate(self, omega: Vector, eta: Vector, pi: Vector) -> Vector:
-        """Eta' = pi - B^T omega."""
-        return pi - omega @ self._gyroscopic_coupling(eta) if self._full else pi
-
-    def _angular_velocity(self, a: Vector, momentum: Vector, eta: Vector, pi: Vector) -> Vector:
-        """Omega in body axes from the momenta: (J - B B^T)^-1 (A^T L - B pi)."""
-        body_momentum = momentum @ a
-        if not self._varying:
-            return self._inverse_inertia @ body_momentum
-        b, inertia, _ = self._coupling(np.zeros(3), eta, pi)
-        return _solve_symmetric(inertia, body_momentum - b @ pi)
-
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose and velocity of every port, world axes."""
         m = self.modes
@@ -349,7 +309,7 @@ class Body(Component):
         rate_of_turn = np.broadcast_to(omega, arms.shape)
         if m:
             eta = x[_ETA : _ETA + m]
-            rate = self._modal_rate(omega, eta, x[_ETA + m :])
+            rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
             deflection = (self._phi @ eta).reshape(-1, 3)
             arms = arms + deflection
             velocity = arms @ spin.T + (self._phi @ rate).reshape(-1, 3)
@@ -388,7 +348,7 @@ class Body(Component):
         m = self.modes
         a = rotation_matrix(tuple(x[_Q].tolist()))
         eta, pi = x[_ETA : _ETA + m], x[_ETA + m :]
-        rate = self._modal_rate(x[_W], eta, pi)
+        rate = self._inertia.modal_rate(x[_W], eta, pi)
         kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
         z = np.empty(self.observation_layout.size)
@@ -469,22 +429,6 @@ def _observations(modes: int) -> list[Quantity]:
     if modes:
         found.append(Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes))
     return found
-
-
-def _solve_symmetric(entries: Vector, right: Vector) -> Vector:
-    """Solve a symmetric 3x3 system given as (xx, yy, zz, xy, xz, yz), by cofactors."""
-    xx, yy, zz, xy, xz, yz = entries.tolist()
-    r0, r1, r2 = right.tolist()
-    c00, c01, c02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
-    scale = 1.0 / (xx * c00 + xy * c01 + xz * c02)
-    c11, c12, c22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
-    return np.array(
-        (
-            scale * (c00 * r0 + c01 * r1 + c02 * r2),
-            scale * (c01 * r0 + c11 * r1 + c12 * r2),
-            scale * (c02 * r0 + c12 * r1 + c22 * r2),
-        )
-    )
 
 
 def _example_modal_data() -> ModalData:

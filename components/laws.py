@@ -37,10 +37,8 @@ def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float
     potential.
     """
     change = s1 - s0
-    if abs(change) > _TINY:
-        force = (law.potential(s0) - law.potential(s1)) / change
-    else:
-        force = law.value(0.5 * (s0 + s1))
+    middle = 0.5 * (s0 + s1)
+    force = (law.potential(s0) - law.potential(s1)) / change if abs(change) > _TINY else law.value(middle)
     if end_weight != 0.5:
         force += (end_weight - 0.5) * (law.value(s1) - law.value(s0))
     return force

@@ -23,7 +23,8 @@ from .master import Settings
 from .plots import plot_all
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, export, run
-from .scene import SceneError, WrenchMode, assemble, find_scene, list_scenes, load_scene
+from .scene import SceneError, assemble, find_scene, list_scenes, load_scene
+from .scene_connections import WrenchMode
 from .summary import headline_table
 from .verify import Verified, verify
 

@@ -7,6 +7,7 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -181,13 +182,13 @@ class Coupling:
         ):
             mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
         matrix = np.eye(size)
-        for connection, rows, probe in zip(
+        for connection, index, probe in zip(
             self.network.connections, self.network.connection_rows, self._stiffnesses[key], strict=True
         ):
-            motion_rows = (2 * rows.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
+            motion_rows = (2 * index.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
             stiffness = probe.turned(first_port_axes(connection.inputs))
-            matrix[rows] -= stiffness @ mobility[motion_rows]
-            self._round_off[rows] = _round_off(stiffness, connection.inputs)
+            matrix[index] -= stiffness @ mobility[motion_rows]
+            self._round_off[index] = _round_off(stiffness, connection.inputs)
         try:
             self._factors = lu_factor(matrix, check_finite=False)
         except (LinAlgError, ValueError):
@@ -206,7 +207,7 @@ def _round_off(stiffness: Matrix, motion: Vector) -> Vector:
 
 def _broyden(direction: Vector, steps: list[Vector]) -> Vector:
     """Broyden's update of a chord Newton direction from the steps taken so far (scaled), without a matrix."""
-    for before, after in zip(steps[:-1], steps[1:], strict=True):
+    for before, after in pairwise(steps):
         direction = direction + after * (float(before @ direction) / float(before @ before))
     if steps:
         newest = steps[-1]

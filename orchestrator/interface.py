@@ -35,8 +35,9 @@ class Probe:
         """The matrix, turned with the first port from `self.axes` to `axes`; all its vectors are 3-vectors."""
         turn = axes @ self.axes.T
         rows, columns = self.matrix.shape
-        blocks = self.matrix.reshape(rows // 3, 3, columns // 3, 3)
-        return np.einsum("ab,ibjc,dc->iajd", turn, blocks, turn, optimize=True).reshape(rows, columns)
+        rows_turned = turn @ self.matrix.reshape(rows // 3, 3, columns)
+        result: Matrix = (rows_turned.reshape(rows, columns // 3, 3) @ turn.T).reshape(rows, columns)
+        return result
 
 
 def first_port_axes(motion: Vector) -> Matrix:

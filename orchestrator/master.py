@@ -46,9 +46,10 @@ SCENE_CHANNELS = (
 class Settings:
     """Numbers of the master.
 
-    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below,
-    it goes with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant communication step size instead of
-    control. step_plan: step sizes of an earlier run to follow, one list per segment between events.
+    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
+    with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant
+    communication step size instead of control. step_plan: step sizes of an earlier run to follow, one list
+    per segment between events.
     """
 
     tolerance: float = 1e-4

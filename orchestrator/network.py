@@ -7,6 +7,7 @@ the vector of all wrenches that bodies take, in the order of the bodies and thei
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -107,7 +108,7 @@ class Network:
 
 def _consecutive(sizes: Sequence[int]) -> list[slice]:
     ends = np.cumsum([0, *sizes]).tolist()
-    return [slice(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [slice(a, b) for a, b in pairwise(ends)]
 
 
 def _problems(participants: Sequence[Participant], links: Sequence[Link]) -> list[str]:

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from components import ComponentError
 from components._frames import Vector3
 from components.body import Body as BodyComponent
-from components.body import InertiaCoupling
+from components.body import CouplingLevel
 from components.modal import ModalData
 
 from .units import (
@@ -166,7 +166,7 @@ class Body(Table):
     rigid: RigidBody | None = None
     fidelity: Fidelity | None = None
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
-    inertia_coupling: InertiaCoupling = "full"
+    inertia_coupling: CouplingLevel = "full"
     damping_ratio: Ratio | None = None
     damping_scale: Ratio = 1.0
     modes_off: tuple[Annotated[int, Field(ge=0)], ...] = ()
