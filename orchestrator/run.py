@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -27,6 +27,8 @@ from .stepping import StepError
 from .summary import Headline, headline
 
 MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
+Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
+"""Makes the participants of an assembly and frees them afterwards."""
 _PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
 
 
@@ -36,9 +38,10 @@ class RunError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A finished run: where its result is, its headline numbers, costs, and the step sizes it took."""
+    """A finished run: where its result is, which master made it, headline numbers, costs, step sizes taken."""
 
     path: Path
+    master: MasterKind
     headline: Headline
     steps: int
     iterations: int
@@ -73,6 +76,18 @@ def export(assembly: Assembly, directory: Path) -> list[Path]:
     return paths
 
 
+@contextmanager
+def as_fmus(assembly: Assembly) -> Iterator[Sequence[Participant]]:
+    """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
+        participants: list[Participant] = []
+        for path in export(assembly, folder):
+            participants.append(FmuParticipant(path.stem, path))
+            stack.callback(participants[-1].close)
+        yield participants
+
+
 def run(
     assembly: Assembly,
     output: Path,
@@ -80,20 +95,31 @@ def run(
     until: float | None = None,
     master: MasterKind = "implicit",
     watch: Callable[[float, float], None] = lambda time, h: None,
+    warn: Callable[[str], None] = lambda sentence: None,
+    load: Loader = as_fmus,
 ) -> Outcome:
-    """Run an assembly as FMUs and write its result; RunError with a sentence where it does not finish."""
+    """Run an assembly and write its result; RunError with a sentence where it does not finish.
+
+    With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one.
+    """
     end = assembly.until if until is None else until
+    settings = replace(settings, progress=watch)
     with ExitStack() as stack:
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
-        participants: list[FmuParticipant] = []
         try:
-            for path in export(assembly, folder):
-                participants.append(FmuParticipant(path.stem, path))
-                stack.callback(participants[-1].close)
+            participants = stack.enter_context(load(assembly))
             network = Network(participants, assembly.links)
-        except (ParticipantError, NetworkError) as error:
+        except ParticipantError as error:
             raise RunError(f"{assembly.name}: {error}") from None
-        return _follow(assembly, network, output, replace(settings, progress=watch), end, master)
+        except NetworkError as error:
+            raise RunError("\n".join(f"{assembly.name}: {problem}" for problem in error.problems)) from None
+        fixed = ", ".join(p.name for p in participants if not p.can_restore)
+        if fixed and master == "implicit":
+            master = "gauss-seidel"
+            warn(
+                f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
+                "the explicit Gauss-Seidel master takes its place"
+            )
+        return _follow(assembly, network, output, settings, end, master)
 
 
 def _follow(
@@ -131,6 +157,7 @@ def _follow(
         )
     return Outcome(
         path=output,
+        master=kind,
         headline=headline(Result.open(output)),
         steps=statistics.steps,
         iterations=statistics.sweeps,

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from components.body import Body
@@ -36,7 +36,17 @@ COMPONENT = st.floats(-0.3, 0.3)
 THREE = st.tuples(COMPONENT, COMPONENT, COMPONENT)
 
 
-def free_scene(latch, until, master, start_angle=PI - 0.2, opening=0.6, spin=SPIN, velocity=VELOCITY):
+def free_scene(
+    latch,
+    until,
+    master,
+    start_angle=PI - 0.2,
+    opening=0.6,
+    spin=SPIN,
+    velocity=VELOCITY,
+    joint=JOINT,
+    iteration=None,
+):
     """A spacecraft of 1500 kg and a panel on two hinges with motor, friction and latch, tumbling together."""
     tumble, opening_spin = np.array(spin), np.array((0.0, -opening, 0.0))
     turn = PI - start_angle
@@ -55,17 +65,17 @@ def free_scene(latch, until, master, start_angle=PI - 0.2, opening=0.6, spin=SPI
         ),
     ]  # fmt: skip
     structure = {"axis": (0, -1, 0), "latch": latch}
-    sliding = {**JOINT, "translational_stiffness": (0.0, 5e6, 5e6)}
+    sliding = {**joint, "translational_stiffness": (0.0, *joint["translational_stiffness"][1:])}
     stowed = {"stowed_angle": start_angle}
     parts += [
-        Part("hinge_left", "hinge", structure, {**JOINT, **stowed}),
+        Part("hinge_left", "hinge", structure, {**joint, **stowed}),
         Part("hinge_right", "hinge", structure, {**sliding, **stowed}),
     ]
     links = [
         link for side in SIDES for link in between(f"hinge_{side}", f"spacecraft.{side}", f"panel.{side}")
     ]
     line = HingeLine("line", HINGES, HINGES[0], latches=latch != "none", kinematic=latch == "kinematic")
-    return completed(until, parts, links, [line], settings=master)
+    return completed(until, parts, links, [line], settings=master, iteration=iteration)
 
 
 def drift(run, name, bodies=("spacecraft", "panel")):
@@ -101,7 +111,7 @@ def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteratio
     assert change < 1e-12 * size
     change, size = drift(run, "angular_momentum")
     torque = max(np.abs(run.signal(h, n)).max() for h in HINGES for n in ("latch_torque", "bending_moment"))
-    assert change < 1e-6 * (1.0 + torque) * 1.0
+    assert change < 1e-6 * (1.0 + torque)
     assert change < 1e-6 * size
 
 
@@ -116,14 +126,27 @@ def test_energy_of_the_deployment_closes(latch):
     assert rest[1] < 0.5 * rest[0]
 
 
-@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(
+    max_examples=8,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    phases=(Phase.explicit, Phase.reuse, Phase.generate),
+)
 @given(spin=THREE, velocity=THREE, angle=st.floats(0.1, 3.0), step=st.sampled_from((1e-3, 4e-3, 2e-2)))
 def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step):
-    """Conservation law at every step size and attitude, to 1e-12 of the largest body momentum."""
-    run = free_scene("none", 30 * step, Settings(tolerance=1e-8, fixed_step=step), angle, 0.3, spin, velocity)
-    for name in ("linear_momentum", "angular_momentum"):
-        change, size = drift(run, name)
-        assert change < 1e-12 * max(size, 1.0)
+    """Conservation law at every step size and attitude, to round-off and what the iteration leaves.
+
+    Two hinges, soft so that the iteration can go to 1e-10 N.m, which adds up over the time at most.
+    """
+    soft = {**JOINT, "translational_stiffness": (2e4, 2e4, 2e4), "rotational_stiffness": (0.0, 2e3, 2e3)}
+    run = free_scene(
+        "none", 30 * step, Settings(tolerance=1e-8, fixed_step=step), angle, 0.3, spin, velocity,
+        soft, Tolerance(1e-12, 1e-10, 1e-10),
+    )  # fmt: skip
+    change, size = drift(run, "linear_momentum")
+    assert change < 1e-13 * max(size, 1.0)
+    change, size = drift(run, "angular_momentum")
+    assert change < 1e-13 * max(size, 1.0) + 2 * 1e-10 * 30 * step
 
 
 def test_flexible_bodies_exchange_momentum_exactly():
@@ -144,7 +167,7 @@ def test_flexible_bodies_exchange_momentum_exactly():
     links = between("hinge", "one.outboard", "two.inboard")
     run = completed(
         0.3, parts, links,
-        settings=Settings(tolerance=1e-8, fixed_step=2e-3), iteration=Tolerance(1e-10, 1e-10, 1e-10),
+        settings=Settings(tolerance=1e-8, fixed_step=2e-3), iteration=Tolerance(1e-12, 1e-11, 1e-11),
     )  # fmt: skip
     assert np.abs(run.signal("hinge", "axial_force")).max() < 1e3
     assert np.abs(run.signal("one", "modal_coordinate")).max() > 1e-3

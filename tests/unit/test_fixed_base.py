@@ -10,7 +10,9 @@ REFERENCE = np.array([0.1, -0.3, 0.4])
 
 
 def base():
-    return FixedBase([{"name": f"p{i}", "position": tuple(p)} for i, p in enumerate(PLACES)], tuple(REFERENCE))
+    return FixedBase(
+        [{"name": f"p{i}", "position": tuple(p)} for i, p in enumerate(PLACES)], tuple(REFERENCE)
+    )
 
 
 def wrench(component, time):

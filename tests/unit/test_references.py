@@ -70,11 +70,17 @@ def test_nodal_mass_matrix_gives_the_kinetic_energy():
     v = np.concatenate((motion.velocity, motion.spin, motion.rate))
     strain = 0.5 * np.sum((body.frequency * motion.eta) ** 2)
     matrix = nodal.mass_matrix(body, motion)
-    assert 0.5 * v @ matrix @ v + strain == pytest.approx(nodal.momenta_and_energy(body, motion)[2], rel=1e-13)
-    still = nodal.Motion(np.zeros(3), np.array([1.0, 0, 0, 0]), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(2))
+    assert 0.5 * v @ matrix @ v + strain == pytest.approx(
+        nodal.momenta_and_energy(body, motion)[2], rel=1e-13
+    )
+    still = nodal.Motion(
+        np.zeros(3), np.array([1.0, 0, 0, 0]), np.zeros(2), np.zeros(3), np.zeros(3), np.zeros(2)
+    )
     matrix = nodal.mass_matrix(body, still)
     assert matrix[:3, :3] == pytest.approx(np.eye(3) * body.masses.sum())
-    inertia = sum(m * (s @ s * np.eye(3) - np.outer(s, s)) for m, s in zip(body.masses, body.arms, strict=True))
+    inertia = sum(
+        m * (s @ s * np.eye(3) - np.outer(s, s)) for m, s in zip(body.masses, body.arms, strict=True)
+    )
     assert matrix[3:6, 3:6] == pytest.approx(inertia)
 
 
@@ -120,14 +126,22 @@ def test_free_rotor_refuses_other_cases():
 
 def test_closed_forms_have_the_published_numbers():
     """Benchmarks 1, 2, 5 and 15, to the digits given."""
-    assert closed_forms.spring_driven(6.2514, 0.27693, 8.3198, np.pi) == pytest.approx((4.27132, 1.370585), abs=5e-6)
-    assert closed_forms.spring_driven(6.2514, 0.27693, 8.3198, np.pi / 2).time == pytest.approx(2.96760, abs=5e-6)
-    assert closed_forms.spring_driven_angle(6.2514, 0.27693, 8.3198, 4.2713158) == pytest.approx(np.pi, abs=1e-6)
-    assert closed_forms.two_inertia_frequency(2 * 19.344 * 180 / np.pi, 6.466666667, 6.466666667) == pytest.approx(
-        4.167200, abs=5e-7
+    assert closed_forms.spring_driven(6.2514, 0.27693, 8.3198, np.pi) == pytest.approx(
+        (4.27132, 1.370585), abs=5e-6
     )
+    assert closed_forms.spring_driven(6.2514, 0.27693, 8.3198, np.pi / 2).time == pytest.approx(
+        2.96760, abs=5e-6
+    )
+    assert closed_forms.spring_driven_angle(6.2514, 0.27693, 8.3198, 4.2713158) == pytest.approx(
+        np.pi, abs=1e-6
+    )
+    assert closed_forms.two_inertia_frequency(
+        2 * 19.344 * 180 / np.pi, 6.466666667, 6.466666667
+    ) == pytest.approx(4.167200, abs=5e-7)
     assert closed_forms.coulomb_stop(6.2514, 0.5, 1.0) == pytest.approx((12.5028, 6.2514), abs=1e-12)
-    assert closed_forms.pinned_pair_inertia(9.6208, 6.2514, 7.582, 1.855, 0.7944) == pytest.approx(1.5303, abs=5e-5)
+    assert closed_forms.pinned_pair_inertia(9.6208, 6.2514, 7.582, 1.855, 0.7944) == pytest.approx(
+        1.5303, abs=5e-5
+    )
 
 
 def test_pinned_pair_inertia_without_an_arm():
@@ -149,10 +163,14 @@ def test_stiction_overrun_is_the_integral():
 def test_work_and_resultant_of_known_wrenches():
     """Arithmetic: a force along a way, a torque over a turn, a pair of forces about a point."""
     before = np.concatenate((relative_motion.port_motion(), relative_motion.port_motion((2, 0, 0))))
-    after = np.concatenate((relative_motion.port_motion((0.5, 0, 0)), relative_motion.port_motion((2, 0, 0), (0, 0, 0.3))))
+    after = np.concatenate(
+        (relative_motion.port_motion((0.5, 0, 0)), relative_motion.port_motion((2, 0, 0), (0, 0, 0.3)))
+    )
     outputs = np.array([4.0, 0, 0, 0, 0, 0, -4.0, 2.0, 0, 0, 0, 5.0])
     assert relative_motion.work(outputs, before, after, 2) == pytest.approx(4.0 * 0.5 + 5.0 * 0.3)
-    assert relative_motion.resultant(outputs, before, after, 2, (1.0, 0, 0)) == pytest.approx((0, 2, 0, 0, 0, 7))
+    assert relative_motion.resultant(outputs, before, after, 2, (1.0, 0, 0)) == pytest.approx(
+        (0, 2, 0, 0, 0, 7)
+    )
 
 
 def test_coupled_scene_of_a_known_motion():
@@ -165,7 +183,9 @@ def test_coupled_scene_of_a_known_motion():
     run = completed(1.0, parts, between("hinge", "base.p", "body.p"), settings=Settings(fixed_step=2e-3))
     place = run.signal("body", "frame_position")[:, 1]
     # 5/24 (w h)^2 of the frequency, times the angle of 2 rad
-    assert place == pytest.approx(0.1 * np.cos(2.0 * np.array(run.times)), abs=0.1 * 2 * 5 / 24 * (2 * 2e-3) ** 2)
+    assert place == pytest.approx(
+        0.1 * np.cos(2.0 * np.array(run.times)), abs=0.1 * 2 * 5 / 24 * (2 * 2e-3) ** 2
+    )
     assert run.scene(0)[-1] == pytest.approx(2e-3)
     assert Rotation.from_quat(np.roll(turned((0, 0, 1), 0.4), -1)).as_rotvec() == pytest.approx((0, 0, 0.4))
 
@@ -179,9 +199,16 @@ def test_modal_data_of_all_masses_feeds_the_nodal_body():
         masses, places, rng.standard_normal((21, 3)), np.array([1.0, 2.0, 3.0]), {str(i): i for i in range(7)}
     )
     body = nodal.NodalBody(
-        masses, places - data.center_of_mass, data.translation, data.rotation, data.frequency, data.damping_ratio
+        masses,
+        places - data.center_of_mass,
+        data.translation,
+        data.rotation,
+        data.frequency,
+        data.damping_ratio,
     )
-    still = nodal.Motion(np.zeros(3), np.array([1.0, 0, 0, 0]), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
+    still = nodal.Motion(
+        np.zeros(3), np.array([1.0, 0, 0, 0]), np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3)
+    )
     matrix = nodal.mass_matrix(body, still)
     assert matrix[6:, 6:] == pytest.approx(np.eye(3), abs=1e-13)
     assert matrix[:6, 6:] == pytest.approx(np.zeros((6, 3)), abs=1e-13)
