@@ -8,8 +8,9 @@ limit of infinite stiffness, a damping ratio of 5e-5 at w h = 0.1. With d the in
     -0.20 k (d - d_previous)   and   -0.05 k (p - p_previous),   p = 2 d - p_previous.
 
 p is h times the end rate as a held force on a rigid body gives it. Both terms work exactly like the change
-of a stored energy, 0.10 k d^2 and 0.025 k p^2, minus a loss; the memory is never enlarged, neither when the
-step grows nor when p is set back to the true end rate. So no body, however flexible, gains energy from it.
+of a stored energy, 0.10 k d^2 and 0.025 k p^2, minus a loss, and setting p back to a smaller true end rate
+only loses. So at a constant step no body, however flexible, gains energy from them. A change of step
+keeps the remembered rates, which is smooth where the coordinate moves.
 """
 
 from __future__ import annotations
@@ -21,33 +22,32 @@ _OF_RATES = 0.05
 
 
 class Memory(NamedTuple):
-    """What a coordinate remembers of the last step, as rates: mean rate and end rate p / h."""
+    """What a coordinate remembers of the last step: its mean rate and its end rate p / h."""
 
     mean_rate: float
     end_rate: float
 
 
 class StepMotion(NamedTuple):
-    """Motion of one coordinate over a step of size h, and the memory with the step size it holds for."""
+    """Motion of one coordinate over a step of size h, and what it remembers of the step before."""
 
     start: float
     end: float
     h: float
     memory: Memory
-    memory_h: float
 
 
 def inertial_force(stiffness: float, m: StepMotion) -> float:
     """The two inertial terms."""
-    change, kept = m.end - m.start, min(m.h, m.memory_h)
-    mean, end = kept * m.memory.mean_rate, kept * m.memory.end_rate
-    return -stiffness * (_OF_INCREMENTS * (change - mean) + 2.0 * _OF_RATES * (change - end))
+    change = m.end - m.start
+    from_mean, from_end = change - m.h * m.memory.mean_rate, change - m.h * m.memory.end_rate
+    return -stiffness * (_OF_INCREMENTS * from_mean + 2.0 * _OF_RATES * from_end)
 
 
 def remembered(m: StepMotion, end_rate: float) -> Memory:
     """Memory after the step; `end_rate` is the true rate at its end."""
     mean = (m.end - m.start) / m.h
-    rigid = 2.0 * mean - min(1.0, m.memory_h / m.h) * m.memory.end_rate
+    rigid = 2.0 * mean - m.memory.end_rate
     return Memory(mean, end_rate if abs(end_rate) < abs(rigid) else rigid)
 
 

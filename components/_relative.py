@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt, tan
 from typing import NamedTuple
 
 from ._component import Vector
@@ -59,6 +60,18 @@ def relative_rates(u: list[float], pose: Pose) -> Rates:
         rotate_back(pose.frame, velocity),
         rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12])),
     )
+
+
+def conjugate_torque(twist: float, bending: tuple[float, float], swing: tuple[float, float]) -> Vector3:
+    """Torque in hinge axes that does the work of loads about the twist and the swing of `relative_pose`.
+
+    The twist changes with the angular velocity along (a + b) / (1 + a.b), a and b the hinge line's directions
+    on both ports; a torque along a alone would make work of the second order in the swing out of nothing.
+    """
+    y, z = swing
+    angle = sqrt(y * y + z * z)
+    share = 0.5 if angle < 1e-6 else tan(0.5 * angle) / angle
+    return twist, bending[0] + share * z * twist, bending[1] - share * y * twist
 
 
 def mean_direction(frame0: Quaternion, frame1: Quaternion, v: Vector3) -> Vector3:

@@ -17,7 +17,7 @@ import numpy as np
 from ._bushing import Memory, StepMotion, bushing_force, inertial_force, remembered
 from ._component import Component, ComponentError, Port, Quantity, Vector
 from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn, rotate
-from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
+from ._relative import Pose, as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
 from .laws import Law, Linear, Table, mean_force, stiction_factors
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
@@ -67,7 +67,6 @@ class _State(NamedTuple):
     end_rates: tuple[float, ...]
     wrench: tuple[float, ...]
     power: tuple[float, ...]
-    memory_h: float
     friction_energy: float
     latch_energy: float
     damping_energy: float
@@ -115,8 +114,7 @@ class _State(NamedTuple):
 
 
 _WRENCH = slice(31, 43)
-_ANGLE, _LATCHED = 10, 50
-_RATES_FOR_ANY_STEP = 1e6
+_ANGLE, _LATCHED = 10, 49
 
 
 class _Loads(NamedTuple):
@@ -131,7 +129,7 @@ class _Loads(NamedTuple):
 
 def _motion(old: _State, new: _State, i: int, h: float) -> StepMotion:
     memory = Memory(old.mean_rates[i], old.end_rates[i])
-    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory, old.memory_h)
+    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
 
 
 def _shifted(motion: StepMotion, origin: float) -> StepMotion:
@@ -248,7 +246,6 @@ class Hinge(Component):
             (*rates.velocity, *rates.angular_velocity),
             (0.0,) * 12,
             (0.0,) * 3,
-            _RATES_FOR_ANY_STEP,
             *((0.0,) * 6),
             angle,
         ).pack()
@@ -275,7 +272,6 @@ class Hinge(Component):
         return moved._replace(
             mean_rates=rates if impulse else tuple(m.mean_rate for m in memories),
             end_rates=rates if impulse else tuple(m.end_rate for m in memories),
-            memory_h=_RATES_FOR_ANY_STEP if impulse else h,
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
             wrench=pair(force, torque, mean(old.gap, pose.gap)),
             friction_energy=old.friction_energy + loads.heat[0],
@@ -316,9 +312,10 @@ class Hinge(Component):
         )
         if old.holding:
             twist -= c.hold_stiffness * (new.angle - old.hold_angle)
+        swing = [0.5 * (a + b) for a, b in zip(old.coordinates[4:], new.coordinates[4:], strict=True)]
         return _Loads(
             force_on_b,
-            (twist, elastic[4], elastic[5]),
+            conjugate_torque(twist, (elastic[4], elastic[5]), (swing[0], swing[1])),
             latch,
             friction,
             (-friction * change, latch_heat, heat),
@@ -388,7 +385,11 @@ class Hinge(Component):
             twist -= c.hold_stiffness * (s.angle - s.hold_angle)
         damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
         return _Loads(
-            force, (twist, load[4], load[5]), latch, friction, (-friction * w[3], -viscous * w[3], damping)
+            force,
+            conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
+            latch,
+            friction,
+            (-friction * w[3], -viscous * w[3], damping),
         )
 
     def _endpoint_step(self, c: _Constants, old: _State, moved: _State, h: float) -> _State:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -28,7 +30,7 @@ from .scene_connections import WrenchMode
 from .summary import headline_table
 from .verify import Verified, verify
 
-_PROBLEMS = (SceneError, RunError, ResultError)
+_PROBLEMS = (SceneError, RunError, ResultError, OSError)
 
 
 class _Group(click.Group):
@@ -38,8 +40,11 @@ class _Group(click.Group):
         """Run a command."""
         try:
             return super().invoke(ctx)
+        except BrokenPipeError:  # nobody reads on; click ends quietly
+            raise
         except _PROBLEMS as error:
-            for line in str(error).splitlines():
+            told = isinstance(error, OSError) and error.filename is not None
+            for line in (f"{error.filename}: {error.strerror}" if told else str(error)).splitlines():
                 click.echo(f"fanfold: {line}", err=True)
             ctx.exit(1)
 
@@ -66,6 +71,15 @@ def list_command() -> None:
     console.print(kinds)
 
 
+class _Number(click.FloatRange):
+    """A number in a range; "nan" and "inf" are none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The number, or click's own refusal."""
+        number = super().convert(value, param, ctx)
+        return number if isfinite(number) else self.fail(f"{value} is not a finite number.", param, ctx)
+
+
 def _names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
     return frozenset(name for name in value.split(",") if name)
 
@@ -81,10 +95,10 @@ def _fidelity(command: Callable[..., None]) -> Callable[..., None]:
 @main.command("run")
 @click.argument("scene")
 @_fidelity
-@click.option("--tolerance", type=click.FloatRange(min=1e-10, max=0.1), help="Relative accuracy asked for.")
-@click.option("--until", type=click.FloatRange(min=0.0, min_open=True), help="End time in seconds.")
+@click.option("--tolerance", type=_Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
+@click.option("--until", type=_Number(min=0.0, min_open=True), help="End time in seconds.")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
-@click.option("--step", type=click.FloatRange(min=1e-7), help="Fixed communication step size in seconds.")
+@click.option("--step", type=_Number(min=1e-7), help="Fixed communication step size in seconds.")
 @click.option(
     "--master",
     type=click.Choice(["implicit", "jacobi", "gauss-seidel"]),
@@ -106,6 +120,8 @@ def run_command(
     as_json: bool,
 ) -> None:
     """Deploy SCENE, the name of a scene or a scene file, and write its result."""
+    if with_verify and master != "implicit":
+        raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
     loaded = load_scene(find_scene(scene))
     assembly = assemble(loaded, rigid, flexible, "mean" if master == "implicit" else "endpoint")
     settings = Settings(
@@ -114,12 +130,42 @@ def run_command(
     path = output or Path(f"{assembly.name}.h5")
     end = until or assembly.until
     with _progress(assembly, end) as watch:
-        outcome = run(assembly, path, settings, end, master, watch)
+        outcome = run(assembly, path, settings, end, master, watch, _warn)
     verified = None
     if with_verify:
         with _progress(assembly, end) as watch:
             verified = verify(assembly, outcome, settings, end, watch)
     _report(outcome, verified, as_json)
+
+
+def _warn(sentence: str) -> None:
+    click.echo(f"fanfold: warning: {sentence}", err=True)
+
+
+@contextmanager
+def _interrupted_between_steps() -> Iterator[Callable[[], None]]:
+    """Keep Ctrl-C until the function given is called: inside an FMU it would pass for a failure of the FMU.
+
+    A second Ctrl-C acts at once. Nothing changes where Ctrl-C is ignored, as in a background job.
+    """
+    before = signal.getsignal(signal.SIGINT)
+    pressed = False
+
+    def note(*_: object) -> None:
+        nonlocal pressed
+        pressed = True
+        signal.signal(signal.SIGINT, before)
+
+    def check() -> None:
+        if pressed:
+            raise KeyboardInterrupt
+
+    if before is signal.default_int_handler:
+        signal.signal(signal.SIGINT, note)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager
@@ -134,10 +180,14 @@ def _progress(assembly: Assembly, end: float) -> Iterator[Callable[[float, float
         TimeElapsedColumn(),
     )
     start = perf_counter()
-    with Progress(*columns, console=Console(stderr=True), refresh_per_second=5) as bar:
+    with (
+        _interrupted_between_steps() as check,
+        Progress(*columns, console=Console(stderr=True), refresh_per_second=5) as bar,
+    ):
         task = bar.add_task(assembly.name, total=end, h=0.0, factor=0.0)
 
         def watch(time: float, h: float) -> None:
+            check()
             bar.update(task, completed=time, h=h, factor=time / max(perf_counter() - start, 1e-9))
 
         yield watch
@@ -175,7 +225,12 @@ def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) ->
 def _verification_table(verified: list[Verified]) -> Table:
     table = Table(title="verification: steps halved and quartered")
     for heading in ("quantity", "of", "value", "extrapolated", "estimated error", "order", "unit"):
-        table.add_column(heading, justify="left" if heading in ("quantity", "of", "unit") else "right")
+        if heading in ("quantity", "of", "unit"):
+            table.add_column(heading)
+        else:
+            table.add_column(
+                heading, justify="right", no_wrap=True, min_width=4 if heading == "order" else 11
+            )
     for v in verified:
         order = "" if v.order is None else f"{v.order:.2f}"
         table.add_row(

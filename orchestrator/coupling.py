@@ -20,6 +20,8 @@ from .participant import ParticipantError, Vector
 _MAX_ITERATIONS = 14
 _SLOW = 0.15
 _DIVERGED = 50.0
+_MAX_DAMPED = 30
+_SMALLEST_SHARE = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +58,8 @@ class Coupling:
     """Solves coupled steps from the participants' saved states and leaves them stepped.
 
     `wrenches` holds the solution of the last solve. `mode` tells probed mobilities of different parameter
-    sets apart (static against dynamic).
+    sets apart (static against dynamic). `persistent` asks for a slow damped iteration before giving up, where
+    the step cannot be made smaller.
     """
 
     def __init__(self, network: Network, tolerance: Tolerance) -> None:
@@ -64,6 +67,7 @@ class Coupling:
         self.tolerance = tolerance
         self.wrenches = np.zeros(network.size)
         self.mode = "dynamic"
+        self.persistent = False
         self.sweeps = 0
         self.probes = 0
         self._law = np.zeros(network.size)
@@ -86,6 +90,10 @@ class Coupling:
             self.forget()
             self.wrenches[:] = guess if not np.all(np.isfinite(self.wrenches)) else self.wrenches
             again = self._iterate(time, h)
+            solution = replace(again, iterations=solution.iterations + again.iterations)
+        if self.persistent and not solution.converged:
+            self.wrenches[:] = guess
+            again = self._damped(time, h)
             solution = replace(again, iterations=solution.iterations + again.iterations)
         return solution
 
@@ -120,6 +128,48 @@ class Coupling:
             steps.append(correction)
             self.wrenches += correction * scale
         return Solution(False, iteration, size, int(np.argmax(np.abs(correction))))
+
+    def _damped(self, time: float, h: float) -> Solution:
+        """Newton with all matrices of the present wrenches, each correction halved until it makes progress."""
+        solution = Solution(False, 0, np.inf, 0)
+        residual = self._residual(time, h)
+        for iteration in range(1, _MAX_DAMPED + 1):
+            if residual is None:
+                break
+            self._mobilities.pop((self.mode, h), None)
+            self._refresh(time, h, probe=True)
+            direction = self._direction(residual)
+            scale = self.tolerance.scale(self.wrenches + direction)
+            size = float(np.abs(direction / scale).max(initial=0.0))
+            converged = size <= 1.0 or bool(np.all(np.abs(residual) <= self._round_off))
+            solution = Solution(converged, iteration, size, int(np.argmax(np.abs(direction / scale))))
+            if converged:
+                break
+            residual = self._search(time, h, direction, scale)
+        return solution
+
+    def _search(self, time: float, h: float, direction: Vector, scale: Vector) -> Vector | None:
+        """Go along a correction as far as the next one, by the same matrices, is smaller; residual there."""
+        start, share, size = self.wrenches.copy(), 1.0, float(np.abs(direction / scale).max())
+        residual = None
+        while share > _SMALLEST_SHARE:
+            self.wrenches[:] = start + share * direction
+            residual = self._residual(time, h)
+            if residual is not None:
+                left = float(np.abs(self._direction(residual) / scale).max())
+                if left <= (1.0 - 0.25 * share) * size:
+                    break
+            share *= 0.5
+        return residual
+
+    def _residual(self, time: float, h: float) -> Vector | None:
+        """What the connections return for the present wrenches, minus those; None where a participant refuses."""
+        try:
+            self.sweep(time, h)
+        except ParticipantError:
+            return None
+        residual: Vector = self._law - self.wrenches
+        return residual if bool(np.all(np.isfinite(residual))) else None
 
     def _refresh(self, time: float, h: float, *, probe: bool) -> None:
         """Turn the probed matrices to the present orientations, or probe the connections anew."""
@@ -197,10 +247,15 @@ class Coupling:
 
 
 def _round_off(stiffness: Matrix, motion: Vector) -> Vector:
-    """Wrenches that the rounding of a connection's poses makes: its ports cannot agree better than that."""
-    sizes = np.zeros((len(stiffness) // 6, 12))
-    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
-    sizes[:, 3:6] = 1.0
+    """Wrenches that the rounding of a connection's motions makes: its ports cannot agree better than that."""
+    motions = np.abs(motion[: 13 * (len(stiffness) // 6)]).reshape(-1, 13)
+    sizes = np.ones((len(motions), 12))
+    for columns, values in (
+        (slice(0, 3), motions[:, :3]),
+        (slice(6, 9), motions[:, 7:10]),
+        (slice(9, 12), motions[:, 10:]),
+    ):
+        sizes[:, columns] = values.max(axis=1, keepdims=True)
     result: Vector = 8.0 * np.finfo(float).eps * (np.abs(stiffness) @ sizes.ravel())
     return result
 

@@ -20,6 +20,7 @@ from .stepping import ErrorEstimate, History, StepSizes, failure, find_event
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
 _REFERENCE_TOLERANCE = 1e-4
+_PLAN_TAIL = 8
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
@@ -88,6 +89,7 @@ class Master:
         self._pending = [line for line in hinge_lines if line.latches]
         self._hinge_lines = tuple(hinge_lines)
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
+        self._coupling.persistent = not self._controlled
         self._history = History()
         self._error = ErrorEstimate(settings.tolerance, 0.0)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
@@ -167,7 +169,8 @@ class Master:
         if self.settings.step_plan is not None:
             segment, position = len(self.segments) - 1, len(self.segments[-1])
             plan = self.settings.step_plan[min(segment, len(self.settings.step_plan) - 1)]
-            h = plan[min(position, len(plan) - 1)]
+            # beyond its end, not the last step's size: that one only ended at an event and may be tiny
+            h = plan[position] if position < len(plan) else max(plan[-_PLAN_TAIL:])
         else:
             h = self.settings.fixed_step or self._sizes.size
         # a remainder that is a tiny step would cost accuracy; stretch or share instead

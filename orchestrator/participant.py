@@ -115,11 +115,15 @@ class InProcess:
         """Step; a state that is not finite is refused."""
         if self._constants is None:
             self._prepare()
-        self._state = self.component.step(self._constants, self._state, self.inputs, h)
+        refusal = (
+            f"{self.name}: the state is no longer finite after the step of {h:g} s from t = {time:.6g} s"
+        )
+        try:
+            self._state = self.component.step(self._constants, self._state, self.inputs, h)
+        except (ValueError, ArithmeticError) as error:
+            raise ParticipantError(f"{refusal} ({error})") from None
         if not np.isfinite(self._state.sum()):
-            raise ParticipantError(
-                f"{self.name}: the state is no longer finite after the step of {h:g} s from t = {time:.6g} s"
-            )
+            raise ParticipantError(refusal)
 
     def read(self) -> None:
         """Compute the outputs."""

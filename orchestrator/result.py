@@ -37,6 +37,7 @@ Scalar = float | int | str
 
 _FORMAT = "fanfold result"
 _FORMAT_VERSION = 1
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _ROWS = 200
 _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
@@ -110,6 +111,7 @@ class ResultWriter:
         self._due = 0.0
         self._events: list[Event] = []
         try:
+            self._spare_other_files()
             self.path.unlink(missing_ok=True)  # opening "w" would empty a file that another run is writing
             self._file: Any = h5py.File(self.path, "x", libver=("v108", "v108"))
         except _HDF5_ERRORS as error:
@@ -126,6 +128,15 @@ class ResultWriter:
         _write_geometry(self._file.create_group("geometry", track_order=True), geometry)
         lines = json.dumps([asdict(line) for line in hinge_lines])
         self._file.create_dataset("hinge_lines", data=lines, dtype=_TEXT)
+
+    def _spare_other_files(self) -> None:
+        """Refuse to replace what cannot be an earlier result, such as a scene given as output by mistake."""
+        if self.path.is_file() and self.path.stat().st_size:
+            with self.path.open("rb") as file:
+                if file.read(len(_SIGNATURE)) != _SIGNATURE:
+                    raise ResultError(
+                        f"{self.path}: this file is not a result and would be lost; name another"
+                    )
 
     def _create_columns(self, groups: Sequence[SignalGroup]) -> list[_Column]:
         signals = self._file.create_group("signals", track_order=True)

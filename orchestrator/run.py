@@ -133,16 +133,20 @@ def _follow(
     with ResultWriter(
         output, groups, _provenance(assembly, participants), assembly.geometry, assembly.hinge_lines
     ) as writer:
+        runner = (
+            Master(network, assembly.hinge_lines, writer, settings)
+            if kind == "implicit"
+            else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
+        )
         try:
-            runner = (
-                Master(network, assembly.hinge_lines, writer, settings)
-                if kind == "implicit"
-                else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
-            )
             runner.initialize(preload=assembly.preload)
             runner.run(end)
         except (ParticipantError, StepError) as error:
             raise RunError(f"{assembly.name}: {error}; results up to there are in {output}") from None
+        except KeyboardInterrupt:
+            raise RunError(
+                f"{assembly.name}: interrupted at t = {runner.time:.6g} s; results up to there are in {output}"
+            ) from None
         wall = perf_counter() - start
         statistics = runner.statistics
         writer.statistics(

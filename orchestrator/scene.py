@@ -80,7 +80,11 @@ def load_scene(path: Path) -> Scene:
     try:
         text = path.read_text(encoding="utf-8")
         raw = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
+        ) from None
+    except (OSError, tomllib.TOMLDecodeError) as error:
         raise SceneError([f"{path.name}: {error}"]) from None
     reader = _Reader(raw)
     scene = reader.scene(path.name, text)

@@ -158,7 +158,8 @@ def line_latch_torque(result: Result, line: HingeLine) -> Vector:
 
 def peak(result: Result, values: Vector) -> Peak:
     """Value of largest magnitude of a signal of the result, with its sign."""
-    low, high = extremes(result.time, values, [time for time, _, _ in result.events])
+    start = float(result.time[0])  # an event as well: unless preloaded, all loads jump there
+    low, high = extremes(result.time, values, [start, *(time for time, _, _ in result.events)])
     return high if abs(high.value) >= abs(low.value) else low
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from .assembly import Assembly
 from .master import Settings
-from .run import Outcome, run
+from .run import Loader, Outcome, RunError, as_fmus, run
 from .summary import Number
 
 
@@ -42,20 +42,36 @@ def verify(
     settings: Settings,
     until: float | None = None,
     watch: Callable[[float, float], None] = lambda time, h: None,
+    load: Loader = as_fmus,
 ) -> list[Verified]:
-    """Run twice more, with the outcome's steps halved and quartered; the results stand beside the first."""
-    numbers = [outcome.headline.numbers()]
+    """Run twice more, with the outcome's steps halved and quartered; the results stand beside the first.
+
+    A number that not all three runs have, such as the time of a latch-up near the end, cannot be told.
+    """
+    if outcome.master != "implicit":
+        raise RunError(f"{assembly.name}: only a run of the implicit master can be verified")
+    numbers = [_by_name(outcome)]
     segments: Sequence[Sequence[float]] = outcome.segments
     for suffix in ("halved", "quartered"):
         segments = halved(segments)
         path = Path(outcome.path).with_suffix(f".{suffix}.h5")
-        finer = run(assembly, path, replace(settings, step_plan=segments), until, watch=watch)
-        numbers.append(finer.headline.numbers())
+        finer = run(assembly, path, replace(settings, step_plan=segments), until, watch=watch, load=load)
+        numbers.append(_by_name(finer))
+    first, second, third = numbers
     return [
-        _verified(first, second.value, third.value)
-        for first, second, third in zip(*(list(found) for found in numbers), strict=True)
-        if first.quantity not in ("end time", "energy residual")
+        _verified(number, second[key].value, third[key].value)
+        for key, number in first.items()
+        if key in second and key in third
     ]
+
+
+def _by_name(outcome: Outcome) -> dict[tuple[str, str], Number]:
+    """Headline numbers that have a limit of vanishing step size, by quantity and component."""
+    return {
+        (number.quantity, number.of): number
+        for number in outcome.headline.numbers()
+        if number.quantity not in ("end time", "energy residual")
+    }
 
 
 def _verified(number: Number, second: float, third: float) -> Verified:

@@ -27,7 +27,7 @@ from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.explicit import ExplicitMaster
 from orchestrator.master import Master, Settings
 from orchestrator.network import Network
-from orchestrator.participant import in_process
+from orchestrator.participant import ParticipantError, in_process
 from orchestrator.stepping import StepError
 
 MasterName = Literal["implicit", "jacobi", "gauss-seidel"]
@@ -107,7 +107,7 @@ def run(
     try:
         master.initialize(preload=preload)
         master.run(until)
-    except StepError as error:
+    except (StepError, ParticipantError) as error:
         return Run(record, master, str(error))
     return Run(record, master, "")
 

@@ -305,7 +305,7 @@ def energy(body, c, x):
 
 
 def test_energy_of_torque_free_flexible_body_is_bounded_and_second_order():
-    """Conservation law: no drift over 2000 steps, and the excursion falls with the square of the step."""
+    """Conservation law: no drift over 1000 steps, and the excursion falls with the square of the step."""
     body, c = flexible(modal_data(damping=0.0))
     start, _ = moving_state(body, c)
     total = energy(body, c, start)
@@ -314,7 +314,7 @@ def test_energy_of_torque_free_flexible_body_is_bounded_and_second_order():
         x, halves = start, []
         for _ in range(2):
             worst = 0.0
-            for _ in range(1000):
+            for _ in range(500):
                 x = body.step(c, x, no_wrench(body), h)
                 worst = max(worst, abs(energy(body, c, x) - total))
             halves.append(worst)
@@ -340,13 +340,12 @@ def test_undamped_motion_retraces_itself_with_momenta_reversed(h):
     assert np.abs(back - start).max() < 1e-10 * np.abs(start).max()
 
 
-@pytest.mark.parametrize("steps", [2000, 4000])
-def test_torque_free_asymmetric_rotor(steps):
+def test_torque_free_asymmetric_rotor():
     """Closed form (elliptic functions) and the published w(10 s) of I = (1, 2, 3), w0 = (1, 0.01, 1).
 
     Extrapolated from h and h/2: the fourth-order rest is h^4 times a constant of order one.
     """
-    start = np.array([1.0, 0.01, 1.0])
+    start, steps = np.array([1.0, 0.01, 1.0]), 2000
     found = []
     for n in (steps, 2 * steps):
         body, c = rigid(initial_angular_velocity=start)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
 
 from components.damper import EddyCurrentDamper
 from orchestrator.assembly import Part
@@ -94,6 +95,20 @@ def test_peak_rate_law():
     assert torque(-0.4) == pytest.approx(-torque(0.4))
     assert abs(torque(0.4)) > max(abs(torque(0.4 * f)) for f in (0.5, 0.99, 1.01, 2.0))
     assert torque(1e-6) == pytest.approx(-COEFFICIENT * 1e-6, rel=1e-10)
+
+
+def test_mean_torque_points_along_the_mean_of_the_axis():
+    """Definition: the torque of the mean rate along the mean of the axis at both ends of a tilting step."""
+    component, c = damper()
+    before = inputs(component, port_motion(), port_motion())
+    tilt = Rotation.from_rotvec((0.4, 0, 0))
+    turned = (tilt * Rotation.from_rotvec((0, 0.3, 0))).as_rotvec()
+    after = inputs(component, port_motion(turn=(0.4, 0, 0)), port_motion(turn=turned))
+    y = component.step(c, component.initial(c, before), after, 0.1)
+    axis = 0.5 * (np.array((0, 1, 0)) + tilt.apply((0, 1, 0)))
+    torque = component.outputs(c, y, after).reshape(2, 6)[:, 3:]
+    assert torque[1] == pytest.approx(-COEFFICIENT * 3.0 * axis, rel=1e-12)
+    assert torque[0] == pytest.approx(-torque[1])
 
 
 @given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)

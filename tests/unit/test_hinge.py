@@ -430,6 +430,36 @@ def test_work_in_space_is_the_change_of_energy_to_second_order():
     assert np.all(np.log2(np.array(rests[:-1]) / rests[1:]) > 2.7)
 
 
+def test_mean_torque_points_along_the_mean_of_the_axis():
+    """Definition: a torque held in hinge axes while the line tilts by 0.4 rad acts along the mean of both lines."""
+    component, c = hinge("mean", {"harness_angle": (-3.0, 3.0), "harness_torque": (2.0, 2.0)})
+    before = inputs(component, port_motion(), port_motion())
+    after = inputs(component, port_motion(turn=(0.4, 0, 0)), port_motion(turn=(0.4, 0, 0)))
+    y = component.step(c, component.initial(c, before), after, 0.1)
+    expected = np.array(AXIS) + (0, np.cos(0.4), np.sin(0.4))
+    assert wrenches(component.outputs(c, y, after), 2)[1][1] == pytest.approx(expected, abs=1e-12)
+
+
+def test_damping_acts_on_motion_relative_to_the_inboard_port():
+    """Closed form: ports of one turning body have no relative velocity, so a damper joint gives no wrench there.
+
+    A further velocity of the outboard port meets the coefficient of its direction.
+    """
+    component, c = hinge("endpoint", translational_damping=(2.0, 3.0, 5.0), rotational_damping=(0.7, 0.8, 0.9))
+    spin, gap = np.array((0.3, -0.5, 0.8)), np.array((0.1, -0.2, 0.4))
+    extra = np.array((0.5, 0.6, 0.7))
+
+    def loads(velocity):
+        u = inputs(component, port_motion(spin=spin), port_motion(gap, (0, 0, 0), velocity, spin))
+        return wrenches(component.outputs(c, component.initial(c, u), u), 2)
+
+    force, torque = loads(np.cross(spin, gap))
+    assert np.concatenate((force, torque)) == pytest.approx(np.zeros((4, 3)), abs=1e-14)
+    force, torque = loads(np.cross(spin, gap) + extra)
+    assert force[1] == pytest.approx(-np.array((3.0, 2.0, 5.0)) * extra)
+    assert torque[1] == pytest.approx(0.0)
+
+
 def test_endpoint_and_mean_wrench_agree_in_the_limit():
     """Consistency: on a smooth motion the mean wrench of a step tends to the end-point wrench, at first order."""
     mean, c = hinge("mean", HARNESS, **BUSHING)

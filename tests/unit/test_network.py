@@ -112,8 +112,9 @@ def test_link_to_a_wrong_place(body, sentence):
 def test_body_as_the_connection_side():
     """Bad input: two bodies cannot be joined without something between them."""
     links = [*without(link_of(LEFT, "outboard")), Link(("outer", LEFT), ("inner", LEFT))]
-    assert "inner.middle_left: this port takes wrenches, so it cannot be the connection side of a connection" in (
-        problems_of(links)
+    assert (
+        "inner.middle_left: this port takes wrenches, so it cannot be the connection side of a connection"
+        in (problems_of(links))
     )
 
 

@@ -191,8 +191,10 @@ def test_coupled_scene_of_a_known_motion():
 
 
 def test_modal_data_of_all_masses_feeds_the_nodal_body():
-    """Definition: shapes at the masses are mass-orthonormal and orthogonal to rigid motions, so M(q) of the
-    undeformed nodal body is block diagonal with a unit block."""
+    """Definition: shapes are mass-orthonormal and orthogonal to rigid motions.
+
+    So M(q) of the undeformed nodal body is block diagonal with a unit block.
+    """
     rng = np.random.default_rng(7)
     masses, places = rng.uniform(0.5, 1.5, 7), rng.standard_normal((7, 3))
     data = ModalData.from_point_masses(

@@ -209,7 +209,7 @@ def planar_angles(phi):
 @pytest.mark.parametrize("degrees", [(0, 0, 0), (30, 100, 130), (90, 180, 180)], ids=str)
 def test_start_poses_are_those_of_the_planar_angles(tmp_path, degrees):
     text = find_scene("amos3").read_text(encoding="utf-8")
-    for name, angle in zip(("hl1", "hl2", "hl3"), degrees, strict=True):
+    for name, angle in zip(("HL1", "HL2", "HL3"), degrees, strict=True):
         angles = f'name = "{name}"\nstowed_angle = "{angle} deg"\nlatch_angle = "181 deg"'
         text = text.replace(f'[[hinge_line]]\nname = "{name}"', f"[[hinge_line]]\n{angles}")
     parts = parts_of(assemble(load_text(tmp_path, text), rigid={"all"}))
@@ -258,14 +258,14 @@ def series(line, side):
 
 
 EXPECTED_LATCHES = {
-    "hl1": {(True, False): 2500.0, (True, True): None},
-    "hl2": {
+    "HL1": {(True, False): 2500.0, (True, True): None},
+    "HL2": {
         (False, False): 1800.0,
         (True, False): series(1800.0, 3180.5),
         (False, True): series(1800.0, 4147.8),
         (True, True): None,
     },
-    "hl3": {
+    "HL3": {
         (False, False): 2074.0,
         (True, False): series(2074.0, 4147.8),
         (False, True): series(2074.0, 4147.8),

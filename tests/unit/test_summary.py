@@ -48,8 +48,10 @@ def test_peak_at_a_discontinuity_is_the_sample_there(found):
 
 
 def test_cable_force_extremes(found):
+    """Samples, not interpolants: a strand has a kink where it goes slack. The extremes lie within the sampling."""
     low, high = found.cable_forces["ccl"]["tension_a"]
-    assert (low, high) == pytest.approx((30.0, 70.0), rel=1e-9)
+    assert 30.0 <= low == pytest.approx(30.0, rel=1e-3)
+    assert 70.0 >= high == pytest.approx(70.0, rel=1e-3)
     assert set(found.cable_forces["ccl"]) == {"tension_a", "tension_b", "axial_force", "lateral_force"}
 
 
