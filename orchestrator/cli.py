@@ -223,8 +223,8 @@ def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) ->
 
 
 def _verification_table(verified: list[Verified]) -> Table:
-    table = Table(title="verification: steps halved and quartered")
-    for heading in ("quantity", "of", "value", "extrapolated", "estimated error", "order", "unit"):
+    table = Table(title="verification: steps halved and quartered, errors estimated")
+    for heading in ("quantity", "of", "value", "extrapolated", "error", "order", "unit"):
         if heading in ("quantity", "of", "unit"):
             table.add_column(heading)
         else:

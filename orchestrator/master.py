@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import ceil, floor, log, sqrt
+from math import sqrt
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -98,7 +98,6 @@ class Master:
         self._wrenches = np.zeros(network.size)
         self._energy_start = 0.0
         self._kinetic = 0.0
-        self._since_change = 0
         self._energies = [_energy_rows(p) for p in self._participants]
         self._scene = np.zeros(len(SCENE_CHANNELS))
 
@@ -190,29 +189,17 @@ class Master:
         if not solution.converged:
             if not self._controlled or not self._sizes.shrink(2):
                 raise failure(self._coupling, solution, self.time, h)
-            self._reject()
+            self.statistics.rejected += 1
             return None
         if not self._controlled:
             return solution
         curvature = self._history.curvature(middle, self._coupling.wrenches, h)
         if curvature is None:
             return solution
-        error = self._error(self._coupling.work(h, curvature))
-        if error > 1.0 and self._sizes.size > self.settings.smallest_step * 2.0:
-            self._sizes.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(sqrt(2.0)))))))
-            self._reject()
-            return None
-        self._since_change += 1
-        if self._since_change >= 2:
-            room = floor(log(0.5 / max(error, 1e-9)) / (3.0 * log(sqrt(2.0))))
-            if room >= 1:
-                self._sizes.grow(min(room, 2))
-                self._since_change = 0
-        return solution
-
-    def _reject(self) -> None:
+        if self._sizes.judge(self._error(self._coupling.work(h, curvature))):
+            return solution
         self.statistics.rejected += 1
-        self._since_change = 0
+        return None
 
     def _latching(self, h: float) -> HingeLine | None:
         """The hinge line whose sensor fell through zero first in the step just made."""
@@ -271,7 +258,6 @@ class Master:
             self._record(_IMPULSE_STEP, solution.iterations)
         self._history.clear()
         self._sizes.restart(min(self.settings.event_step, self._sizes.size))
-        self._since_change = 0
         self.segments.append([])
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import floor, log, sqrt
+from math import ceil, floor, log, sqrt
 
 import numpy as np
 
@@ -15,7 +15,11 @@ _RATIO = sqrt(2.0)
 _ERROR_SHARE = 0.4
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
-_GROWTH_MARGIN = 0.6
+_GROWTH_MARGIN = 0.5
+_REJECTED = 3.0
+_FORGET = 0.8
+_STEPS_AFTER_GROWTH = 3
+_STEPS_AFTER_SHRINKING = 8
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
 
@@ -26,11 +30,17 @@ class StepError(Exception):
 
 @dataclass(slots=True)
 class StepSizes:
-    """The geometric grid of communication step sizes, largest x sqrt(2)^-k, and where we are on it."""
+    """The geometric grid of communication step sizes, largest x sqrt(2)^-k, and where we are on it.
+
+    A change of step stirs up whatever is stiff, so steps change seldom: an error a little above what is
+    allowed is accepted and the next step made smaller, and after a change the size stays for a while.
+    """
 
     largest: float
     smallest: float
     level: int = 0
+    wait: int = 0
+    worst: float = 0.0
 
     @property
     def size(self) -> float:
@@ -40,15 +50,33 @@ class StepSizes:
     def restart(self, size: float) -> None:
         """Go to the grid size at or below the given one."""
         self.level = max(0, -floor(log(size / self.largest) / log(_RATIO) + 1e-9))
+        self._changed(_STEPS_AFTER_GROWTH)
 
     def shrink(self, levels: int = 2) -> bool:
         """Go down; False where that is below the smallest size."""
         self.level += levels
+        self._changed(_STEPS_AFTER_SHRINKING)
         return self.size >= self.smallest
 
-    def grow(self, levels: int) -> None:
-        """Go up, at most to the largest size."""
-        self.level = max(0, self.level - levels)
+    def judge(self, error: float) -> bool:
+        """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
+        can_shrink = self.size > 2.0 * self.smallest
+        if error > _REJECTED and can_shrink:
+            self.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(_RATIO))))))
+            return False
+        self.wait -= 1
+        self.worst = max(error, _FORGET * self.worst)
+        if error > 1.0 and can_shrink:
+            self.shrink(1)
+        elif self.wait <= 0:
+            room = floor(log(_GROWTH_MARGIN / max(self.worst, 1e-9)) / (3.0 * log(_RATIO)))
+            if room >= 1 and self.level > 0:
+                self.level = max(0, self.level - min(room, 2))
+                self._changed(_STEPS_AFTER_GROWTH)
+        return True
+
+    def _changed(self, wait: int) -> None:
+        self.wait, self.worst = wait, 0.0
 
 
 @dataclass(slots=True)
