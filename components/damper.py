@@ -9,9 +9,10 @@ import numpy as np
 
 from ._component import Component, ComponentError, Port, Quantity, Vector
 from ._frames import Quaternion, frame_with_x_along, mean, nearest_turn, rotate
+from ._midstep import MidStepRate
 from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
 
-_ANGLE, _FRAME, _GAP, _HEAT, _WRENCH = 0, slice(1, 5), slice(5, 8), 8, slice(9, 21)
+_ANGLE, _HEAT, _WRENCH, _RATE = 0, 8, slice(9, 21), slice(21, 25)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +49,14 @@ class EddyCurrentDamper(Component):
             ports=[Port("inboard", "connection"), Port("outboard", "connection")],
             parameters=[
                 Quantity(
-                    "damping_coefficient", "N.m.s/rad", "Torque per rate at low rate", 1, 1.0, 0.0, variability="tunable"
+                    "damping_coefficient", "N.m.s/rad", "Torque per rate at low rate", 1, 1.0, 0.0, None, "tunable"
                 ),
                 Quantity(
                     "peak_rate", "rad/s", "Rate of the largest torque; 0 for a linear damper", 1, 0.0, 0.0,
                     variability="tunable",
                 ),
             ],
+            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
             observations=[
                 Quantity("angular_rate", "rad/s", "Rate of the outboard against the inboard port"),
                 Quantity("damper_torque", "N.m", "Torque on the outboard side about the axis"),
@@ -70,20 +72,21 @@ class EddyCurrentDamper(Component):
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs."""
-        pose = relative_pose(as_floats(u), self._axis_frame)
-        return np.array((pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12))
+        pose, rate = self._rate(as_floats(u))
+        return np.array((pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12, *MidStepRate.starting(rate)))
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step: the torque of the mean rate, and the heat it makes."""
         v = as_floats(x)
-        pose = relative_pose(as_floats(u), self._axis_frame)
+        pose, end_rate = self._rate(as_floats(u))
         angle = nearest_turn(pose.twist, v[_ANGLE])
         change = angle - v[_ANGLE]
         torque = c.torque(change / h)
         world = mean_direction((v[1], v[2], v[3], v[4]), pose.frame, (torque, 0.0, 0.0))
         gap = mean((v[5], v[6], v[7]), pose.gap)
         wrench = pair((0.0, 0.0, 0.0), world, gap)
-        return np.array((angle, *pose.frame, *pose.gap, v[_HEAT] - torque * change, *wrench))
+        rate = MidStepRate(*v[_RATE]).after(change / h, h) if u[-1] < 0.5 else MidStepRate.starting(end_rate)
+        return np.array((angle, *pose.frame, *pose.gap, v[_HEAT] - torque * change, *wrench, *rate))
 
     def _rate(self, u: list[float]) -> tuple[Pose, float]:
         pose = relative_pose(u, self._axis_frame)
@@ -97,9 +100,10 @@ class EddyCurrentDamper(Component):
         return np.array(pair((0.0, 0.0, 0.0), rotate(pose.frame, (c.torque(rate), 0.0, 0.0)), pose.gap))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Rate and torque of this instant, energy dissipated."""
+        """Rate and torque at the communication point, energy dissipated."""
         rate = self._rate(as_floats(u))[1]
-        return np.array((rate, c.torque(rate), x[_HEAT]))
+        felt = rate if self._endpoint else MidStepRate(*as_floats(x[_RATE])).now()
+        return np.array((rate, c.torque(felt), x[_HEAT]))
 
     @classmethod
     def example(cls) -> EddyCurrentDamper:

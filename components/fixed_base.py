@@ -9,6 +9,7 @@ import numpy as np
 
 from ._component import Component, Port, Quantity, Vector
 from ._frames import sum_of_moments
+from ._midstep import extrapolated
 
 _HISTORY = 6
 
@@ -62,12 +63,7 @@ class FixedBase(Component):
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two means, which belong to mid-step."""
-        last, previous = x[:_HISTORY], x[_HISTORY : 2 * _HISTORY]
-        h, h_previous = x[-2], x[-1]
-        if h == 0.0 or h_previous == 0.0:
-            return last.copy()
-        result: Vector = last + (last - previous) * (h / (h + h_previous))
-        return result
+        return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
 
     @classmethod
     def example(cls) -> FixedBase:

@@ -10,23 +10,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 
-from ._bushing import Memory, StepMotion, bushing_force, inertial_force, remembered
-from ._component import Component, ComponentError, Port, Quantity, Vector
+from ._bushing import StepMotion, bushing_force, inertial_force, remembered
+from ._component import Component, ComponentError, Port, Vector
 from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn, rotate
-from ._relative import Pose, as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
+from ._hinge_state import ANGLE, LATCHED, WRENCH, Loads, Six, State, coordinates_of, motion_of, shifted
+from ._hinge_variables import inputs, observations, outputs, parameters
+from ._midstep import MidStepRate
+from ._relative import as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
 from .laws import Law, Linear, Table, mean_force, stiction_factors
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 
-_LOCK_RATE_WEIGHT = 1.0 / 3.0
-_LOCK_DRIFT_WEIGHT = 0.1
 _FORCE_SMOOTHING = 1.0
-
-Six = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,91 +53,6 @@ class _Constants:
     lock_inertia: float
     hold_stiffness: float
     end_weight: float
-
-
-class _State(NamedTuple):
-    """The state array by name. Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes)."""
-
-    frame: Quaternion
-    gap: Vector3
-    coordinates: tuple[float, ...]
-    rates: tuple[float, ...]
-    mean_rates: tuple[float, ...]
-    end_rates: tuple[float, ...]
-    wrench: tuple[float, ...]
-    power: tuple[float, ...]
-    friction_energy: float
-    latch_energy: float
-    damping_energy: float
-    latched: float
-    latched_angle: float
-    holding: float
-    hold_angle: float
-
-    def pack(self) -> Vector:
-        """As one array."""
-        return np.array(
-            (
-                *self.frame,
-                *self.gap,
-                *self.coordinates,
-                *self.rates,
-                *self.mean_rates,
-                *self.end_rates,
-                *self.wrench,
-                *self.power,
-                *self[8:],
-            )
-        )
-
-    @staticmethod
-    def unpack(x: Vector) -> _State:
-        """From the array."""
-        v = as_floats(x)
-        return _State(
-            (v[0], v[1], v[2], v[3]),
-            (v[4], v[5], v[6]),
-            tuple(v[7:13]),
-            tuple(v[13:19]),
-            tuple(v[19:25]),
-            tuple(v[25:31]),
-            tuple(v[_WRENCH]),
-            tuple(v[43:46]),
-            *v[46:],
-        )
-
-    @property
-    def angle(self) -> float:
-        """Hinge angle, unwrapped."""
-        return self.coordinates[3]
-
-
-_WRENCH = slice(31, 43)
-_ANGLE, _LATCHED = 10, 49
-
-
-class _Loads(NamedTuple):
-    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes."""
-
-    force: Vector3
-    torque: Vector3
-    latch_torque: float
-    friction_torque: float
-    heat: tuple[float, float, float]
-
-
-def _motion(old: _State, new: _State, i: int, h: float) -> StepMotion:
-    memory = Memory(old.mean_rates[i], old.end_rates[i])
-    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
-
-
-def _shifted(motion: StepMotion, origin: float) -> StepMotion:
-    """The same motion counted from another origin."""
-    return motion._replace(start=motion.start - origin, end=motion.end - origin)
-
-
-def _coordinates(pose: Pose, angle: float) -> Six:
-    return (*pose.offset, angle, *pose.swing)
 
 
 class Hinge(Component):
@@ -189,10 +103,10 @@ class Hinge(Component):
                 "wrench_mode": wrench_mode,
             },
             ports=[Port("inboard", "connection"), Port("outboard", "connection")],
-            parameters=_parameters(),
-            inputs=_inputs(),
-            outputs=_outputs(),
-            observations=_observations(),
+            parameters=parameters(),
+            inputs=inputs(),
+            outputs=outputs(),
+            observations=observations(),
             feedthrough=self._endpoint,
         )
 
@@ -237,15 +151,16 @@ class Hinge(Component):
         pose = relative_pose(values, self._axis_frame)
         rates = relative_rates(values, pose)
         angle = nearest_turn(c.aligned_angle + pose.twist, c.stowed_angle)
-        return _State(
+        return State(
             pose.frame,
             pose.gap,
-            _coordinates(pose, angle),
+            coordinates_of(pose, angle),
             (*rates.velocity, *rates.angular_velocity),
             (*rates.velocity, *rates.angular_velocity),
             (*rates.velocity, *rates.angular_velocity),
             (0.0,) * 12,
             (0.0,) * 3,
+            MidStepRate.starting(rates.angular_velocity[0]),
             *((0.0,) * 6),
             angle,
         ).pack()
@@ -253,16 +168,16 @@ class Hinge(Component):
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step; the inputs are those of its end. Commands act from its start."""
         values = as_floats(u)
-        old = self._commanded(_State.unpack(x), values[26], values[28])
+        old = self._commanded(State.unpack(x), values[26], values[28])
         pose = relative_pose(values, self._axis_frame)
-        end = _coordinates(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
+        end = coordinates_of(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
         relative = relative_rates(values, pose)
         rates = (*relative.velocity, *relative.angular_velocity)
         moved = old._replace(frame=pose.frame, gap=pose.gap, coordinates=end, rates=rates)
         if self._endpoint:
             return self._endpoint_step(c, old, moved, h).pack()
         impulse = values[27] > 0.5
-        motions = [_motion(old, moved, i, h) for i in range(6)]
+        motions = [motion_of(old, moved, i, h) for i in range(6)]
         loads = (
             self._impulse_loads(c, old, moved, h) if impulse else self._mean_loads(c, old, moved, motions, h)
         )
@@ -272,6 +187,7 @@ class Hinge(Component):
         return moved._replace(
             mean_rates=rates if impulse else tuple(m.mean_rate for m in memories),
             end_rates=rates if impulse else tuple(m.end_rate for m in memories),
+            slide=MidStepRate.starting(rates[3]) if impulse else old.slide.after(memories[3].mean_rate, h),
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
             wrench=pair(force, torque, mean(old.gap, pose.gap)),
             friction_energy=old.friction_energy + loads.heat[0],
@@ -280,7 +196,7 @@ class Hinge(Component):
         ).pack()
 
     @staticmethod
-    def _commanded(state: _State, latch: float, hold: float) -> _State:
+    def _commanded(state: State, latch: float, hold: float) -> State:
         """Latch or hold at the angle where the command arrives."""
         if latch > 0.5 and not state.latched:
             state = state._replace(latched=1.0, latched_angle=state.angle)
@@ -289,13 +205,13 @@ class Hinge(Component):
         return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
     def _mean_loads(
-        self, c: _Constants, old: _State, new: _State, motions: list[StepMotion], h: float
-    ) -> _Loads:
+        self, c: _Constants, old: State, new: State, motions: list[StepMotion], h: float
+    ) -> Loads:
         """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
         elastic: list[float] = []
         heat = 0.0
         for i, motion in enumerate(motions):
-            moved = _shifted(motion, c.aligned_angle) if i == 3 else motion
+            moved = shifted(motion, c.aligned_angle) if i == 3 else motion
             force, lost = bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
             elastic.append(force)
             heat += lost
@@ -313,7 +229,7 @@ class Hinge(Component):
         if old.holding:
             twist -= c.hold_stiffness * (new.angle - old.hold_angle)
         swing = [0.5 * (a + b) for a, b in zip(old.coordinates[4:], new.coordinates[4:], strict=True)]
-        return _Loads(
+        return Loads(
             force_on_b,
             conjugate_torque(twist, (elastic[4], elastic[5]), (swing[0], swing[1])),
             latch,
@@ -334,18 +250,18 @@ class Hinge(Component):
         sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
         return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
 
-    def _latch(self, c: _Constants, old: _State, motion: StepMotion) -> tuple[float, float]:
+    def _latch(self, c: _Constants, old: State, motion: StepMotion) -> tuple[float, float]:
         """Mean latch torque, and the energy it turned to heat."""
         if not old.latched or self.latch == "none":
             return 0.0, 0.0
-        deflection = _shifted(motion, old.latched_angle)
+        deflection = shifted(motion, old.latched_angle)
         change = deflection.end - deflection.start
         extra = -c.latch_damping * change / motion.h
         if c.end_weight == 0.5:
             extra += inertial_force(c.latch_stiffness, deflection)
         return mean_force(c.latch, deflection.start, deflection.end) + extra, -extra * change
 
-    def _impulse_loads(self, c: _Constants, old: _State, new: _State, h: float) -> _Loads:
+    def _impulse_loads(self, c: _Constants, old: State, new: State, h: float) -> Loads:
         """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
 
         An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
@@ -361,7 +277,7 @@ class Hinge(Component):
         ]
         work = [-f * (b - a) for f, a, b in zip(load, old.coordinates, new.coordinates, strict=True)]
         latch = work[3] if locked else 0.0
-        return _Loads(
+        return Loads(
             (load[0], load[1], load[2]),
             (load[3], load[4], load[5]),
             0.0,
@@ -369,7 +285,7 @@ class Hinge(Component):
             (0.0, latch, sum(work) - latch),
         )
 
-    def _endpoint_loads(self, c: _Constants, s: _State) -> _Loads:
+    def _endpoint_loads(self, c: _Constants, s: State) -> Loads:
         """Loads of one instant from coordinates and rates; heat as power (W)."""
         q, w = list(s.coordinates), s.rates
         q[3] -= c.aligned_angle
@@ -384,7 +300,7 @@ class Hinge(Component):
         if s.holding:
             twist -= c.hold_stiffness * (s.angle - s.hold_angle)
         damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
-        return _Loads(
+        return Loads(
             force,
             conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
             latch,
@@ -392,7 +308,7 @@ class Hinge(Component):
             (-friction * w[3], -viscous * w[3], damping),
         )
 
-    def _endpoint_step(self, c: _Constants, old: _State, moved: _State, h: float) -> _State:
+    def _endpoint_step(self, c: _Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
         if c.latch_automatic and not old.latched and self.latch != "none" and moved.angle >= c.latch_angle:
             moved = moved._replace(latched=1.0, latched_angle=c.latch_angle)
@@ -405,17 +321,17 @@ class Hinge(Component):
             power=power,
         )
 
-    def _now(self, c: _Constants, x: Vector, u: Vector) -> _State:
+    def _now(self, c: _Constants, x: Vector, u: Vector) -> State:
         """The state moved to the motion of the present inputs."""
         values = as_floats(u)
-        state = _State.unpack(x)
+        state = State.unpack(x)
         pose = relative_pose(values, self._axis_frame)
         rates = relative_rates(values, pose)
         angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
         return state._replace(
             frame=pose.frame,
             gap=pose.gap,
-            coordinates=_coordinates(pose, angle),
+            coordinates=coordinates_of(pose, angle),
             rates=(*rates.velocity, *rates.angular_velocity),
             holding=1.0 if values[28] > 0.5 else 0.0,
         )
@@ -423,21 +339,24 @@ class Hinge(Component):
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports, distance to the latch angle, latched or not."""
         if not self._endpoint:
-            return np.concatenate((x[_WRENCH], (c.latch_angle - x[_ANGLE], x[_LATCHED])))
+            return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED])))
         s = self._now(c, x, u)
         loads = self._endpoint_loads(c, s)
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
         return np.array((*wrench, c.latch_angle - s.angle, s.latched))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Angles, torques and forces of this instant (end-point law), and energies."""
+        """Angles, torques and forces at the communication point (end-point law), and energies."""
         s = self._now(c, x, u)
+        rate = s.rates[3]
+        if not self._endpoint:
+            s = s._replace(rates=(*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:]))
         loads = self._endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)
         return np.array(
             (
                 s.angle,
-                s.rates[3],
+                rate,
                 c.motor.value(s.angle),
                 c.harness.value(s.angle),
                 loads.friction_torque,
@@ -452,7 +371,7 @@ class Hinge(Component):
             )
         )
 
-    def _stored(self, c: _Constants, s: _State) -> float:
+    def _stored(self, c: _Constants, s: State) -> float:
         """Energy in bushing, motor, harness, latch and hold."""
         q = list(s.coordinates)
         q[3] -= c.aligned_angle
@@ -473,92 +392,3 @@ class Hinge(Component):
             harness_torque=(0.2, 0.05, -0.1),
             latch="spring",
         )
-
-
-def _parameters() -> list[Quantity]:
-    def tunable(
-        name: str, unit: str, text: str, start: float = 0.0, minimum: float | None = 0.0, size: int = 1
-    ) -> Quantity:
-        return Quantity(name, unit, text, size, start, minimum, variability="tunable")
-
-    return [
-        tunable(
-            "translational_stiffness",
-            "N/m",
-            "Stiffness along hinge line and the two radial directions",
-            size=3,
-        ),
-        tunable(
-            "translational_damping", "N.s/m", "Damping along hinge line and the two radial directions", size=3
-        ),
-        tunable(
-            "rotational_stiffness", "N.m/rad", "Stiffness about hinge line and the two cross axes", size=3
-        ),
-        tunable("rotational_damping", "N.m.s/rad", "Damping about hinge line and the two cross axes", size=3),
-        tunable("aligned_angle", "rad", "Hinge angle where the axes of both ports coincide", minimum=None),
-        tunable("stowed_angle", "rad", "Hinge angle of the stowed configuration", minimum=None),
-        tunable("motor_stiffness", "N.m/rad", "Rate of the motorisation spring"),
-        tunable(
-            "motor_wind_up", "rad", "Hinge angle at which the motorisation spring is relaxed", minimum=None
-        ),
-        tunable("friction_coefficient", "1", "Coulomb friction coefficient of the hinge pin, sliding"),
-        tunable("static_friction_ratio", "1", "Static over sliding friction coefficient", 1.2, 1.0),
-        tunable("pin_radius", "m", "Radius of the hinge pin", 0.006),
-        tunable(
-            "friction_bending_arm", "m", "Arm that turns bending moment into pin force; 0 switches it off"
-        ),
-        tunable("friction_preload", "N.m", "Constant friction torque; 0 from latch-up on"),
-        tunable("stiction_velocity", "rad/s", "Stiction transition velocity as a hinge rate", 0.0167, 1e-9),
-        tunable("latch_angle", "rad", "Hinge angle where the latch engages", minimum=None),
-        tunable("latch_stiffness", "N.m/rad", "Stiffness of a spring latch"),
-        tunable("latch_damping", "N.m.s/rad", "Damping of a spring or table latch"),
-        tunable("latch_automatic", "1", "1: latch at the latch angle without command (endpoint mode)", 1.0),
-        tunable(
-            "lock_mass", "kg", "Numerical: mass that an ideal joint sets against residual velocity", 1e6, 1.0
-        ),
-        tunable(
-            "lock_inertia", "kg.m2", "Numerical: inertia that a lock sets against residual rate", 1e6, 1.0
-        ),
-        tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0),
-        tunable("hold_stiffness", "N.m/rad", "Stiffness that holds the angle while hold is 1", 1e7),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-    ]
-
-
-def _inputs() -> list[Quantity]:
-    return [
-        Quantity(
-            "latch_command", "1", "1: the latch engages at the start of the next step", variability="discrete"
-        ),
-        Quantity(
-            "impulse", "1", "1: the next step is an impulse through ideal joints", variability="discrete"
-        ),
-        Quantity("hold", "1", "1: the angle is held", variability="discrete"),
-    ]
-
-
-def _outputs() -> list[Quantity]:
-    return [
-        Quantity("latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"),
-        Quantity("latched", "1", "1 from latch-up on"),
-    ]
-
-
-def _observations() -> list[Quantity]:
-    return [
-        Quantity("angle", "rad", "Hinge angle, unwrapped"),
-        Quantity("angular_rate", "rad/s", "Hinge rate"),
-        Quantity("motor_torque", "N.m", "Torque of the motorisation spring, positive opening"),
-        Quantity("harness_torque", "N.m", "Torque of the harness, positive opening"),
-        Quantity("friction_torque", "N.m", "Friction torque, positive opening"),
-        Quantity("latch_torque", "N.m", "Torque of the latch about the hinge line, positive opening"),
-        Quantity("axial_force", "N", "Force on the outboard side along the hinge line"),
-        Quantity("radial_force", "N", "Magnitude of the force normal to the hinge line"),
-        Quantity("bending_moment", "N.m", "Magnitude of the moment normal to the hinge line"),
-        Quantity("motor_energy", "J", "Energy released by the motorisation spring since the stowed angle"),
-        Quantity("friction_energy", "J", "Energy dissipated by friction"),
-        Quantity("latch_energy", "J", "Energy dissipated by the latch, its impulse included"),
-        Quantity("damping_energy", "J", "Energy dissipated by the damping of the joint"),
-        Quantity("potential_energy", "J", "Energy in bushing, motorisation spring, harness and latch"),
-        Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-    ]

@@ -224,19 +224,15 @@ def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) ->
 
 def _verification_table(verified: list[Verified]) -> Table:
     table = Table(title="verification: steps halved and quartered, errors estimated")
-    for heading in ("quantity", "of", "value", "extrapolated", "error", "order", "unit"):
-        if heading in ("quantity", "of", "unit"):
-            table.add_column(heading)
-        else:
-            table.add_column(
-                heading, justify="right", no_wrap=True, min_width=4 if heading == "order" else 11
-            )
+    table.add_column("quantity")
+    for heading in ("value", "extrapolated", "error", "order"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("unit")
     for v in verified:
+        name = " ".join(filter(None, (v.number.quantity, v.number.of)))
         order = "" if v.order is None else f"{v.order:.2f}"
-        table.add_row(
-            v.number.quantity, v.number.of, f"{v.number.value:.7g}", f"{v.extrapolated:.7g}", f"{v.error:.2g}", order,
-            v.number.unit,
-        )  # fmt: skip
+        numbers = (f"{v.number.value:.7g}", f"{v.extrapolated:.7g}", f"{v.error:.2g}", order)
+        table.add_row(name, *numbers, "" if v.number.unit == "1" else v.number.unit)
     return table
 
 

@@ -41,7 +41,8 @@ hinges = [
   { name = "right", inboard = "right", outboard = "right", kind = "cylindrical" },
 ]
 """
-LATCH = "latch = {{ stiffness = {0}, outboard_stiffness = {1}, effective_inertia = {2}, damping_ratio = 0.01 }}\nhinges ="
+LATCH = """latch = {{ stiffness = {0}, outboard_stiffness = {1}, effective_inertia = {2}, damping_ratio = 0.01 }}
+hinges ="""
 
 
 def two_panels_with_latches():
@@ -104,7 +105,7 @@ def test_the_coupled_motion_is_of_second_order(solved):
     """Smooth motion, fixed steps: angles and rates against a run with an eighth of the smallest step."""
 
     def end(h):
-        _, record = solved("smooth", until=1.0, fixed_step=h)
+        _, record = solved("smooth", until=1.0, fixed_step=h, tolerance=1e-6)
         return np.array(
             [record.signal(n, q)[-1] for n in ("root", "middle_left") for q in ("angle", "angular_rate")]
         )
@@ -129,16 +130,28 @@ def test_the_tolerance_bounds_the_error_and_governs_it(solved, name):
 
 
 @pytest.mark.parametrize("name", ["one", "two"])
-def test_the_energy_balance_closes(solved, name):
-    """Default tolerance, then a hundredth of it without damping, where nothing can hide."""
+def test_the_energy_balance_closes_at_the_default_tolerance(solved, name):
+    """Relative to the energy the motors release."""
     assert np.abs(energy_residual(*solved(name, tolerance=1e-4))).max() < 1e-4
-    assert np.abs(energy_residual(*solved(name, undamped=True, tolerance=1e-6))).max() < 1e-6
 
 
-def test_the_energy_residual_is_of_second_order_and_does_not_drift(solved):
-    """Fixed steps on the smooth scene: H², and no more in the second half than in the first, per motion."""
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "until"), [("one", 4.4), ("two", 4.85)])
+def test_the_energy_balance_closes_without_damping_at_a_tight_tolerance(solved, name, until):
+    """Where nothing is dissipated nothing can hide; from stowed past the latches' first peak."""
+    assert np.abs(energy_residual(*solved(name, undamped=True, until=until, tolerance=1e-6))).max() < 1e-6
+
+
+def test_the_energy_residual_is_of_second_order(solved):
+    """Fixed steps on the smooth scene."""
     steps = (2e-2, 1e-2, 5e-3)
-    residuals = [
-        np.abs(energy_residual(*solved("smooth", until=2.0, undamped=True, fixed_step=h))) for h in steps
-    ]
-    assert slope(steps, [r.max() for r in residuals]) > 1.8
+    residuals = [np.abs(energy_residual(*solved("smooth", undamped=True, fixed_step=h))).max() for h in steps]
+    assert slope(steps, residuals) > 1.8
+
+
+def test_the_energy_residual_does_not_drift(solved):
+    """A panel that swings on its latch for nine periods without damping: the last as good as the first."""
+    scene, record = solved("one", undamped=True, until=7.5, fixed_step=4e-3)
+    residual, times = np.abs(energy_residual(scene, record)), np.array(record.times)
+    first, last = (residual[(times > start) & (times <= start + 1.0)].max() for start in (4.3, 6.5))
+    assert last < 1.05 * first

@@ -1,0 +1,103 @@
+"""The state of a hinge by name, the motion of its six coordinates over a step, and the loads that follow."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._bushing import Memory, StepMotion
+from ._component import Vector
+from ._frames import Quaternion, Vector3
+from ._midstep import MidStepRate
+from ._relative import Pose, as_floats
+
+Six = tuple[float, float, float, float, float, float]
+
+
+class State(NamedTuple):
+    """The state array by name. Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes)."""
+
+    frame: Quaternion
+    gap: Vector3
+    coordinates: tuple[float, ...]
+    rates: tuple[float, ...]
+    mean_rates: tuple[float, ...]
+    end_rates: tuple[float, ...]
+    wrench: tuple[float, ...]
+    power: tuple[float, ...]
+    slide: MidStepRate
+    friction_energy: float
+    latch_energy: float
+    damping_energy: float
+    latched: float
+    latched_angle: float
+    holding: float
+    hold_angle: float
+
+    def pack(self) -> Vector:
+        """As one array."""
+        return np.array(
+            (
+                *self.frame,
+                *self.gap,
+                *self.coordinates,
+                *self.rates,
+                *self.mean_rates,
+                *self.end_rates,
+                *self.wrench,
+                *self.power,
+                *self.slide,
+                *self[9:],
+            )
+        )
+
+    @staticmethod
+    def unpack(x: Vector) -> State:
+        """From the array."""
+        v = as_floats(x)
+        return State(
+            (v[0], v[1], v[2], v[3]),
+            (v[4], v[5], v[6]),
+            tuple(v[7:13]),
+            tuple(v[13:19]),
+            tuple(v[19:25]),
+            tuple(v[25:31]),
+            tuple(v[WRENCH]),
+            tuple(v[43:46]),
+            MidStepRate(*v[46:50]),
+            *v[50:],
+        )
+
+    @property
+    def angle(self) -> float:
+        """Hinge angle, unwrapped."""
+        return self.coordinates[3]
+
+
+WRENCH = slice(31, 43)
+ANGLE, LATCHED = 10, 53
+
+
+class Loads(NamedTuple):
+    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes."""
+
+    force: Vector3
+    torque: Vector3
+    latch_torque: float
+    friction_torque: float
+    heat: tuple[float, float, float]
+
+
+def motion_of(old: State, new: State, i: int, h: float) -> StepMotion:
+    memory = Memory(old.mean_rates[i], old.end_rates[i])
+    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
+
+
+def shifted(motion: StepMotion, origin: float) -> StepMotion:
+    """The same motion counted from another origin."""
+    return motion._replace(start=motion.start - origin, end=motion.end - origin)
+
+
+def coordinates_of(pose: Pose, angle: float) -> Six:
+    return (*pose.offset, angle, *pose.swing)

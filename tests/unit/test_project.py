@@ -1,0 +1,188 @@
+"""The project's own rules: that they are alive, that they hold, and that the README says what there is."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import components
+import fmus
+import orchestrator
+from components import REGISTRY
+from orchestrator.cli import main
+from orchestrator.scene import list_scenes
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+BAD_LINES = {
+    "F401": '"""Module."""\n\nimport os\n',
+    "E501": f'"""Module."""\n\nX = "{"x" * 120}"\n',
+    "ANN201": '"""Module."""\n\n\ndef f():\n    """Give one."""\n    return 1\n',
+    "D103": '"""Module."""\n\n\ndef f() -> None:\n    pass\n',
+    "ERA001": '"""Module."""\n\n# x = 1\n',
+    "NPY002": '"""Module."""\n\nimport numpy as np\n\nX = np.random.rand(3)\n',
+    "UP007": '"""Module."""\n\nfrom typing import Union\n\nX: Union[int, str] = 1\n',
+}
+
+
+def tool(name):
+    """A command of the environment that runs the tests."""
+    found = shutil.which(name, path=str(Path(sys.executable).parent)) or shutil.which(name)
+    if found is None:
+        pytest.skip(f"{name} is not installed")
+    return found
+
+
+def output_of(*command, text=None):
+    run = subprocess.run(
+        command, input=text, capture_output=True, text=True, encoding="utf-8", cwd=ROOT, timeout=300
+    )
+    return run.returncode, run.stdout + run.stderr
+
+
+def lint(text, name="components/invented.py"):
+    return output_of(
+        tool("ruff"), "check", "--no-cache", "--stdin-filename", str(ROOT / name), "-", text=text
+    )
+
+
+@pytest.mark.parametrize("rule", BAD_LINES)
+def test_lint_table_is_alive(rule):
+    """Control: each bad line is reported under the project's configuration, so a clean report means something."""
+    code, told = lint(BAD_LINES[rule])
+    assert code == 1
+    assert rule in told
+
+
+def test_good_module_passes_the_lint():
+    """Control: the bad lines above are not reported because everything is."""
+    code, told = lint('"""Module."""\n')
+    assert code == 0, told
+
+
+def test_code_is_lint_free_and_formatted():
+    """Rule: ruff finds nothing, neither in style nor in layout."""
+    assert output_of(tool("ruff"), "check", "--no-cache", ".")[0] == 0
+    assert output_of(tool("ruff"), "format", "--no-cache", "--check", ".")[0] == 0
+
+
+def test_import_contracts_hold():
+    """Rule: components know neither FMI nor files, FMUs know no scene; import-linter reads it from the code."""
+    code, told = output_of(tool("lint-imports"), "--no-cache")
+    assert code == 0, told
+    assert "0 broken" in told
+    assert len(PROJECT["tool"]["importlinter"]["contracts"]) >= 2
+
+
+def test_import_contracts_are_alive(tmp_path):
+    """Control: one import against the arrows breaks a contract."""
+    for name in ("components", "fmus", "orchestrator", "pyproject.toml"):
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, tmp_path / name)
+    with (tmp_path / "components" / "damper.py").open("a", encoding="utf-8") as file:
+        file.write("\nfrom fmus import build_fmu\n")
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    run = subprocess.run(
+        [tool("lint-imports"), "--no-cache"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env=environment,
+        timeout=300,
+    )
+    assert run.returncode == 1
+    assert "components.damper -> fmus" in run.stdout
+
+
+def test_packages_share_one_folder():
+    """Packaging: three generic names from one installation, not from three different ones."""
+    folders = {Path(package.__file__).resolve().parents[1] for package in (components, fmus, orchestrator)}
+    assert len(folders) == 1
+    names = ["components", "fmus", "orchestrator"]
+    assert PROJECT["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"] == names
+    assert PROJECT["tool"]["check-wheel-contents"]["toplevel"] == names
+    assert "Private :: Do Not Upload" in PROJECT["project"]["classifiers"]
+
+
+def section(title):
+    """Text of a section of the README."""
+    found = re.search(rf"^## {title}\n(.*?)(?=^## |\Z)", README, re.MULTILINE | re.DOTALL)
+    assert found, f"README.md has no section {title!r}"
+    return found[1]
+
+
+def test_readme_lists_every_component():
+    """Completeness: the table's first column is the registry, no more and no less."""
+    kinds = re.findall(r"^\| `(\w+)` \|", section("Components"), re.MULTILINE)
+    assert sorted(kinds) == sorted(REGISTRY)
+
+
+def commands():
+    """Every fanfold command line in the README, without its program."""
+    lines = re.findall(r"(?:\.venv/bin/|`)fanfold ([^`\n]+)", README)
+    assert len(lines) >= 5
+    return [line.split() for line in lines]
+
+
+def test_readme_commands_exist():
+    """Completeness: every command and option that the README shows is one; every command is shown."""
+    shown = set()
+    for name, *arguments in commands():
+        shown.add(name)
+        options = {option for p in main.commands[name].params for option in p.opts}
+        assert {a for a in arguments if a.startswith("-")} <= options
+    assert shown == set(main.commands)
+
+
+def test_readme_scenes_exist():
+    """Completeness: scenes that the README runs or exports come with Fanfold, and every one is mentioned."""
+    scenes = {a[1] for a in commands() if a[0] in ("run", "export") and len(a) > 1}
+    assert scenes
+    assert scenes <= set(list_scenes())
+    assert all(name in README for name in list_scenes())
+
+
+def test_readme_files_exist():
+    """Completeness: pictures and paths that the README points at are in the repository."""
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
+    paths = re.findall(r"`((?:components|fmus|orchestrator|tests)/[\w/.]+)`", README)
+    missing = [path for path in (*pictures, *paths) if not (ROOT / path).exists()]
+    assert missing == []
+
+
+def test_readme_has_the_two_commands():
+    """Done-when 1: one line installs and runs, one installs and tests; CI takes the second from here."""
+    lines = [line.strip() for line in section("Two commands").splitlines() if line.startswith("    ")]
+    assert len(lines) == 2
+    assert lines[0].startswith("python3 -m venv .venv && ")
+    assert lines[0].endswith("fanfold run amos3")
+    assert lines[1].startswith("python3 -m venv .venv && ")
+    assert "pytest" in lines[1]
+
+
+def test_files_and_functions_stay_short():
+    """Rule of the architecture: files under about 400 lines, functions under about 60; with a tenth to spare."""
+    long = []
+    for package in (components, fmus, orchestrator):
+        for path in Path(package.__file__).parent.rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            lines = text.count("\n")
+            if lines > 440:
+                long.append(f"{path.name}: {lines}")
+            for node in ast.walk(ast.parse(text)):
+                if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > 66:
+                    long.append(f"{path.name} {node.name}: {node.end_lineno - node.lineno + 1}")
+    assert long == []
