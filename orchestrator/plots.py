@@ -41,6 +41,7 @@ _STYLE: Final[Any] = {
 _WIDTH = 7.2
 _INSTANTS = 6
 _CLOSE_UP_CROSSINGS = 8
+_LEGEND_WIDTH = 100  # characters, a handle counting as seven
 _EVENT_LABELS = 12
 
 _CAUSES: Final = {
@@ -280,8 +281,10 @@ def _finish(axes: Axes, result: Result, label: str) -> None:
                 _label_event(axes, time, names)
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=5, frameon=False)
+    labels = axes.get_legend_handles_labels()[1]
+    if labels:
+        columns = max(1, min(5, _LEGEND_WIDTH // (max(map(len, labels)) + 7)))
+        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns, frameon=False)
 
 
 def _label_event(axes: Axes, time: float, names: str) -> None:

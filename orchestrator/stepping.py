@@ -175,6 +175,6 @@ def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Ex
         return solution.failure
     return StepError(
         f"the step of {h:.3g} s from t = {time:.6f} s does not converge: after {solution.iterations} iterations the "
-        f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} times "
-        "its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"
+        f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
+        "times its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"
     )
