@@ -30,7 +30,7 @@ from .scene_connections import WrenchMode
 from .summary import headline_table
 from .verify import Verified, verify
 
-_PROBLEMS = (SceneError, RunError, ResultError, OSError)
+_PROBLEMS = (SceneError, RunError, ResultError)
 
 
 class _Group(click.Group):
@@ -42,11 +42,13 @@ class _Group(click.Group):
             return super().invoke(ctx)
         except BrokenPipeError:  # nobody reads on; click ends quietly
             raise
+        except OSError as error:
+            problem = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
         except _PROBLEMS as error:
-            told = isinstance(error, OSError) and error.filename is not None
-            for line in (f"{error.filename}: {error.strerror}" if told else str(error)).splitlines():
-                click.echo(f"fanfold: {line}", err=True)
-            ctx.exit(1)
+            problem = str(error)
+        for line in problem.splitlines():
+            click.echo(f"fanfold: {line}", err=True)
+        ctx.exit(1)
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})

@@ -232,13 +232,17 @@ class Coupling:
         ):
             mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
         matrix = np.eye(size)
+        rate = max(
+            _largest_rate(connection.inputs, len(ports))
+            for connection, ports in zip(self.network.connections, self.network.connection_ports, strict=True)
+        )
         for connection, index, probe in zip(
             self.network.connections, self.network.connection_rows, self._stiffnesses[key], strict=True
         ):
             motion_rows = (2 * index.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
             stiffness = probe.turned(first_port_axes(connection.inputs))
             matrix[index] -= stiffness @ mobility[motion_rows]
-            self._round_off[index] = _round_off(stiffness, connection.inputs)
+            self._round_off[index] = _round_off(stiffness, connection.inputs, rate)
         try:
             self._factors = lu_factor(matrix, check_finite=False)
         except (LinAlgError, ValueError):
@@ -246,16 +250,19 @@ class Coupling:
         self._factor_key = key
 
 
-def _round_off(stiffness: Matrix, motion: Vector) -> Vector:
-    """Wrenches that the rounding of a connection's motions makes: its ports cannot agree better than that."""
-    motions = np.abs(motion[: 13 * (len(stiffness) // 6)]).reshape(-1, 13)
-    sizes = np.ones((len(motions), 12))
-    for columns, values in (
-        (slice(0, 3), motions[:, :3]),
-        (slice(6, 9), motions[:, 7:10]),
-        (slice(9, 12), motions[:, 10:]),
-    ):
-        sizes[:, columns] = values.max(axis=1, keepdims=True)
+def _largest_rate(motion: Vector, ports: int) -> float:
+    """Largest component of the velocities (m/s) and angular velocities (rad/s) of a connection's ports."""
+    return float(np.abs(motion[: 13 * ports].reshape(-1, 13)[:, 7:]).max())
+
+
+def _round_off(stiffness: Matrix, motion: Vector, rate: float) -> Vector:
+    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that.
+
+    rate: largest in the network; a port that a latch just stopped still sums terms of that size.
+    """
+    sizes = np.full((len(stiffness) // 6, 12), rate)
+    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
+    sizes[:, 3:6] = 1.0
     result: Vector = 8.0 * np.finfo(float).eps * (np.abs(stiffness) @ sizes.ravel())
     return result
 

@@ -1,13 +1,14 @@
 """Headline numbers against the closed forms of a made-up deployment."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rich.console import Console
 
 from orchestrator.result import Result
-from orchestrator.summary import extremes, headline, headline_table, line_latch_torque
+from orchestrator.summary import extremes, headline, headline_table, line_latch_torque, peak
 from tests.references import synthetic_result as reference
 
 
@@ -125,3 +126,10 @@ def test_latch_impulse_is_no_peak_between_samples():
 def test_few_samples_give_the_largest():
     low, high = extremes(np.array([0.0, 1.0]), np.array([2.0, 1.0]))
     assert (low.value, high.value) == (1.0, 2.0)
+
+
+def test_jump_at_the_start_makes_no_peak():
+    """Regression: no interpolant overshoots where loads jump from nothing in the first step of a run."""
+    time = np.array([0.0, 1e-3, 2e-3, 3e-3, 4e-3])
+    result = SimpleNamespace(time=time, events=[])
+    assert peak(result, np.array([0.0, 1.6, 1.6, 1.59, 1.58])).value == pytest.approx(1.6, abs=2e-3)
