@@ -284,7 +284,9 @@ def _finish(axes: Axes, result: Result, label: str) -> None:
     labels = axes.get_legend_handles_labels()[1]
     if labels:
         columns = max(1, min(5, _LEGEND_WIDTH // (max(map(len, labels)) + 7)))
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns, frameon=False)
+        axes.legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns, frameon=False
+        )
 
 
 def _label_event(axes: Axes, time: float, names: str) -> None:

@@ -1,8 +1,8 @@
 """Run time of the AMOS-3 deployment over 12 s against its error, rigid and flexible, as FMUs.
 
-    python tests/benchmark/deployment.py            the two runs: wall time, steps, iterations, share in FMU steps
-    python tests/benchmark/deployment.py --error    also tight runs (a tenth of the tolerance), minutes, and the
-                                                    relative errors of latch times and latch torque peaks against them
+`python tests/benchmark/deployment.py` prints wall time, steps, iterations and the share of FMU steps; with
+`--error` it also makes tight runs (a tenth of the tolerance, minutes) and prints the relative errors of
+latch times and latch torque peaks against them.
 """
 
 from __future__ import annotations
@@ -43,7 +43,9 @@ def main() -> None:
     """Print the table."""
     with TemporaryDirectory() as name:
         folder = Path(name)
-        print(f"{'':10}{'wall s':>8}{'x real':>8}{'steps':>8}{'rejected':>9}{'iterations':>11}{'FMU share':>10}")
+        print(
+            f"{'':10}{'wall s':>8}{'x real':>8}{'steps':>8}{'rejected':>9}{'iterations':>11}{'FMU share':>10}"
+        )
         for fidelity in ("rigid", "flexible"):
             found = deploy(fidelity, 1e-4, folder)
             print(

@@ -179,7 +179,8 @@ def plot(results: dict[str, list[Point]], path: Path) -> None:
             )
             axis.grid(True, which="major", alpha=0.3)
     axes[0][0].legend()
-    FigureCanvasAgg(figure).print_png(str(path))
+    FigureCanvasAgg(figure)
+    figure.savefig(path)
 
 
 def _series(found: Sequence[Point]) -> list[tuple[str, list[Point]]]:
