@@ -6,6 +6,7 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -84,28 +85,34 @@ class Coupling:
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
         """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
-        self.wrenches[:] = guess
-        solution = self._iterate(time, h)
+        solution = self._attempt(self._iterate, time, h, guess)
         if not solution.converged:
             self.forget()
-            self.wrenches[:] = guess if not np.all(np.isfinite(self.wrenches)) else self.wrenches
-            again = self._iterate(time, h)
+            finite = bool(np.all(np.isfinite(self.wrenches)))
+            again = self._attempt(self._iterate, time, h, self.wrenches.copy() if finite else guess)
             solution = replace(again, iterations=solution.iterations + again.iterations)
         if self.persistent and not solution.converged:
-            self.wrenches[:] = guess
-            again = self._damped(time, h)
+            again = self._attempt(self._damped, time, h, guess)
             solution = replace(again, iterations=solution.iterations + again.iterations)
         return solution
+
+    def _attempt(
+        self, iterate: Callable[[float, float], Solution], time: float, h: float, guess: Vector
+    ) -> Solution:
+        """One way of iterating, from a guess; a participant that refuses to step ends it."""
+        self.wrenches[:] = guess
+        try:
+            return iterate(time, h)
+        except ParticipantError as error:
+            self._factor_key = None
+            return Solution(False, 1, np.inf, 0, error)
 
     def _iterate(self, time: float, h: float) -> Solution:
         steps: list[Vector] = []
         scale = np.ones(0)
         last = np.inf
         for iteration in range(1, _MAX_ITERATIONS + 1):
-            try:
-                self.sweep(time, h)
-            except ParticipantError as error:
-                return Solution(False, iteration, np.inf, 0, error)
+            self.sweep(time, h)
             residual = self._law - self.wrenches
             if not np.all(np.isfinite(residual)):
                 return Solution(False, iteration, np.inf, int(np.argmin(np.isfinite(residual))))

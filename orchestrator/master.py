@@ -21,6 +21,7 @@ _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
 _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
+_MOST_PARTS = 1024
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
@@ -49,8 +50,8 @@ class Settings:
 
     tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
     with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant
-    communication step size instead of control. step_plan: step sizes of an earlier run to follow, one list
-    per segment between events.
+    communication step size instead of control, divided only where it does not converge. step_plan: step
+    sizes of an earlier run to follow, one list per segment between events.
     """
 
     tolerance: float = 1e-4
@@ -98,6 +99,7 @@ class Master:
         self._wrenches = np.zeros(network.size)
         self._energy_start = 0.0
         self._kinetic = 0.0
+        self._parts = 1
         self._energies = [_energy_rows(p) for p in self._participants]
         self._scene = np.zeros(len(SCENE_CHANNELS))
 
@@ -170,8 +172,10 @@ class Master:
             plan = self.settings.step_plan[min(segment, len(self.settings.step_plan) - 1)]
             # beyond its end, not the last step's size: that one only ended at an event and may be tiny
             h = plan[position] if position < len(plan) else max(plan[-_PLAN_TAIL:])
+        elif self.settings.fixed_step is not None:
+            h = self.settings.fixed_step / self._parts
         else:
-            h = self.settings.fixed_step or self._sizes.size
+            h = self._sizes.size
         # a remainder that is a tiny step would cost accuracy; stretch or share instead
         if remaining < 1.001 * h:
             return remaining
@@ -187,11 +191,12 @@ class Master:
         guess = self._history.extrapolated(middle)
         solution = self._coupling.solve(self.time, h, self._wrenches if guess is None else guess)
         if not solution.converged:
-            if not self._controlled or not self._sizes.shrink(2):
+            if not self._smaller():
                 raise failure(self._coupling, solution, self.time, h)
             self.statistics.rejected += 1
             return None
         if not self._controlled:
+            self._parts = max(1, self._parts // 2)
             return solution
         curvature = self._history.curvature(middle, self._coupling.wrenches, h)
         if curvature is None:
@@ -200,6 +205,13 @@ class Master:
             return solution
         self.statistics.rejected += 1
         return None
+
+    def _smaller(self) -> bool:
+        """Make the next step smaller after one that did not converge; False where that is at an end."""
+        if self._controlled:
+            return self._sizes.shrink(2)
+        self._parts *= 4
+        return self.settings.step_plan is None and self._parts <= _MOST_PARTS
 
     def _latching(self, h: float) -> HingeLine | None:
         """The hinge line whose sensor fell through zero first in the step just made."""

@@ -115,15 +115,15 @@ class InProcess:
         """Step; a state that is not finite is refused."""
         if self._constants is None:
             self._prepare()
-        refusal = (
-            f"{self.name}: the state is no longer finite after the step of {h:g} s from t = {time:.6g} s"
-        )
         try:
             self._state = self.component.step(self._constants, self._state, self.inputs, h)
         except (ValueError, ArithmeticError) as error:
-            raise ParticipantError(f"{refusal} ({error})") from None
+            raise ParticipantError(f"{self._refusal(time, h)} ({error})") from None
         if not np.isfinite(self._state.sum()):
-            raise ParticipantError(refusal)
+            raise ParticipantError(self._refusal(time, h))
+
+    def _refusal(self, time: float, h: float) -> str:
+        return f"{self.name}: the state is no longer finite after the step of {h:g} s from t = {time:.6g} s"
 
     def read(self) -> None:
         """Compute the outputs."""
