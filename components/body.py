@@ -193,7 +193,8 @@ class Body(Component):
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step under wrenches held in world axes."""
-        with np.errstate(over="ignore", invalid="ignore"):  # absurd wrenches of an iteration end as not finite
+        # the absurd wrenches an iteration may try end as values that are not finite, without a warning
+        with np.errstate(over="ignore", invalid="ignore"):
             return self._static_step(c, x, u, h) if c.quasi_static else self._dynamic_step(c, x, u, h)
 
     def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:

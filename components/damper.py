@@ -10,7 +10,7 @@ import numpy as np
 from ._component import Component, ComponentError, Port, Quantity, Vector
 from ._frames import Quaternion, frame_with_x_along, mean, nearest_turn, rotate
 from ._midstep import MidStepRate
-from ._relative import Pose, as_floats, mean_direction, pair, relative_pose, relative_rates
+from ._relative import Pose, as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
 
 _ANGLE, _HEAT, _WRENCH, _RATE = 0, 8, slice(9, 21), slice(21, 25)
 
@@ -73,7 +73,9 @@ class EddyCurrentDamper(Component):
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs."""
         pose, rate = self._rate(as_floats(u))
-        return np.array((pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12, *MidStepRate.starting(rate)))
+        return np.array(
+            (pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12, *MidStepRate.starting(rate), *pose.swing)
+        )
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step: the torque of the mean rate, and the heat it makes."""
@@ -82,11 +84,14 @@ class EddyCurrentDamper(Component):
         angle = nearest_turn(pose.twist, v[_ANGLE])
         change = angle - v[_ANGLE]
         torque = c.torque(change / h)
-        world = mean_direction((v[1], v[2], v[3], v[4]), pose.frame, (torque, 0.0, 0.0))
+        swing = (0.5 * (v[25] + pose.swing[0]), 0.5 * (v[26] + pose.swing[1]))
+        conjugate = conjugate_torque(torque, (0.0, 0.0), swing)
+        world = mean_direction((v[1], v[2], v[3], v[4]), pose.frame, conjugate)
         gap = mean((v[5], v[6], v[7]), pose.gap)
         wrench = pair((0.0, 0.0, 0.0), world, gap)
         rate = MidStepRate(*v[_RATE]).after(change / h, h) if u[-1] < 0.5 else MidStepRate.starting(end_rate)
-        return np.array((angle, *pose.frame, *pose.gap, v[_HEAT] - torque * change, *wrench, *rate))
+        heat = v[_HEAT] - torque * change
+        return np.array((angle, *pose.frame, *pose.gap, heat, *wrench, *rate, *pose.swing))
 
     def _rate(self, u: list[float]) -> tuple[Pose, float]:
         pose = relative_pose(u, self._axis_frame)
@@ -97,7 +102,8 @@ class EddyCurrentDamper(Component):
         if not self._endpoint:
             return x[_WRENCH].copy()
         pose, rate = self._rate(as_floats(u))
-        return np.array(pair((0.0, 0.0, 0.0), rotate(pose.frame, (c.torque(rate), 0.0, 0.0)), pose.gap))
+        torque = conjugate_torque(c.torque(rate), (0.0, 0.0), pose.swing)
+        return np.array(pair((0.0, 0.0, 0.0), rotate(pose.frame, torque), pose.gap))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Rate and torque at the communication point, energy dissipated."""
