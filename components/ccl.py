@@ -38,10 +38,14 @@ from .laws import SlackSpring, mean_force
 
 
 class _Geometry(NamedTuple):
-    """Pulley angles against the strands (rad, unwrapped), pulley axis and centre line in world axes."""
+    """Angles of both pulleys against the strands (rad, unwrapped), their axes and the centre line, world axes.
+
+    An axis is the direction whose torque does the work of its pulley's angle.
+    """
 
     angles: tuple[float, float]
-    axis: Vector3
+    axis_1: Vector3
+    axis_2: Vector3
     span: Vector3
 
 
@@ -54,8 +58,7 @@ class _Constants:
     end_weight: float
 
 
-_ANGLES, _AXIS, _SPAN, _START, _WRENCH = slice(0, 2), slice(2, 5), slice(5, 8), slice(8, 11), 12
-_HEAT = 11
+_ANGLES, _AXES, _SPAN, _START, _HEAT, _WRENCH = slice(0, 2), slice(2, 8), slice(8, 11), slice(11, 14), 14, 15
 
 
 class CableLoop(Component):
@@ -121,14 +124,14 @@ class CableLoop(Component):
             angle_1 = swing_twist(multiply(conjugate(frame_1), link))[0]
             angle_2 = swing_twist(multiply(conjugate(frame_2), link))[0]
             axis = rotate(link, (1.0, 0.0, 0.0))
+            axis_1, axis_2 = _shared(frame_1, axis), _shared(frame_2, axis)
         else:
             local_1, local_2 = rotate_back(frame_1, span), rotate_back(frame_2, span)
             angle_1, angle_2 = atan2(local_1[2], local_1[1]), atan2(local_2[2], local_2[1])
             sum_of_axes = add(rotate(frame_1, (1.0, 0.0, 0.0)), rotate(frame_2, (1.0, 0.0, 0.0)))
-            axis = scaled(1.0 / norm(sum_of_axes), sum_of_axes)
-        return _Geometry(
-            (nearest_turn(angle_1, reference[0]), nearest_turn(angle_2, reference[1])), axis, span
-        )
+            axis_1 = axis_2 = scaled(1.0 / norm(sum_of_axes), sum_of_axes)
+        angles = (nearest_turn(angle_1, reference[0]), nearest_turn(angle_2, reference[1]))
+        return _Geometry(angles, axis_1, axis_2, span)
 
     def _elongations(
         self, c: _Constants, g: _Geometry, start: tuple[float, float, float]
@@ -153,15 +156,15 @@ class CableLoop(Component):
                 f"the pulleys are {norm(g.span):g} m apart, less than the difference of their radii; check the ports"
             )
         x = np.zeros(_WRENCH + 6 * len(self.ports))
-        x[_ANGLES], x[_AXIS], x[_SPAN] = g.angles, g.axis, g.span
+        x[_ANGLES], x[_AXES], x[_SPAN] = g.angles, (*g.axis_1, *g.axis_2), g.span
         x[_START] = (*g.angles, self._length(c, norm(g.span)))
         return x
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step; mean tensions from the strands' elongations at both ends."""
         v = as_floats(x)
-        start = (v[8], v[9], v[10])
-        old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]))
+        start = (v[11], v[12], v[13])
+        old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]), (v[8], v[9], v[10]))
         new = self._geometry(as_floats(u), old.angles)
         if u[-1] > 0.5:
             return self._adjusted(c, x, new)
@@ -171,9 +174,10 @@ class CableLoop(Component):
             -mean_force(c.strand, a, b, c.end_weight) + c.damping * rate
             for a, b, rate in zip(before, after, rates, strict=True)
         ]
-        middle = _Geometry(new.angles, mean(old.axis, new.axis), mean(old.span, new.span))
+        axes = mean(old.axis_1, new.axis_1), mean(old.axis_2, new.axis_2)
+        middle = _Geometry(new.angles, *axes, mean(old.span, new.span))
         result = x.copy()
-        result[_ANGLES], result[_AXIS], result[_SPAN] = new.angles, new.axis, new.span
+        result[_ANGLES], result[_AXES], result[_SPAN] = new.angles, (*new.axis_1, *new.axis_2), new.span
         result[_HEAT] += self._heat(c, before, after, rates, h)
         result[_WRENCH:] = self._wrenches(c, middle, tension[0], tension[1])
         return result
@@ -182,7 +186,7 @@ class CableLoop(Component):
         """The state with both strands at their preload in the given geometry."""
         tension = -c.strand.value(0.0)
         result = x.copy()
-        result[_ANGLES], result[_AXIS], result[_SPAN] = g.angles, g.axis, g.span
+        result[_ANGLES], result[_AXES], result[_SPAN] = g.angles, (*g.axis_1, *g.axis_2), g.span
         result[_START] = (*g.angles, self._length(c, norm(g.span)))
         result[_WRENCH:] = self._wrenches(c, g, tension, tension)
         return result
@@ -204,16 +208,16 @@ class CableLoop(Component):
         distance = norm(g.span)
         direction = scaled(1.0 / distance, g.span)
         difference = tension_a - tension_b
-        torque_1 = scaled(c.radius_1 * difference, g.axis)
+        torque_1 = scaled(c.radius_1 * difference, g.axis_1)
         if self._guided:
             force_2 = scaled(-(tension_a + tension_b), direction)
-            torque_2 = scaled(-c.radius_2 * difference, g.axis)
+            torque_2 = scaled(-c.radius_2 * difference, g.axis_2)
             guide = scaled(-1.0, add(add(torque_1, torque_2), cross(g.span, force_2)))
             return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2, 0.0, 0.0, 0.0, *guide)
         step = c.radius_1 - c.radius_2
         axial = (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance
         lateral = -difference * step / distance
-        normal = subtract(g.axis, scaled(dot(g.axis, direction), direction))
+        normal = subtract(g.axis_1, scaled(dot(g.axis_1, direction), direction))
         force_2 = add(scaled(-axial, direction), scaled(lateral, cross(normal, direction)))
         torque_2 = scaled(-1.0, add(torque_1, cross(g.span, force_2)))
         return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
@@ -222,7 +226,7 @@ class CableLoop(Component):
         """Geometry and tensions of this instant."""
         v = as_floats(x)
         g = self._geometry(as_floats(u), (v[0], v[1]))
-        a, b = self._elongations(c, g, (v[8], v[9], v[10]))
+        a, b = self._elongations(c, g, (v[11], v[12], v[13]))
         rate = self._elongation_rates(c, as_floats(u), g) if c.damping > 0.0 else (0.0, 0.0)
         return g, -c.strand.value(a) + c.damping * rate[0], -c.strand.value(b) + c.damping * rate[1]
 
@@ -231,16 +235,17 @@ class CableLoop(Component):
         distance = norm(g.span)
         direction = scaled(1.0 / distance, g.span)
         velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
+        spin_1, spin_2 = (u[10], u[11], u[12]), (u[23], u[24], u[25])
         if self._guided:
-            link = dot((u[36], u[37], u[38]), g.axis)
+            spin = (u[36], u[37], u[38])
+            rate_1, rate_2 = dot(subtract(spin, spin_1), g.axis_1), dot(subtract(spin, spin_2), g.axis_2)
             stretch = dot(velocity, direction)
         else:
-            link = dot(velocity, cross(g.axis, direction)) / distance
+            link = dot(velocity, cross(g.axis_1, direction)) / distance
+            rate_1, rate_2 = link - dot(spin_1, g.axis_1), link - dot(spin_2, g.axis_2)
             step = c.radius_1 - c.radius_2
             stretch = dot(velocity, direction) * sqrt(1.0 - (step / distance) ** 2)
-        turn = c.radius_1 * (link - dot((u[10], u[11], u[12]), g.axis)) - c.radius_2 * (
-            link - dot((u[23], u[24], u[25]), g.axis)
-        )
+        turn = c.radius_1 * rate_1 - c.radius_2 * rate_2
         return stretch + turn, stretch - turn
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
@@ -254,7 +259,7 @@ class CableLoop(Component):
         """Tensions, forces and torques of this instant, and energies."""
         v = as_floats(x)
         g, tension_a, tension_b = self._now(c, x, u)
-        a, b = self._elongations(c, g, (v[8], v[9], v[10]))
+        a, b = self._elongations(c, g, (v[11], v[12], v[13]))
         distance = norm(g.span)
         step = 0.0 if self._guided else c.radius_1 - c.radius_2
         difference = tension_a - tension_b
@@ -276,6 +281,12 @@ class CableLoop(Component):
     def example(cls) -> CableLoop:
         """A loop whose cables are led along the body between."""
         return cls(guided=True)
+
+
+def _shared(frame: Quaternion, axis: Vector3) -> Vector3:
+    """Direction (a + b) / (1 + a.b) of a frame's x axis a and an axis b, along which a torque works on their twist."""
+    own = rotate(frame, (1.0, 0.0, 0.0))
+    return scaled(1.0 / (1.0 + dot(own, axis)), add(own, axis))
 
 
 def _parameters() -> list[Quantity]:

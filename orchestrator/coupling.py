@@ -41,17 +41,17 @@ class Solution:
 
 @dataclass(slots=True)
 class Tolerance:
-    """When the correction of the wrenches is small: relative to the largest force and torque, plus absolute."""
+    """When the correction of the wrenches is small: relative to the largest force and torque, and to these."""
 
     relative: float
-    force: float = 1e-6
-    torque: float = 1e-6
+    force: float = 1.0
+    torque: float = 1.0
 
     def scale(self, wrenches: Vector) -> Vector:
         """What a correction of 1 means for every row."""
         table = np.abs(wrenches).reshape(-1, 2, 3)
-        force = self.force + self.relative * float(table[:, 0].max(initial=0.0))
-        torque = self.torque + self.relative * float(table[:, 1].max(initial=0.0))
+        force = self.relative * (self.force + float(table[:, 0].max(initial=0.0)))
+        torque = self.relative * (self.torque + float(table[:, 1].max(initial=0.0)))
         return np.tile(np.repeat((force, torque), 3), len(table))
 
 
