@@ -88,7 +88,6 @@ class Master:
         self.segments: list[list[float]] = [[]]
         self._participants = [*network.bodies, *network.connections]
         self._pending = [line for line in hinge_lines if line.latches]
-        self._hinge_lines = tuple(hinge_lines)
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
         self._history = History()
