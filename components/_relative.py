@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt, tan
 from typing import NamedTuple
 
-from ._component import Vector
+from ._component import ComponentError, Vector
 from ._frames import (
     Quaternion,
     Vector3,
     add,
     conjugate,
     cross,
+    frame_with_x_along,
     mean,
     multiply,
     rotate,
@@ -43,10 +45,25 @@ class Rates(NamedTuple):
     angular_velocity: Vector3
 
 
-def relative_pose(u: list[float], axis_frame: Quaternion) -> Pose:
+def gives_end_point(wrench_mode: str) -> bool:
+    """Whether a connection returns end-point wrenches ("endpoint") and not means ("mean"); ComponentError else."""
+    if wrench_mode not in ("mean", "endpoint"):
+        raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
+    return wrench_mode == "endpoint"
+
+
+def axis_frame(axis: Sequence[float], what: str) -> Quaternion:
+    """Frame whose x axis has the direction of `what`; ComponentError where that has no length."""
+    try:
+        return frame_with_x_along((axis[0], axis[1], axis[2]))
+    except ValueError:
+        raise ComponentError(f"axis has no length; give the direction of {what}") from None
+
+
+def relative_pose(u: list[float], axis_on_port: Quaternion) -> Pose:
     """Pose from the 26 inputs of two connection ports (position, quaternion, velocities of A, then of B)."""
-    frame = multiply((u[3], u[4], u[5], u[6]), axis_frame)
-    frame_b = multiply((u[16], u[17], u[18], u[19]), axis_frame)
+    frame = multiply((u[3], u[4], u[5], u[6]), axis_on_port)
+    frame_b = multiply((u[16], u[17], u[18], u[19]), axis_on_port)
     gap = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
     twist, swing_y, swing_z = swing_twist(multiply(conjugate(frame), frame_b))
     return Pose(frame, gap, rotate_back(frame, gap), twist, (swing_y, swing_z))

@@ -22,7 +22,6 @@ from ._frames import (
     conjugate,
     cross,
     dot,
-    frame_with_x_along,
     mean,
     multiply,
     nearest_turn,
@@ -33,7 +32,7 @@ from ._frames import (
     subtract,
     swing_twist,
 )
-from ._relative import as_floats
+from ._relative import as_floats, axis_frame, gives_end_point
 from .laws import SlackSpring, mean_force
 
 
@@ -77,14 +76,9 @@ class CableLoop(Component):
         guided: bool = False,
         wrench_mode: str = "mean",
     ) -> None:
-        if wrench_mode not in ("mean", "endpoint"):
-            raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
-        try:
-            self._axis_frame: Quaternion = frame_with_x_along((axis[0], axis[1], axis[2]))
-        except ValueError:
-            raise ComponentError("axis has no length; give the direction of the pulley axes") from None
+        self._endpoint = gives_end_point(wrench_mode)
+        self._axis_frame = axis_frame(axis, "the pulley axes")
         self._guided = bool(guided)
-        self._endpoint = wrench_mode == "endpoint"
         names = ("pulley_1", "pulley_2", "guide") if guided else ("pulley_1", "pulley_2")
         self._declare(
             {"axis": tuple(axis), "guided": self._guided, "wrench_mode": wrench_mode},

@@ -7,10 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import Quaternion, frame_with_x_along, mean, nearest_turn, rotate
+from ._component import Component, Port, Quantity, Vector
+from ._frames import mean, nearest_turn, rotate
 from ._midstep import MidStepRate
-from ._relative import Pose, as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
+from ._relative import (
+    Pose,
+    as_floats,
+    axis_frame,
+    conjugate_torque,
+    gives_end_point,
+    mean_direction,
+    pair,
+    relative_pose,
+    relative_rates,
+)
 
 _ANGLE, _HEAT, _WRENCH, _RATE = 0, 8, slice(9, 21), slice(21, 25)
 
@@ -37,13 +47,8 @@ class EddyCurrentDamper(Component):
     kind = "eddy_current_damper"
 
     def __init__(self, axis: Sequence[float] = (0.0, 1.0, 0.0), wrench_mode: str = "mean") -> None:
-        if wrench_mode not in ("mean", "endpoint"):
-            raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
-        try:
-            self._axis_frame: Quaternion = frame_with_x_along((axis[0], axis[1], axis[2]))
-        except ValueError:
-            raise ComponentError("axis has no length; give the direction of the damper's axis") from None
-        self._endpoint = wrench_mode == "endpoint"
+        self._endpoint = gives_end_point(wrench_mode)
+        self._axis_frame = axis_frame(axis, "the damper's axis")
         self._declare(
             {"axis": tuple(axis), "wrench_mode": wrench_mode},
             ports=[Port("inboard", "connection"), Port("outboard", "connection")],

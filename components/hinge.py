@@ -16,11 +16,20 @@ import numpy as np
 
 from ._bushing import StepMotion, bushing_force, inertial_force, remembered
 from ._component import Component, ComponentError, Port, Vector
-from ._frames import Quaternion, Vector3, frame_with_x_along, mean, nearest_turn, rotate
+from ._frames import Vector3, mean, nearest_turn, rotate
 from ._hinge_state import ANGLE, LATCHED, WRENCH, Loads, Six, State, coordinates_of, motion_of, shifted
 from ._hinge_variables import inputs, observations, outputs, parameters
 from ._midstep import MidStepRate
-from ._relative import as_floats, conjugate_torque, mean_direction, pair, relative_pose, relative_rates
+from ._relative import (
+    as_floats,
+    axis_frame,
+    conjugate_torque,
+    gives_end_point,
+    mean_direction,
+    pair,
+    relative_pose,
+    relative_rates,
+)
 from .laws import Law, Linear, Table, mean_force, stiction_factors
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
@@ -81,16 +90,11 @@ class Hinge(Component):
     ) -> None:
         if latch not in ("none", "spring", "table", "kinematic"):
             raise ComponentError(f"latch is {latch!r}; it must be none, spring, table or kinematic")
-        if wrench_mode not in ("mean", "endpoint"):
-            raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
-        try:
-            self._axis_frame: Quaternion = frame_with_x_along((axis[0], axis[1], axis[2]))
-        except ValueError:
-            raise ComponentError("axis has no length; give the direction of the hinge line") from None
+        self._endpoint = gives_end_point(wrench_mode)
+        self._axis_frame = axis_frame(axis, "the hinge line")
         self._harness: Law = Table(harness_angle, harness_torque) if len(harness_angle) else Linear(0.0)
         self._latch_table = Table(latch_deflection, [-t for t in latch_torque]) if latch == "table" else None
         self.latch = latch
-        self._endpoint = wrench_mode == "endpoint"
         self._locks = latch == "kinematic" and not self._endpoint
         self._declare(
             {
