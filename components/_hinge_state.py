@@ -10,7 +10,7 @@ from ._bushing import Memory, StepMotion
 from ._component import Vector
 from ._frames import Quaternion, Vector3
 from ._midstep import MidStepRate
-from ._relative import Pose, as_floats
+from ._relative import Pose, Rates, as_floats
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -89,6 +89,12 @@ class Loads(NamedTuple):
     heat: tuple[float, float, float]
 
 
+def mean_swing(old: State, new: State) -> tuple[float, float]:
+    """Swing in the middle of a step."""
+    y, z = (0.5 * (a + b) for a, b in zip(old.coordinates[4:], new.coordinates[4:], strict=True))
+    return y, z
+
+
 def motion_of(old: State, new: State, i: int, h: float) -> StepMotion:
     memory = Memory(old.mean_rates[i], old.end_rates[i])
     return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
@@ -101,3 +107,8 @@ def shifted(motion: StepMotion, origin: float) -> StepMotion:
 
 def coordinates_of(pose: Pose, angle: float) -> Six:
     return (*pose.offset, angle, *pose.swing)
+
+
+def rates_of(rates: Rates) -> Six:
+    """Rates of the six coordinates."""
+    return (*rates.offset, rates.twist, *rates.swing)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt, tan
+from math import sin, sqrt, tan
 from typing import NamedTuple
 
 from ._component import ComponentError, Vector
@@ -39,10 +39,11 @@ class Pose(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """Relative velocity and angular velocity of B against A in hinge axes."""
+    """Rates of change of a pose: of the offset in hinge axes, of the twist, of the swing."""
 
-    velocity: Vector3
-    angular_velocity: Vector3
+    offset: Vector3
+    twist: float
+    swing: tuple[float, float]
 
 
 def gives_end_point(wrench_mode: str) -> bool:
@@ -73,22 +74,41 @@ def relative_rates(u: list[float], pose: Pose) -> Rates:
     """Rates from the same 26 inputs."""
     spin_a = (u[10], u[11], u[12])
     velocity = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross(spin_a, pose.gap))
-    return Rates(
-        rotate_back(pose.frame, velocity),
-        rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12])),
-    )
+    x, y, z = rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12]))
+    swing_y, swing_z = pose.swing
+    lean, shortening, across = _factors_of_swing(pose.swing)
+    twist = x + lean * (swing_z * y - swing_y * z)
+    # what the twist adds to the angular velocity normal to the line, the axis of the twist being tilted
+    y, z = y - shortening * swing_z * twist, z + shortening * swing_y * twist
+    normal = across * (swing_z * y - swing_y * z)
+    return Rates(rotate_back(pose.frame, velocity), twist, (y + normal * swing_z, z - normal * swing_y))
 
 
 def conjugate_torque(twist: float, bending: tuple[float, float], swing: tuple[float, float]) -> Vector3:
-    """Torque in hinge axes that does the work of loads about the twist and the swing of `relative_pose`.
+    """Torque in hinge axes whose power is that of loads on the rates of `relative_rates`.
 
     The twist changes with the angular velocity along (a + b) / (1 + a.b), a and b the hinge line's directions
-    on both ports; a torque along a alone would make work of the second order in the swing out of nothing.
+    on both ports, and a tilted line turned about itself moves the swing; a torque along a alone would make
+    work of the second order in the swing out of nothing.
     """
     y, z = swing
-    angle = sqrt(y * y + z * z)
-    share = 0.5 if angle < 1e-6 else tan(0.5 * angle) / angle
-    return twist, bending[0] + share * z * twist, bending[1] - share * y * twist
+    lean, _, across = _factors_of_swing(swing)
+    normal = z * bending[0] - y * bending[1]
+    twist -= normal
+    return (
+        twist,
+        bending[0] + (across * normal + lean * twist) * z,
+        bending[1] - (across * normal + lean * twist) * y,
+    )
+
+
+def _factors_of_swing(swing: tuple[float, float]) -> tuple[float, float, float]:
+    """tan(s/2) / s, sin(s) / s and (s / sin(s) - 1) / s^2 of the swing's angle s."""
+    angle = sqrt(swing[0] * swing[0] + swing[1] * swing[1])
+    if angle < 1e-4:
+        return 0.5, 1.0, 1.0 / 6.0
+    shortening = sin(angle) / angle
+    return tan(0.5 * angle) / angle, shortening, (1.0 / shortening - 1.0) / (angle * angle)
 
 
 def mean_direction(frame0: Quaternion, frame1: Quaternion, v: Vector3) -> Vector3:

@@ -37,14 +37,16 @@ from .laws import SlackSpring, mean_force
 
 
 class _Geometry(NamedTuple):
-    """Angles of both pulleys against the strands (rad, unwrapped), their axes and the centre line, world axes.
+    """Angles of both pulleys against the strands (rad, unwrapped) and the centre line `span`, world axes.
 
-    An axis is the direction whose torque does the work of its pulley's angle.
+    works_1, works_2: what a pulley's angle works on. Guided cables: the direction whose torque does the work
+    of that angle. Free strands: the angle's gradient (1/m) with respect to the centre line; span x gradient
+    is then the direction of the torque, so wrenches balance at any tilt of the pulleys.
     """
 
     angles: tuple[float, float]
-    axis_1: Vector3
-    axis_2: Vector3
+    works_1: Vector3
+    works_2: Vector3
     span: Vector3
 
 
@@ -57,7 +59,7 @@ class _Constants:
     end_weight: float
 
 
-_ANGLES, _AXES, _SPAN, _START, _HEAT, _WRENCH = slice(0, 2), slice(2, 8), slice(8, 11), slice(11, 14), 14, 15
+_ANGLES, _WORKS, _SPAN, _START, _HEAT, _WRENCH = slice(0, 2), slice(2, 8), slice(8, 11), slice(11, 14), 14, 15
 
 
 class CableLoop(Component):
@@ -118,14 +120,12 @@ class CableLoop(Component):
             angle_1 = swing_twist(multiply(conjugate(frame_1), link))[0]
             angle_2 = swing_twist(multiply(conjugate(frame_2), link))[0]
             axis = rotate(link, (1.0, 0.0, 0.0))
-            axis_1, axis_2 = _shared(frame_1, axis), _shared(frame_2, axis)
+            works_1, works_2 = _shared(frame_1, axis), _shared(frame_2, axis)
         else:
-            local_1, local_2 = rotate_back(frame_1, span), rotate_back(frame_2, span)
-            angle_1, angle_2 = atan2(local_1[2], local_1[1]), atan2(local_2[2], local_2[1])
-            sum_of_axes = add(rotate(frame_1, (1.0, 0.0, 0.0)), rotate(frame_2, (1.0, 0.0, 0.0)))
-            axis_1 = axis_2 = scaled(1.0 / norm(sum_of_axes), sum_of_axes)
+            angle_1, works_1 = _angle_of(span, frame_1)
+            angle_2, works_2 = _angle_of(span, frame_2)
         angles = (nearest_turn(angle_1, reference[0]), nearest_turn(angle_2, reference[1]))
-        return _Geometry(angles, axis_1, axis_2, span)
+        return _Geometry(angles, works_1, works_2, span)
 
     def _elongations(
         self, c: _Constants, g: _Geometry, start: tuple[float, float, float]
@@ -150,7 +150,7 @@ class CableLoop(Component):
                 f"the pulleys are {norm(g.span):g} m apart, less than the difference of their radii; check the ports"
             )
         x = np.zeros(_WRENCH + 6 * len(self.ports))
-        x[_ANGLES], x[_AXES], x[_SPAN] = g.angles, (*g.axis_1, *g.axis_2), g.span
+        x[_ANGLES], x[_WORKS], x[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
         x[_START] = (*g.angles, self._length(c, norm(g.span)))
         return x
 
@@ -168,10 +168,10 @@ class CableLoop(Component):
             -mean_force(c.strand, a, b, c.end_weight) + c.damping * rate
             for a, b, rate in zip(before, after, rates, strict=True)
         ]
-        axes = mean(old.axis_1, new.axis_1), mean(old.axis_2, new.axis_2)
-        middle = _Geometry(new.angles, *axes, mean(old.span, new.span))
+        works = mean(old.works_1, new.works_1), mean(old.works_2, new.works_2)
+        middle = _Geometry(new.angles, *works, mean(old.span, new.span))
         result = x.copy()
-        result[_ANGLES], result[_AXES], result[_SPAN] = new.angles, (*new.axis_1, *new.axis_2), new.span
+        result[_ANGLES], result[_WORKS], result[_SPAN] = new.angles, (*new.works_1, *new.works_2), new.span
         result[_HEAT] += self._heat(c, before, after, rates, h)
         result[_WRENCH:] = self._wrenches(c, middle, tension[0], tension[1])
         return result
@@ -180,7 +180,7 @@ class CableLoop(Component):
         """The state with both strands at their preload in the given geometry."""
         tension = -c.strand.value(0.0)
         result = x.copy()
-        result[_ANGLES], result[_AXES], result[_SPAN] = g.angles, (*g.axis_1, *g.axis_2), g.span
+        result[_ANGLES], result[_WORKS], result[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
         result[_START] = (*g.angles, self._length(c, norm(g.span)))
         result[_WRENCH:] = self._wrenches(c, g, tension, tension)
         return result
@@ -202,18 +202,17 @@ class CableLoop(Component):
         distance = norm(g.span)
         direction = scaled(1.0 / distance, g.span)
         difference = tension_a - tension_b
-        torque_1 = scaled(c.radius_1 * difference, g.axis_1)
+        works_1 = scaled(c.radius_1 * difference, g.works_1)
+        works_2 = scaled(-c.radius_2 * difference, g.works_2)
         if self._guided:
+            torque_1, torque_2 = works_1, works_2
             force_2 = scaled(-(tension_a + tension_b), direction)
-            torque_2 = scaled(-c.radius_2 * difference, g.axis_2)
             guide = scaled(-1.0, add(add(torque_1, torque_2), cross(g.span, force_2)))
             return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2, 0.0, 0.0, 0.0, *guide)
         step = c.radius_1 - c.radius_2
         axial = (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance
-        lateral = -difference * step / distance
-        normal = subtract(g.axis_1, scaled(dot(g.axis_1, direction), direction))
-        force_2 = add(scaled(-axial, direction), scaled(lateral, cross(normal, direction)))
-        torque_2 = scaled(-1.0, add(torque_1, cross(g.span, force_2)))
+        force_2 = subtract(scaled(-axial, direction), add(works_1, works_2))
+        torque_1, torque_2 = cross(g.span, works_1), cross(g.span, works_2)
         return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
 
     def _now(self, c: _Constants, x: Vector, u: Vector) -> tuple[_Geometry, float, float]:
@@ -232,11 +231,11 @@ class CableLoop(Component):
         spin_1, spin_2 = (u[10], u[11], u[12]), (u[23], u[24], u[25])
         if self._guided:
             spin = (u[36], u[37], u[38])
-            rate_1, rate_2 = dot(subtract(spin, spin_1), g.axis_1), dot(subtract(spin, spin_2), g.axis_2)
+            rate_1, rate_2 = dot(subtract(spin, spin_1), g.works_1), dot(subtract(spin, spin_2), g.works_2)
             stretch = dot(velocity, direction)
         else:
-            link = dot(velocity, cross(g.axis_1, direction)) / distance
-            rate_1, rate_2 = link - dot(spin_1, g.axis_1), link - dot(spin_2, g.axis_2)
+            rate_1 = dot(subtract(velocity, cross(spin_1, g.span)), g.works_1)
+            rate_2 = dot(subtract(velocity, cross(spin_2, g.span)), g.works_2)
             step = c.radius_1 - c.radius_2
             stretch = dot(velocity, direction) * sqrt(1.0 - (step / distance) ** 2)
         turn = c.radius_1 * rate_1 - c.radius_2 * rate_2
@@ -281,6 +280,13 @@ def _shared(frame: Quaternion, axis: Vector3) -> Vector3:
     """Direction (a + b) / (1 + a.b) of a frame's x axis a and an axis b, along which a torque works on their twist."""
     own = rotate(frame, (1.0, 0.0, 0.0))
     return scaled(1.0 / (1.0 + dot(own, axis)), add(own, axis))
+
+
+def _angle_of(span: Vector3, frame: Quaternion) -> tuple[float, Vector3]:
+    """Angle of the centre line about a frame's x axis, and its gradient (1/m) with respect to the centre line."""
+    _, y, z = rotate_back(frame, span)
+    square = y * y + z * z
+    return atan2(z, y), rotate(frame, (0.0, -z / square, y / square))
 
 
 def _parameters() -> list[Quantity]:

@@ -100,7 +100,7 @@ class EddyCurrentDamper(Component):
 
     def _rate(self, u: list[float]) -> tuple[Pose, float]:
         pose = relative_pose(u, self._axis_frame)
-        return pose, relative_rates(u, pose).angular_velocity[0]
+        return pose, relative_rates(u, pose).twist
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports."""

@@ -17,7 +17,19 @@ import numpy as np
 from ._bushing import StepMotion, bushing_force, inertial_force, remembered
 from ._component import Component, ComponentError, Port, Vector
 from ._frames import Vector3, mean, nearest_turn, rotate
-from ._hinge_state import ANGLE, LATCHED, WRENCH, Loads, Six, State, coordinates_of, motion_of, shifted
+from ._hinge_state import (
+    ANGLE,
+    LATCHED,
+    WRENCH,
+    Loads,
+    Six,
+    State,
+    coordinates_of,
+    mean_swing,
+    motion_of,
+    rates_of,
+    shifted,
+)
 from ._hinge_variables import inputs, observations, outputs, parameters
 from ._midstep import MidStepRate
 from ._relative import (
@@ -159,12 +171,10 @@ class Hinge(Component):
             pose.frame,
             pose.gap,
             coordinates_of(pose, angle),
-            (*rates.velocity, *rates.angular_velocity),
-            (*rates.velocity, *rates.angular_velocity),
-            (*rates.velocity, *rates.angular_velocity),
+            *((rates_of(rates),) * 3),
             (0.0,) * 12,
             (0.0,) * 3,
-            MidStepRate.starting(rates.angular_velocity[0]),
+            MidStepRate.starting(rates.twist),
             *((0.0,) * 6),
             angle,
         ).pack()
@@ -175,8 +185,7 @@ class Hinge(Component):
         old = self._commanded(State.unpack(x), values[26], values[28])
         pose = relative_pose(values, self._axis_frame)
         end = coordinates_of(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
-        relative = relative_rates(values, pose)
-        rates = (*relative.velocity, *relative.angular_velocity)
+        rates = rates_of(relative_rates(values, pose))
         moved = old._replace(frame=pose.frame, gap=pose.gap, coordinates=end, rates=rates)
         if self._endpoint:
             return self._endpoint_step(c, old, moved, h).pack()
@@ -232,10 +241,9 @@ class Hinge(Component):
         )
         if old.holding:
             twist -= c.hold_stiffness * (new.angle - old.hold_angle)
-        swing = [0.5 * (a + b) for a, b in zip(old.coordinates[4:], new.coordinates[4:], strict=True)]
         return Loads(
             force_on_b,
-            conjugate_torque(twist, (elastic[4], elastic[5]), (swing[0], swing[1])),
+            conjugate_torque(twist, (elastic[4], elastic[5]), mean_swing(old, new)),
             latch,
             friction,
             (-friction * change, latch_heat, heat),
@@ -283,7 +291,7 @@ class Hinge(Component):
         latch = work[3] if locked else 0.0
         return Loads(
             (load[0], load[1], load[2]),
-            (load[3], load[4], load[5]),
+            conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
             0.0,
             0.0,
             (0.0, latch, sum(work) - latch),
@@ -336,7 +344,7 @@ class Hinge(Component):
             frame=pose.frame,
             gap=pose.gap,
             coordinates=coordinates_of(pose, angle),
-            rates=(*rates.velocity, *rates.angular_velocity),
+            rates=rates_of(rates),
             holding=1.0 if values[28] > 0.5 else 0.0,
         )
 
