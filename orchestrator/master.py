@@ -251,25 +251,33 @@ class Master:
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
-        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
         self._pending.remove(line)
+        if line.kinematic:
+            # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
+            self._impulse()
+        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
         self._command("latch_command", 1.0, line.hinges)
         self._coupling.forget()
         if line.kinematic:
-            self._command("impulse", 1.0)
-            usual, self._coupling.tolerance = self._coupling.tolerance, Tolerance(_IMPULSE_TOLERANCE)
-            solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
-            self._coupling.tolerance = usual
-            if not solution.converged:
-                raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
-            self.time += _IMPULSE_STEP
-            self._save()
-            self._command("impulse", 0.0)
-            self._coupling.forget()
-            self._record(_IMPULSE_STEP, solution.iterations)
+            self._impulse()
         self._history.clear()
         self._sizes.restart(min(self.settings.event_step, self._sizes.size))
         self.segments.append([])
+
+    def _impulse(self) -> None:
+        """A vanishing step in which every joint takes away the rates that it does not allow."""
+        self._command("impulse", 1.0)
+        usual, self._coupling.tolerance = self._coupling.tolerance, Tolerance(_IMPULSE_TOLERANCE)
+        self._coupling.forget()
+        solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
+        self._coupling.tolerance = usual
+        if not solution.converged:
+            raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
+        self.time += _IMPULSE_STEP
+        self._save()
+        self._command("impulse", 0.0)
+        self._coupling.forget()
+        self._record(_IMPULSE_STEP, solution.iterations)
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
         """Set a discrete input of all participants that have it, or of the named ones."""

@@ -637,7 +637,7 @@ def test_kinematic_latch_is_a_plastic_event(step):
     assert pytest.approx(3.82, abs=5e-3) == 0.5 * REDUCED * RELATIVE_RATE**2
     run, i = pinned_pair(step, 2e-3)
     rate, energy, momentum = run.signal("HL2", "angular_rate"), kinetic_energy(run), momentum_about_pin(run)
-    assert run.signal("HL2", "angle")[i] == pytest.approx(0.0, abs=1e-10)
+    assert run.signal("HL2", "angle")[i] == pytest.approx(0.0, abs=2e-7 * RELATIVE_RATE)  # the impulse takes 1e-7 s
     assert rate[i] == pytest.approx(RELATIVE_RATE, rel=1e-3)
     assert momentum[i + 1] == pytest.approx(momentum[i], rel=1e-6)
     drop = 0.5 * REDUCED * rate[i] ** 2
@@ -649,17 +649,13 @@ def test_kinematic_latch_is_a_plastic_event(step):
 
 @pytest.mark.parametrize("step", [1e-3, 5e-3, 2e-2])
 def test_kinematic_latch_after_a_swing(step):
-    """Closed form: after the event both turn as one, with the energy H^2 / 2 I of the momentum before it.
-
-    The drop is J_eff w^2 / 2 but for the residual rates of the two joints, of second order in w h.
-    """
+    """Closed form: after the event both turn as one, with the energy H^2 / 2 I of the momentum before it."""
     run, i = pinned_pair(step, 0.5)
     rate, energy, momentum = run.signal("HL2", "angular_rate"), kinetic_energy(run), momentum_about_pin(run)
     assert momentum[i] == pytest.approx(momentum[0], rel=1e-7)
     assert momentum[i + 1] == pytest.approx(momentum[i], rel=1e-6)
     assert energy[i + 1] == pytest.approx(momentum[i] ** 2 / (2 * TOGETHER), rel=1e-6)
-    bound = 1e-6 + 0.1 * (rate[i] * step) ** 2
-    assert energy[i] - energy[i + 1] == pytest.approx(0.5 * REDUCED * rate[i] ** 2, rel=bound)
+    assert energy[i] - energy[i + 1] == pytest.approx(0.5 * REDUCED * rate[i] ** 2, rel=1e-6)
 
 
 def test_kinematic_latch_locks_from_the_event_on():
