@@ -33,7 +33,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
 
@@ -224,6 +224,14 @@ class Component(ABC):
     @abstractmethod
     def observe(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
         """Observations in declared order, shape (observation_layout.size,)."""
+
+    def native_data(self) -> Mapping[str, ArrayLike] | None:
+        """Arrays of numbers by name that the native kernel of this kind reads; None where there is no kernel.
+
+        What `__init__` derived from the structure, flattened in C order; a switch is 0 or 1. The kernel takes
+        parameters by name from the declared layouts, so they are not repeated here.
+        """
+        return None
 
     @classmethod
     @abstractmethod

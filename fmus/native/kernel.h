@@ -1,0 +1,62 @@
+/* What the FMI core knows of a component: its data, its memory, and its equations.
+
+   A component is one equations file. It reads named arrays of doubles (what the Python component gives as
+   `native_data`), and computes on flat arrays in the declared order of the Python component: parameters p,
+   inputs u, state x, outputs y, observations z. Only `create` allocates. Nothing is global. */
+
+#ifndef FANFOLD_KERNEL_H
+#define FANFOLD_KERNEL_H
+
+#include <complex.h>
+#include <stddef.h>
+
+/* A sentence for the user. */
+typedef struct {
+    char text[512];
+} Reason;
+
+/* Writes the sentence and returns 0, so that a failing function can `return refuse(why, ...)`. */
+int refuse(Reason *why, const char *format, ...);
+
+/* Memory that lives as long as an instance; NULL when there is none left. Zeroed, aligned for SIMD. */
+typedef struct Memory Memory;
+void *allocate(Memory *memory, size_t bytes);
+
+/* Named arrays of doubles from resources/component.bin. */
+typedef struct Data Data;
+
+/* The array of that name with exactly `count` elements; NULL and a sentence otherwise. */
+const double *data_array(const Data *data, const char *name, size_t count, Reason *why);
+/* The array of that name and its number of elements; NULL and a sentence when there is none. */
+const double *data_any(const Data *data, const char *name, size_t *count, Reason *why);
+/* Offset of a parameter, input, output or observation ("parameter", "latch_stiffness") in its flat array,
+   with exactly `size` scalars; -1 and a sentence otherwise. */
+long data_offset(const Data *data, const char *group, const char *name, size_t size, Reason *why);
+
+/* Numbers of scalars: state, ports come from the kernel; the other four from the data. */
+typedef struct {
+    size_t parameters, inputs, outputs, observations;
+} Sizes;
+
+/* The equations of a component. Functions that can fail return 1 when they succeed and 0 with a sentence.
+   `self` is what `create` returned; `step` and `outputs` exist for both number types. */
+typedef struct {
+    const char *kind;
+    /* Reads the data and allocates all that is ever needed; sets the number of states. NULL and a sentence
+       when the data are unusable: nothing in them may be trusted. */
+    void *(*create)(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why);
+    /* Derives constants from parameters whose ranges were checked already. */
+    int (*prepare)(void *self, const double *p, Reason *why);
+    int (*initial)(void *self, const double *u, double *x, Reason *why);
+    /* From x to x_next over h > 0; the arrays differ. Values may end up not finite: the core checks. */
+    int (*step)(void *self, const double *x, const double *u, double h, double *x_next, Reason *why);
+    void (*outputs)(void *self, const double *x, const double *u, double *y);
+    void (*observe)(void *self, const double *x, const double *u, double *z);
+    int (*step_complex)(void *self, const double *x, const double complex *u, double h,
+                        double complex *x_next, Reason *why);
+    void (*outputs_complex)(void *self, const double complex *x, const double complex *u, double complex *y);
+} Kernel;
+
+extern const Kernel body_kernel, hinge_kernel, ccl_kernel, damper_kernel, fixed_base_kernel;
+
+#endif

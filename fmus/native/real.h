@@ -1,0 +1,58 @@
+/* One source of equations, two number types: double, and complex with an infinitesimal imaginary part.
+
+   Every equations file is compiled twice. With FANFOLD_COMPLEX the imaginary part carries a derivative along
+   one direction of the inputs, exact to round-off: it is so small (FANFOLD_INFINITESIMAL) that its square
+   vanishes, so each function here is its own first-order expansion. Decisions look at the real part only. */
+
+#ifndef FANFOLD_REAL_H
+#define FANFOLD_REAL_H
+
+#include <math.h>
+
+#define FANFOLD_INFINITESIMAL 1e-100
+
+#ifdef FANFOLD_COMPLEX
+
+#include <complex.h>
+
+typedef double complex real;
+#define NAME(function) function##_complex
+
+static inline double value_of(real a) { return creal(a); }
+static inline real pair_of(double a, double slope_times_b) { return CMPLX(a, slope_times_b); }
+static inline real real_sqrt(real a) {
+    double s = sqrt(creal(a));
+    return pair_of(s, s > 0.0 ? cimag(a) / (2.0 * s) : 0.0);
+}
+static inline real real_sin(real a) { return pair_of(sin(creal(a)), cimag(a) * cos(creal(a))); }
+static inline real real_cos(real a) { return pair_of(cos(creal(a)), -cimag(a) * sin(creal(a))); }
+static inline real real_tan(real a) {
+    double t = tan(creal(a));
+    return pair_of(t, cimag(a) * (1.0 + t * t));
+}
+static inline real real_asin(real a) {
+    double v = creal(a);
+    return pair_of(asin(v), cimag(a) / sqrt(1.0 - v * v));
+}
+static inline real real_atan2(real y, real x) {
+    double b = creal(y), a = creal(x), square = a * a + b * b;
+    return pair_of(atan2(b, a), square > 0.0 ? (a * cimag(y) - b * cimag(x)) / square : 0.0);
+}
+static inline real real_abs(real a) { return creal(a) < 0.0 ? -a : a; }
+
+#else
+
+typedef double real;
+#define NAME(function) function##_real
+
+static inline double value_of(real a) { return a; }
+static inline real real_sqrt(real a) { return sqrt(a); }
+static inline real real_sin(real a) { return sin(a); }
+static inline real real_cos(real a) { return cos(a); }
+static inline real real_tan(real a) { return tan(a); }
+static inline real real_asin(real a) { return asin(a); }
+static inline real real_atan2(real y, real x) { return atan2(y, x); }
+static inline real real_abs(real a) { return fabs(a); }
+
+#endif
+#endif
