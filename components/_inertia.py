@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._component import ComponentError, Vector
 from .modal import ModalData
@@ -48,6 +49,7 @@ class InertiaCoupling:
         i8 = data.invariant8 + data.invariant8.transpose(0, 2, 1)
         self._slope = np.array([i8[:, i, j] for i, j in _PAIRS])
         self._none = Coupling(np.zeros((3, m)), self._inertia, np.zeros(m))
+        self._tensors = np.zeros((0, m))
         if not self.full:
             return
         i9 = data.invariant9 + data.invariant9.transpose(0, 1, 3, 2)
@@ -55,6 +57,17 @@ class InertiaCoupling:
         quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
         self._gyroscopic = np.ascontiguousarray(data.invariant5.transpose(1, 2, 0).reshape(3 * m, m))
         self._tensors = np.ascontiguousarray(np.vstack([quadratic, self._gyroscopic]))
+
+    def native_data(self) -> dict[str, ArrayLike]:
+        """What the kernel of `fmus/native/inertia.h` reads."""
+        return {
+            "inertia_varies": self.varies,
+            "full_coupling": self.full,
+            "inertia": self._inertia,
+            "inverse_inertia": self.inverse,
+            "slope": self._slope,
+            "tensors": self._tensors,
+        }
 
     def at(self, omega: Vector, eta: Vector, rate: Vector) -> Coupling:
         """Coupling at angular velocity omega (3,), modal coordinates and rates (M,)."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._body_variables import observations, parameters
 from ._component import Component, ComponentError, Port, Vector
@@ -364,6 +365,20 @@ class Body(Component):
         z[15] = x[_D]
         z[16:] = eta
         return z
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Arrays that `fmus/native/body.c` reads."""
+        return {
+            "mass": self.data.mass,
+            "center_of_mass": self.data.center_of_mass,
+            "frequency": self.data.frequency,
+            "damping_ratio": self.data.damping_ratio,
+            "arms": self.arms,
+            "translation": self.translation,
+            "rotation": self.rotation,
+            "port_orientation": self.port_orientation,
+            **self._inertia.native_data(),
+        }
 
     @classmethod
     def example(cls) -> Body:

@@ -7,12 +7,13 @@ hence a pulley distance of sqrt(L^2 + (r1 - r2)^2): only with that arm is angula
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import asin, atan2, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._component import Component, ComponentError, Port, Quantity, Vector
 from ._frames import (
@@ -269,6 +270,10 @@ class CableLoop(Component):
                 v[_HEAT],
             )
         )
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Pulley axis, course of the cables and mode."""
+        return {"axis_frame": self._axis_frame, "guided": self._guided, "endpoint": self._endpoint}
 
     @classmethod
     def example(cls) -> CableLoop:

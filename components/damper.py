@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._component import Component, Port, Quantity, Vector
 from ._frames import mean, nearest_turn, rotate
@@ -115,6 +116,10 @@ class EddyCurrentDamper(Component):
         rate = self._rate(as_floats(u))[1]
         felt = rate if self._endpoint else MidStepRate(*as_floats(x[_RATE])).now()
         return np.array((rate, c.torque(felt), x[_HEAT]))
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Axis and mode."""
+        return {"axis_frame": self._axis_frame, "endpoint": self._endpoint}
 
     @classmethod
     def example(cls) -> EddyCurrentDamper:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._component import Component, Port, Quantity, Vector
 from ._frames import sum_of_moments
@@ -64,6 +65,10 @@ class FixedBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two means, which belong to mid-step."""
         return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Arrays that `fmus/native/fixed_base.c` reads."""
+        return {"positions": self._positions, "arms": self._arms}
 
     @classmethod
     def example(cls) -> FixedBase:

@@ -7,12 +7,13 @@ of the current inputs for hosts that step explicitly ("endpoint").
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from typing import Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ._bushing import StepMotion, bushing_force, inertial_force, remembered
 from ._component import Component, ComponentError, Port, Vector
@@ -45,6 +46,7 @@ from ._relative import (
 from .laws import Law, Linear, Table, mean_force, stiction_factors
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
+_LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
 _FORCE_SMOOTHING = 1.0
 
@@ -100,7 +102,7 @@ class Hinge(Component):
         latch_torque: Sequence[float] = (),
         wrench_mode: Literal["mean", "endpoint"] = "mean",
     ) -> None:
-        if latch not in ("none", "spring", "table", "kinematic"):
+        if latch not in _LATCH_KINDS:
             raise ComponentError(f"latch is {latch!r}; it must be none, spring, table or kinematic")
         self._endpoint = gives_end_point(wrench_mode)
         self._axis_frame = axis_frame(axis, "the hinge line")
@@ -394,6 +396,17 @@ class Hinge(Component):
         if s.holding:
             energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
         return energy
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Hinge line, kind of latch, mode and tables."""
+        return {
+            "axis_frame": self._axis_frame,
+            "latch_kind": _LATCH_KINDS.index(self.latch),
+            "endpoint": self._endpoint,
+            "has_harness": isinstance(self._harness, Table),
+            **(self._harness.native_data("harness") if isinstance(self._harness, Table) else {}),
+            **(self._latch_table.native_data("latch") if self._latch_table else {}),
+        }
 
     @classmethod
     def example(cls) -> Hinge:

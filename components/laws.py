@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator, PPoly
 
 from ._component import ComponentError
@@ -59,7 +60,8 @@ class Linear:
 
     def potential(self, s: float) -> float:
         """Energy at s."""
-        return 0.5 * self.stiffness * (s - self.free) ** 2
+        stretch = s - self.free
+        return 0.5 * self.stiffness * stretch * stretch  # as in the native law: a power may round differently
 
 
 class SlackSpring:
@@ -109,6 +111,14 @@ class Table:
         self._breaks = [float(v) for v in extended.x]
         self._force = [tuple(float(v) for v in column) for column in extended.c.T]
         self._potential = [tuple(float(-v) for v in column) for column in energy.c.T]
+
+    def native_data(self, name: str) -> dict[str, ArrayLike]:
+        """What a native kernel reads: breaks, and per piece the coefficients of force and potential."""
+        return {
+            f"{name}_breaks": self._breaks,
+            f"{name}_force": self._force,
+            f"{name}_potential": self._potential,
+        }
 
     def _piece(self, s: float) -> tuple[int, float]:
         i = min(max(bisect_right(self._breaks, s) - 1, 0), len(self._force) - 1)

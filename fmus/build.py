@@ -1,9 +1,11 @@
-"""Write a component as an FMU: PythonFMU's binaries around the adapter and the component's own modules.
+"""Write a component as an FMU, native or with Python inside.
 
-PythonFMUs in one process share every module of the same name, so the code goes into a package whose name
-carries the digest of that code: equal code is shared on purpose, different code never meets. Only modules
-that the component reaches by its imports are copied, with the imports between our packages made relative.
-The FMU needs Python, NumPy and SciPy, but no Fanfold.
+A native FMU is the compiled library of all components and the data of one; it needs nothing else. A PythonFMU
+is PythonFMU's binaries around the adapter and the component's own modules, and needs Python, NumPy and SciPy,
+but no Fanfold. PythonFMUs in one process share every module of the same name, so the code goes into a package
+whose name carries the digest of that code: equal code is shared on purpose, different code never meets. Only
+modules that the component reaches by its imports are copied, with the imports between our packages made
+relative.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import shutil
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -27,13 +29,16 @@ from typing import Any
 
 import numpy as np
 import pythonfmu
+from fmpy import platform
 from numpy.typing import NDArray
 
 import components
 from components import Component, ComponentError
 
 from . import slave
-from .description import StartValue, model_description, start_values
+from .description import Backend, StartValue, model_description, start_values
+from .native import library
+from .native_data import component_bytes
 from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
 
 _COMPONENTS = Path(components.__file__).parent
@@ -57,37 +62,63 @@ class Slave(ComponentSlave):
 '''
 
 
+def native_backend(component: Component) -> bool:
+    """Whether a component can be exported as a native FMU here: compiled at installation, and with a kernel."""
+    return library() is not None and component.native_data() is not None
+
+
 def build_fmu(
     component: Component,
     name: str,
     directory: str | Path | None = None,
     start: Mapping[str, StartValue] | None = None,
+    backend: Backend | None = None,
 ) -> Path:
     """Write `name`.fmu into `directory` and return its path; without a directory, the file in the cache.
 
-    `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`. Nothing
-    is built when the cache holds an FMU of the same content.
+    `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
+    native FMU where there is none. Without a `backend` it is native where possible. Nothing is built when
+    the cache holds an FMU of the same content.
     """
     starts = start_values(component, start or {})
-    resources = _resources(component, starts)
-    package, code = bundle(type(component))
-    resources.update(code)
-    undated = model_description(component, name, starts, guid="", generated=datetime.fromtimestamp(0, UTC))
-    digest = _digest({**resources, "modelDescription.xml": undated, **_wrapper()})
+    backend = backend or ("native" if native_backend(component) else "python")
+    contents = _native_files if backend == "native" else _python_files
+    undated = model_description(component, name, starts, "", datetime.fromtimestamp(0, UTC), backend)
+    digest = _digest({**contents(component, name, starts, ""), "modelDescription.xml": undated})
     cached = cache_directory() / digest / f"{name}.fmu"
     if not cached.exists():
         component.prepare(np.array(starts[: component.parameter_layout.size]))
         guid = "{" + str(uuid.UUID(bytes=bytes.fromhex(digest[:32]))) + "}"
-        files = {"modelDescription.xml": model_description(component, name, starts, guid, _now())}
-        resources["slavemodule.txt"] = f"{package}_entry".encode()
-        files.update((f"resources/{path}", data) for path, data in resources.items())
-        files.update(_binaries(name))
+        files = dict(contents(component, name, starts, guid))
+        files["modelDescription.xml"] = model_description(component, name, starts, guid, _now(), backend)
         _write(cached, lambda path: path.write_bytes(zip_bytes(files)))
     if directory is None:
         return cached
     target = Path(directory) / cached.name
     _write(target, lambda path: shutil.copyfile(cached, path))
     return target
+
+
+def _native_files(component: Component, name: str, starts: Sequence[float], guid: str) -> Mapping[str, bytes]:
+    """Library and data of a native FMU, by their path in it."""
+    binary = library()
+    if binary is None:
+        raise ComponentError(
+            "there is no native library here; install with a C compiler, or export PythonFMUs"
+        )
+    if component.native_data() is None:
+        raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
+    return {
+        f"binaries/{platform}/{name}{binary.suffix}": binary.read_bytes(),
+        "resources/component.bin": component_bytes(component, starts, guid),
+    }
+
+
+def _python_files(component: Component, name: str, starts: Sequence[float], guid: str) -> Mapping[str, bytes]:
+    """Code, data and PythonFMU's own files of a PythonFMU, by their path in it."""
+    package, code = bundle(type(component))
+    resources = {**_resources(component, starts), **code, "slavemodule.txt": f"{package}_entry".encode()}
+    return {**{f"resources/{path}": data for path, data in resources.items()}, **_binaries(name)}
 
 
 def cache_directory() -> Path:
@@ -97,11 +128,11 @@ def cache_directory() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fanfold"
 
 
-def _resources(component: Component, starts: tuple[float, ...]) -> dict[str, bytes]:
+def _resources(component: Component, starts: Sequence[float]) -> dict[str, bytes]:
     """What the adapter builds the component from."""
     arrays: dict[str, NDArray[Any]] = {}
     structure = pack_value(dict(component.structure), arrays)
-    content = {"kind": component.kind, "structure": structure, "start": starts}
+    content = {"kind": component.kind, "structure": structure, "start": list(starts)}
     resources = {COMPONENT_FILE: (json.dumps(content, indent=1) + "\n").encode()}
     if arrays:
         stored = {}

@@ -22,11 +22,29 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError, Quantity
 
+Backend = Literal["native", "python"]
 StartValue = float | Sequence[float]
 Causality = Literal["parameter", "input", "output"]
 
 _CAUSALITIES: tuple[Causality, ...] = ("parameter", "input", "output", "output")
 _DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "1", "stepSize": "0.001"}
+_TOOLS: dict[Backend, str] = {"native": "Fanfold", "python": "Fanfold with PythonFMU"}
+_STATE_CAPABILITIES = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+_CAPABILITIES: dict[Backend, dict[str, str]] = {
+    "native": {**_STATE_CAPABILITIES, "providesDirectionalDerivative": "true"},
+    # an embedded Python with NumPy and SciPy
+    "python": {"needsExecutionTool": "true", **_STATE_CAPABILITIES},
+}
+_STEP_DERIVATIVE = (
+    "Right after fmi2DoStep the derivative is that of the outputs at the end of the step with respect to the "
+    "inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, it is "
+    "that of the outputs at the communication point, as the standard means it."
+)
 
 # Exponents of the FMI base units, with a factor where the unit is not coherent.
 _BASE_NAMES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
@@ -123,7 +141,12 @@ def _check_inputs(component: Component, values: Mapping[str, float]) -> None:
 
 
 def model_description(
-    component: Component, name: str, starts: Sequence[float], guid: str, generated: datetime
+    component: Component,
+    name: str,
+    starts: Sequence[float],
+    guid: str,
+    generated: datetime,
+    backend: Backend = "python",
 ) -> bytes:
     """The complete modelDescription.xml of a component as the FMU `name`.
 
@@ -140,34 +163,22 @@ def model_description(
             "modelName": name,
             "guid": guid,
             "description": documentation or component.kind,
-            "generationTool": "Fanfold with PythonFMU",
+            "generationTool": _TOOLS[backend],
             "generationDateAndTime": generated.strftime("%Y-%m-%dT%H:%M:%SZ"),
             "variableNamingConvention": "structured",
         },
     )
-    _add_capabilities(root, name)
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES[backend]})
     _add_units(root, (v.quantity.unit for v in variables))
     _add_log_categories(root)
     SubElement(root, "DefaultExperiment", _DEFAULT_EXPERIMENT)
+    if backend == "native":
+        annotations = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
+        SubElement(annotations, "DirectionalDerivative", {"afterStep": _STEP_DERIVATIVE})
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
     indent(root)
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode").encode() + b"\n"
-
-
-def _add_capabilities(root: Element, name: str) -> None:
-    SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": name,
-            "needsExecutionTool": "true",  # an embedded Python with NumPy and SciPy
-            "canHandleVariableCommunicationStepSize": "true",
-            "canNotUseMemoryManagementFunctions": "true",
-            "canGetAndSetFMUstate": "true",
-            "canSerializeFMUstate": "true",
-        },
-    )
 
 
 def _add_log_categories(root: Element) -> None:

@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
@@ -18,13 +19,13 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from components import REGISTRY
-from fmus import check_fmu
+from fmus import Backend, check_fmu, native_library
 
 from .assembly import Assembly
 from .master import Settings
 from .plots import plot_all
 from .result import Result, ResultError
-from .run import MasterKind, Outcome, RunError, export, run
+from .run import MasterKind, Outcome, RunError, as_fmus, export, run
 from .scene import SceneError, assemble, find_scene, list_scenes, load_scene
 from .scene_connections import WrenchMode
 from .summary import headline_table
@@ -94,9 +95,30 @@ def _fidelity(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
+def _backend(command: Callable[..., None]) -> Callable[..., None]:
+    """The option that chooses the back end of the FMUs."""
+    return click.option(
+        "--backend",
+        type=click.Choice(["native", "python"]),
+        callback=_offered_backend,
+        help="Native FMUs, or PythonFMUs; native by default where a C compiler built them at installation.",
+    )(command)
+
+
+def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | None) -> Backend | None:
+    if value == "native" and native_library() is None:
+        raise click.BadParameter(
+            "no native library was built; install Fanfold again where there is a C compiler"
+        )
+    if value is None and native_library() is None:
+        _warn("no native library was built at installation; PythonFMUs are used, which are slower")
+    return value
+
+
 @main.command("run")
 @click.argument("scene")
 @_fidelity
+@_backend
 @click.option("--tolerance", type=_Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=_Number(min=0.0, min_open=True), help="End time in seconds.")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
@@ -120,6 +142,7 @@ def run_command(
     master: MasterKind,
     with_verify: bool,
     as_json: bool,
+    backend: Backend | None,
 ) -> None:
     """Deploy SCENE, the name of a scene or a scene file, and write its result."""
     if with_verify and master != "implicit":
@@ -130,13 +153,14 @@ def run_command(
         tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
     )
     path = output or Path(f"{assembly.name}.h5")
+    load = partial(as_fmus, backend=backend)
     end = until or assembly.until
     with _progress(assembly, end) as watch:
-        outcome = run(assembly, path, settings, end, master, watch, _warn)
+        outcome = run(assembly, path, settings, end, master, watch, _warn, load)
     verified = None
     if with_verify:
         with _progress(assembly, end) as watch:
-            verified = verify(assembly, outcome, settings, end, watch)
+            verified = verify(assembly, outcome, settings, end, watch, load)
     _report(outcome, verified, as_json)
 
 
@@ -257,11 +281,18 @@ def plot_command(result: Path, output: Path | None) -> None:
     "--wrench-mode", type=click.Choice(["endpoint", "mean"]), default="endpoint", show_default=True,
     help="endpoint for other tools, mean for the implicit master.",
 )  # fmt: skip
+@_backend
 def export_command(
-    scene: str, rigid: frozenset[str], flexible: frozenset[str], output: Path, wrench_mode: WrenchMode
+    scene: str,
+    rigid: frozenset[str],
+    flexible: frozenset[str],
+    output: Path,
+    wrench_mode: WrenchMode,
+    backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
-    for path in export(assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode), output):
+    assembly = assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode)
+    for path in export(assembly, output, backend):
         click.echo(path)
 
 

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Literal
 
 from components import REGISTRY, ComponentError
-from fmus import build_fmu
+from fmus import Backend, build_fmu
 
 from .assembly import Assembly
 from .explicit import ExplicitMaster
@@ -64,25 +64,27 @@ class Outcome:
         }
 
 
-def export(assembly: Assembly, directory: Path) -> list[Path]:
-    """Write every part of an assembly as an FMU into a directory (made if missing)."""
+def export(assembly: Assembly, directory: Path, backend: Backend | None = None) -> list[Path]:
+    """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for part in assembly.parts:
         try:
-            paths.append(build_fmu(REGISTRY[part.kind](**part.structure), part.name, directory, part.start))
+            paths.append(
+                build_fmu(REGISTRY[part.kind](**part.structure), part.name, directory, part.start, backend)
+            )
         except ComponentError as error:
             raise RunError(f"{assembly.name}: {part.name}: {error}") from None
     return paths
 
 
 @contextmanager
-def as_fmus(assembly: Assembly) -> Iterator[Sequence[Participant]]:
+def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[Participant]]:
     """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
         participants: list[Participant] = []
-        for path in export(assembly, folder):
+        for path in export(assembly, folder, backend):
             participants.append(FmuParticipant(path.stem, path))
             stack.callback(participants[-1].close)
         yield participants

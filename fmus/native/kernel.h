@@ -57,6 +57,10 @@ typedef struct {
     void (*outputs_complex)(void *self, const double complex *x, const double complex *u, double complex *y);
 } Kernel;
 
+/* Every component of this binary; the build writes the list from the equations files there are. */
+extern const Kernel *const kernels[];
+extern const size_t kernel_count;
+
 extern const Kernel body_kernel, hinge_kernel, ccl_kernel, damper_kernel, fixed_base_kernel;
 
 #endif

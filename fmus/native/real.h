@@ -9,34 +9,42 @@
 
 #include <math.h>
 
+#include <complex.h>
+#include <string.h>
+
 #define FANFOLD_INFINITESIMAL 1e-100
 
-#ifdef FANFOLD_COMPLEX
+/* A complex number of two parts; C99 has no such macro, and a sum with I times b is slow and not exact. */
+static inline double complex complex_of(double a, double b) {
+    double parts[2] = {a, b};
+    double complex result;
+    memcpy(&result, parts, sizeof result);
+    return result;
+}
 
-#include <complex.h>
+#ifdef FANFOLD_COMPLEX
 
 typedef double complex real;
 #define NAME(function) function##_complex
 
 static inline double value_of(real a) { return creal(a); }
-static inline real pair_of(double a, double slope_times_b) { return CMPLX(a, slope_times_b); }
 static inline real real_sqrt(real a) {
     double s = sqrt(creal(a));
-    return pair_of(s, s > 0.0 ? cimag(a) / (2.0 * s) : 0.0);
+    return complex_of(s, s > 0.0 ? cimag(a) / (2.0 * s) : 0.0);
 }
-static inline real real_sin(real a) { return pair_of(sin(creal(a)), cimag(a) * cos(creal(a))); }
-static inline real real_cos(real a) { return pair_of(cos(creal(a)), -cimag(a) * sin(creal(a))); }
+static inline real real_sin(real a) { return complex_of(sin(creal(a)), cimag(a) * cos(creal(a))); }
+static inline real real_cos(real a) { return complex_of(cos(creal(a)), -cimag(a) * sin(creal(a))); }
 static inline real real_tan(real a) {
     double t = tan(creal(a));
-    return pair_of(t, cimag(a) * (1.0 + t * t));
+    return complex_of(t, cimag(a) * (1.0 + t * t));
 }
 static inline real real_asin(real a) {
     double v = creal(a);
-    return pair_of(asin(v), cimag(a) / sqrt(1.0 - v * v));
+    return complex_of(asin(v), cimag(a) / sqrt(1.0 - v * v));
 }
 static inline real real_atan2(real y, real x) {
     double b = creal(y), a = creal(x), square = a * a + b * b;
-    return pair_of(atan2(b, a), square > 0.0 ? (a * cimag(y) - b * cimag(x)) / square : 0.0);
+    return complex_of(atan2(b, a), square > 0.0 ? (a * cimag(y) - b * cimag(x)) / square : 0.0);
 }
 static inline real real_abs(real a) { return creal(a) < 0.0 ? -a : a; }
 

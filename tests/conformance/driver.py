@@ -20,7 +20,9 @@ from components import REGISTRY
 from tests.conformance.toy import Toy
 
 KINDS = {**REGISTRY, Toy.kind: Toy}
-OK, DISCARD, FATAL = 0, 2, 4
+TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}
+"""Values of a hinge or loop by unit, for parameters that are zero by default."""
+OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 
 
 @cache
@@ -123,11 +125,12 @@ class Reference:
         return u
 
     def random_parameters(self, rng):
-        """The present parameters with the tunable ones moved a little; None where that is refused."""
+        """The present parameters with the tunable ones moved a little, and those that are zero made typical."""
         p = self.p.copy()
         for quantity in self.component.parameter_layout.quantities:
             if quantity.variability == "tunable":
                 part = p[self.component.parameter_layout[quantity.name]]
+                part[part == 0.0] = TYPICAL.get(quantity.unit, 0.1)
                 part *= 1.0 + 0.01 * rng.random(part.size)
                 np.clip(part, quantity.minimum, quantity.maximum, out=part)
         return p

@@ -1,4 +1,4 @@
-"""Every kind of component as an FMU: valid, equal to the component bit for bit, and alone in the world.
+"""Every kind of component as an FMU of each back end: valid, equal to the component, and alone in the world.
 
 FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
 """
@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from fmus import build_fmu, check_fmu
+from fmus import build_fmu, check_fmu, native_backend, native_library
+from fmus.native import compiler
 from tests.conformance.driver import KINDS, Reference, start_of
 from tests.conformance.trial import CHECKS
 
@@ -36,15 +37,25 @@ print(len(result))
 """
 
 
+BACKENDS = {
+    "python": list(KINDS),
+    "native": [kind for kind, component in KINDS.items() if native_backend(component.example())],
+}
+SUBJECTS = [
+    pytest.param(kind, backend, id=f"{kind}-{backend}") for backend in BACKENDS for kind in BACKENDS[backend]
+]
+
+
 @cache
-def path_of(kind):
+def path_of(kind, backend):
     component = KINDS[kind].example()
-    return str(build_fmu(component, kind, start=start_of(component)))
+    return str(build_fmu(component, kind, start=start_of(component), backend=backend))
 
 
 @cache
-def findings(checks, *kinds):
-    command = [sys.executable, str(TRIAL), checks, *(f"{kind}={path_of(kind)}" for kind in kinds)]
+def findings(backend, checks, *kinds):
+    subjects = (f"{kind}={path_of(kind, backend)}" for kind in kinds)
+    command = [sys.executable, str(TRIAL), backend, checks, *subjects]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
     if run.returncode:
@@ -64,28 +75,29 @@ def cache_of_tests(tmp_path_factory):
         os.environ["FANFOLD_CACHE"] = before
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_has_no_problems(kind):
-    assert check_fmu(path_of(kind)) == []
+@pytest.mark.parametrize(("kind", "backend"), SUBJECTS)
+def test_has_no_problems(kind, backend):
+    assert check_fmu(path_of(kind, backend)) == []
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_runs_without_fanfold(kind, tmp_path):
+@pytest.mark.parametrize(("kind", "backend"), SUBJECTS)
+def test_runs_without_fanfold(kind, backend, tmp_path):
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    command = [sys.executable, "-P", "-c", ALONE, path_of(kind)]
+    command = [sys.executable, "-P", "-c", ALONE, path_of(kind, backend)]
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120)
     assert run.returncode == 0, run.stderr[-2000:]
     assert run.stdout.split()[-1] == "11"
 
 
 @pytest.mark.parametrize("check", CHECKS)
-@pytest.mark.parametrize("kind", KINDS)
-def test_behaves(kind, check):
-    assert findings("all", kind)[check] == ""
+@pytest.mark.parametrize(("kind", "backend"), SUBJECTS)
+def test_behaves(kind, backend, check):
+    assert findings(backend, "all", kind)[check] == ""
 
 
-def test_all_kinds_share_one_process():
-    assert findings("together", *KINDS) == {"together": ""}
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_all_kinds_share_one_process(backend):
+    assert findings(backend, "together", *BACKENDS[backend]) == {"together": ""}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -97,3 +109,19 @@ def test_outputs_depend_on_inputs_only_with_feedthrough(kind):
     before = reference.outputs().tobytes()
     reference.u = reference.u + 1.0
     assert reference.outputs().tobytes() == before
+
+
+@pytest.mark.parametrize("kind", BACKENDS["native"])
+def test_step_derivatives_are_those_of_whole_steps(kind):
+    """Central differences of save, set, doStep, get, restore; their own error is below 1e-7 for these steps."""
+    command = [sys.executable, str(TRIAL.with_name("derivatives.py")), f"{kind}={path_of(kind, 'native')}"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
+    assert run.returncode == 0, run.stderr[-2000:]
+    errors = json.loads(run.stdout.splitlines()[-1])
+    assert {pair: error for pair, error in errors.items() if not error < 1e-6} == {}
+
+
+def test_the_native_library_is_there_where_a_compiler_is():
+    """Control: the native half of this file cannot be skipped unseen."""
+    assert (native_library() is not None) == (compiler() is not None)

@@ -1,0 +1,15 @@
+"""The native back end: C sources, how they are compiled, and where the library is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .compile import CompileError, compile_library, compiler, equations, sources, suffix
+
+__all__ = ["CompileError", "compile_library", "compiler", "equations", "library", "sources"]
+
+
+def library() -> Path | None:
+    """The compiled library of all components; None where the package was installed without a C compiler."""
+    path = Path(__file__).parent / "lib" / f"fanfold{suffix()}"
+    return path if path.exists() else None

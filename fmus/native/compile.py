@@ -1,0 +1,91 @@
+"""Compile the native core and all equations files into the one binary that every native FMU carries.
+
+Every `NAME.c` beside this file is the equations of one component and defines `NAME_kernel`. It is compiled
+twice, for plain numbers and for numbers that carry a derivative (`real.h`); the second unit and the list of
+kernels are written here, so a new component needs its own file only. Imports nothing of the project, because
+the build hook runs before anything is installed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+HERE = Path(__file__).parent
+LIBRARY = "fanfold"
+FLAGS = (
+    "-std=c99",
+    "-O3",
+    "-fPIC",
+    "-fvisibility=hidden",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fcx-limited-range",  # complex numbers carry derivatives here and are never infinite by design
+)
+
+
+class CompileError(Exception):
+    """The compiler is missing or refused: a sentence."""
+
+
+def equations() -> list[str]:
+    """Names of the components that have a native kernel."""
+    return sorted(path.stem for path in HERE.glob("*.c"))
+
+
+def sources() -> dict[str, str]:
+    """Every source and header by its file name, the generated ones included; compiling every .c makes the library."""
+    files = {
+        p.name: p for folder in (HERE, HERE / "core") for p in folder.iterdir() if p.suffix in (".c", ".h")
+    }
+    texts = {name: path.read_text(encoding="utf-8") for name, path in sorted(files.items())}
+    names = equations()
+    for name in names:
+        texts[f"{name}_derivative.c"] = f'#define FANFOLD_COMPLEX\n#include "{name}.c"\n'
+    listed = ", ".join(f"&{name}_kernel" for name in names)
+    declared = "".join(f"extern const Kernel {name}_kernel;\n" for name in names)
+    texts["kernels.c"] = (
+        f'#include "kernel.h"\n\n{declared}\nconst Kernel *const kernels[] = {{{listed}}};\n'
+        f"const size_t kernel_count = {len(names)};\n"
+    )
+    return texts
+
+
+def suffix() -> str:
+    """File name suffix of shared libraries here."""
+    return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def compiler() -> str | None:
+    """Path of the C compiler: CC where it is set, else cc, gcc or clang; None where there is none."""
+    chosen = os.environ.get("CC")
+    found = (shutil.which(name) for name in ([chosen] if chosen else ["cc", "gcc", "clang"]))
+    return next(filter(None, found), None)
+
+
+def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FLAGS) -> None:
+    """Compile C files into a shared library; CompileError with what the compiler said."""
+    found = compiler()
+    if found is None:
+        raise CompileError("there is no C compiler (CC, cc, gcc, clang)")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
+        made = Path(folder) / target.name
+        command = [found, *flags, "-shared", *map(str, names), "-o", str(made), "-lm"]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        if run.returncode:
+            raise CompileError(f"{' '.join(command[:1])} failed: {run.stderr.strip()[-2000:]}")
+        os.replace(made, target)
+
+
+def compile_library(target: Path, flags: Sequence[str] = FLAGS) -> None:
+    """Compile the library of all components to `target`; CompileError where that is impossible."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources().items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        compile_files(sorted(Path(folder).glob("*.c")), target, flags)

@@ -1,0 +1,83 @@
+/* One instance of a component: values, state and mode, whatever version of FMI is spoken outside.
+
+   All values lie in one array in the order of the value references: parameters, inputs, outputs,
+   observations. Outputs and observations are computed when they are read, once per state. */
+
+#ifndef FANFOLD_INSTANCE_H
+#define FANFOLD_INSTANCE_H
+
+#include <stdint.h>
+
+#include "data.h"
+#include "memory.h"
+
+/* Numbered as fmi2Status and fmi3Status are. */
+typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
+
+typedef enum { MODE_INSTANTIATED, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
+
+/* Takes a sentence to the host. */
+typedef void (*Logger)(void *host, Status status, const char *sentence);
+
+typedef struct {
+    Memory memory;
+    Data data;
+    const Kernel *kernel;
+    void *self;
+    const char *name;
+    Logger logger;
+    void *host;
+    Sizes sizes;
+    size_t ends[4], states;
+    double *values, *minimum, *maximum;
+    unsigned char *tunable;
+    double *x, *before;
+    double step_size, time;
+    double complex *complex_inputs, *complex_state, *complex_outputs;
+    const double *start;
+    Mode mode;
+    int feedthrough, prepared, has_state, stepped, outputs_known, observations_known;
+} Instance;
+
+/* A saved state; `known` holds parameters and inputs. */
+typedef struct {
+    char owner[16];
+    double time;
+    int mode, has_state;
+    size_t known, states;
+    double numbers[];
+} SavedState;
+
+/* Reads resources and makes an instance in MODE_INSTANTIATED; NULL, with the reason logged, when it cannot.
+   `token` is the model description's guid or instantiation token. */
+Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host);
+void instance_free(Instance *instance);
+
+Status instance_fail(Instance *instance, Status status, const char *format, ...);
+
+Status instance_enter_initialization(Instance *instance, double start_time);
+Status instance_exit_initialization(Instance *instance);
+Status instance_reset(Instance *instance);
+Status instance_terminate(Instance *instance);
+
+Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
+Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
+
+/* One communication step; STATUS_DISCARD, with the state as before, when it cannot be done. */
+Status instance_step(Instance *instance, double time, double h);
+
+/* Derivative of outputs along `seed` of inputs. After a step: of the outputs at its end with respect to the
+   inputs of that step. Otherwise, at a communication point, as the standard means it. */
+Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
+                           const uint32_t *knowns, size_t known_count, const double *seed, double *result);
+
+/* Save into *state, which is made where it is NULL and reused otherwise. */
+Status instance_save(Instance *instance, SavedState **state);
+Status instance_restore(Instance *instance, const SavedState *state);
+void instance_forget(SavedState *state);
+size_t instance_serialized_size(const SavedState *state);
+void instance_serialize(const SavedState *state, unsigned char *bytes);
+/* A state that no instance takes where the bytes are none. NULL without memory. */
+SavedState *instance_deserialize(const unsigned char *bytes, size_t size);
+
+#endif

@@ -1,0 +1,131 @@
+/* Fixed base: ports that never move, and the loads they carry; the equations of components/fixed_base.py.
+
+   State: mean load of the last step and of the one before (force, torque about the reference), and the
+   sizes of the two steps, 0 where there is none. */
+
+#include "frames.h"
+#include "kernel.h"
+
+#define LOAD 6
+#define STATES (2 * LOAD + 2)
+#define WRENCH 6
+#define MOTION 13
+
+typedef struct {
+    size_t ports, impulse;
+    double *positions; /* 3 a port, world axes */
+    double *arms;      /* the same from the reference point */
+} FixedBase;
+
+int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
+void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
+
+/* Remembers the mean load of the step; an impulse is no load that lasts, and starts the record anew. */
+int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
+    const FixedBase *base = self;
+    (void)why;
+    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
+    if (value_of(u[base->impulse]) > 0.5) return 1;
+    Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k < base->ports; k++) {
+        const double *arm = base->arms + 3 * k;
+        Vector3 pull = vector_of(u + WRENCH * k);
+        force = vector_add(force, pull);
+        torque = vector_add(torque, vector_of(u + WRENCH * k + 3));
+        torque = vector_add(torque, vector_cross((Vector3){arm[0], arm[1], arm[2]}, pull));
+    }
+    vector_store(force, x_next);
+    vector_store(torque, x_next + 3);
+    for (size_t i = 0; i < LOAD; i++) x_next[LOAD + i] = x[i];
+    x_next[2 * LOAD] = h;
+    x_next[2 * LOAD + 1] = x[2 * LOAD];
+    return 1;
+}
+
+void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y) {
+    const FixedBase *base = self;
+    (void)x, (void)u;
+    for (size_t k = 0; k < base->ports; k++, y += MOTION) {
+        for (size_t i = 0; i < MOTION; i++) y[i] = 0.0;
+        for (size_t i = 0; i < 3; i++) y[i] = base->positions[3 * k + i];
+        y[3] = 1.0;
+    }
+}
+
+#ifndef FANFOLD_COMPLEX
+
+#define MOST_PORTS 1024
+
+int fixed_base_step_complex(void *self, const double *x, const double complex *u, double h,
+                            double complex *x_next, Reason *why);
+void fixed_base_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
+
+static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason *why) {
+    size_t count = 0;
+    const double *positions = data_any(data, "positions", &count, why);
+    if (!positions) return 0;
+    if (count % 3 != 0 || count / 3 > MOST_PORTS)
+        return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, for at most %d ports",
+                      (unsigned long)count, MOST_PORTS);
+    const double *arms = data_array(data, "arms", count, why);
+    if (!arms) return 0;
+    base->ports = count / 3;
+    base->positions = allocate(memory, (count + 1) * sizeof(double));
+    base->arms = allocate(memory, (count + 1) * sizeof(double));
+    if (!base->positions || !base->arms) return refuse(why, "no memory for a base of %lu ports", (unsigned long)base->ports);
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(positions[i]) || !isfinite(arms[i]))
+            return refuse(why, "the base's data have a port position that is not finite");
+        base->positions[i] = positions[i];
+        base->arms[i] = arms[i];
+    }
+    return 1;
+}
+
+static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
+    FixedBase *base = allocate(memory, sizeof *base);
+    if (!base) {
+        refuse(why, "no memory for a base");
+        return NULL;
+    }
+    if (!read_ports(base, data, memory, why)) return NULL;
+    long impulse = data_offset(data, "input", "impulse", 1, why);
+    if (impulse < 0) return NULL;
+    base->impulse = (size_t)impulse;
+    if (base->impulse < WRENCH * base->ports || base->impulse >= sizes->inputs ||
+        sizes->outputs != MOTION * base->ports || sizes->observations != LOAD) {
+        refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
+        return NULL;
+    }
+    *states = STATES;
+    return base;
+}
+
+static int prepare(void *self, const double *p, Reason *why) {
+    (void)self, (void)p, (void)why;
+    return 1;
+}
+
+/* Last two mean loads and their step sizes, none yet. */
+static int initial(void *self, const double *u, double *x, Reason *why) {
+    (void)self, (void)u, (void)why;
+    for (size_t i = 0; i < STATES; i++) x[i] = 0.0;
+    return 1;
+}
+
+/* Loads at the communication point, extrapolated from the last two means, which belong to mid-step. */
+static void observe(void *self, const double *x, const double *u, double *z) {
+    (void)self, (void)u;
+    double h = x[2 * LOAD], previous_h = x[2 * LOAD + 1];
+    for (size_t i = 0; i < LOAD; i++) {
+        z[i] = x[i];
+        if (h != 0.0 && previous_h != 0.0) z[i] += (x[i] - x[LOAD + i]) * (h / (h + previous_h));
+    }
+}
+
+const Kernel fixed_base_kernel = {
+    "fixed_base", create,  prepare, initial, fixed_base_step_real, fixed_base_outputs_real,
+    observe,      fixed_base_step_complex,   fixed_base_outputs_complex,
+};
+
+#endif

@@ -1,0 +1,48 @@
+"""Build hook: compile the native libraries where there is a C compiler; install without them where there is none."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
+    """Compiles the components' library and the master's, and puts both into the wheel."""
+
+    PLUGIN_NAME = "custom"
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Before the build of a wheel, editable or not."""
+        root = Path(self.root)
+        build = _module(root / "fmus" / "native" / "compile.py")
+        libraries = {
+            "fmus/native/lib/fanfold": build.compile_library,
+            "orchestrator/native/_coupling": lambda target: build.compile_files(
+                [root / "orchestrator" / "native" / "coupling.c"], target
+            ),
+        }
+        for name, make in libraries.items():
+            target = root / (name + build.suffix())
+            target.unlink(missing_ok=True)
+            try:
+                make(target)
+            except build.CompileError as error:
+                self.app.display_warning(f"no native library: {error}; Fanfold will use PythonFMUs")
+                return
+            build_data["artifacts"].append(f"/{name}{build.suffix()}")
+        build_data["pure_python"] = False
+        build_data["infer_tag"] = True
+
+
+def _module(path: Path) -> ModuleType:
+    """A module from its file; the package around it needs more than a build has."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -1,0 +1,119 @@
+/* Exact propagation of independent damped oscillators under a held force: the twin of
+   components/_oscillators.py. Each mode obeys eta'' + 2 zeta w eta' + w^2 eta = Q, Q constant over the step.
+
+   Plain doubles: step size and damping carry no derivative, so both number types share the propagators. */
+
+#ifndef FANFOLD_OSCILLATORS_H
+#define FANFOLD_OSCILLATORS_H
+
+#include <math.h>
+#include <stddef.h>
+
+#include "kernel.h"
+
+/* Step sizes remembered, because a run reuses few. */
+#define FANFOLD_STEP_SIZES 32
+
+/* Transition over one step size, one number a mode:
+       eta1 = a11 eta0 + a12 v0 + b1 Q,   v1 = a21 eta0 + a22 v0 + a12 Q,
+       dissipated = w11 z^2 + w12 z v0 + w22 v0^2 with z = eta0 - compliance Q. */
+typedef struct {
+    double h;
+    double *a11, *a12, *a21, *a22, *b1, *w11, *w12, *w22;
+} Propagator;
+
+typedef struct {
+    size_t modes;
+    double *frequency;     /* rad/s, positive */
+    double *damping_ratio; /* of critical, not negative */
+    double *compliance;    /* 1 / frequency^2 */
+    size_t known, latest;
+    Propagator propagators[FANFOLD_STEP_SIZES];
+} Oscillators;
+
+#ifndef FANFOLD_COMPLEX
+
+/* Memory for `modes` oscillators; all are undamped of frequency 1 until they are given values. */
+static int oscillators_allocate(Oscillators *all, size_t modes, Memory *memory) {
+    const size_t arrays = 3 + 8 * FANFOLD_STEP_SIZES;
+    double *next = allocate(memory, arrays * modes * sizeof(double));
+    if (!next) return 0;
+    all->modes = modes;
+    all->frequency = next;
+    all->damping_ratio = next + modes;
+    all->compliance = next + 2 * modes;
+    next += 3 * modes;
+    for (size_t i = 0; i < FANFOLD_STEP_SIZES; i++, next += 8 * modes)
+        all->propagators[i] = (Propagator){0.0,
+                                           next,
+                                           next + modes,
+                                           next + 2 * modes,
+                                           next + 3 * modes,
+                                           next + 4 * modes,
+                                           next + 5 * modes,
+                                           next + 6 * modes,
+                                           next + 7 * modes};
+    for (size_t j = 0; j < modes; j++) all->frequency[j] = all->compliance[j] = 1.0;
+    return 1;
+}
+
+/* To be called when a damping ratio has changed. */
+static void oscillators_forget(Oscillators *all) { all->known = all->latest = 0; }
+
+#endif
+
+/* Quadratic form of the energy 2 zeta w int v^2 dt over a step, of mode j.
+
+   With the scaled state y = (w z, v) and y' = A y the Gramian G = int E^T e e^T E dt, e = (0, 1), solves
+   A^T G + G A = E(h)^T e e^T E(h) - e e^T; the three equations of a mode are solved by elimination. */
+static inline void propagator_dissipation(Propagator *made, size_t j, double w, double zeta) {
+    double first = made->a21[j] / w, second = made->a22[j];
+    double r0 = first * first, r1 = first * second, r2 = second * second - 1.0;
+    double g12 = -r0 / (2.0 * w);
+    double g22 = (2.0 * w * g12 - r2) / (4.0 * zeta * w);
+    double g11 = r1 / w + 2.0 * zeta * g12 + g22;
+    double scale = zeta > 0.0 ? 2.0 * zeta * w : 0.0;
+    made->w11[j] = zeta > 0.0 ? scale * g11 * w * w : 0.0;
+    made->w12[j] = zeta > 0.0 ? 2.0 * scale * g12 * w : 0.0;
+    made->w22[j] = zeta > 0.0 ? scale * g22 : 0.0;
+}
+
+/* Mode j over a step h: the exponential of a 2x2 companion matrix, written with C = (e1 + e2) / 2 and
+   S = (e1 - e2) / (l1 - l2), which hold for under-, over- and critically damped modes alike. */
+static inline void propagator_mode(Propagator *made, size_t j, double w, double zeta, double h) {
+    double square = zeta * zeta - 1.0, root = sqrt(fabs(square)), gap = 2.0 * w * root, c, s;
+    if (square < 0.0) {
+        double decay = exp(-zeta * w * h);
+        c = decay * cos(w * root * h);
+        s = decay * sin(w * root * h) / (w * root);
+    } else {
+        double e1 = exp(w * (-zeta + root) * h), e2 = exp(w * (-zeta - root) * h);
+        c = 0.5 * (e1 + e2);
+        s = (e1 - e2) / gap;
+    }
+    if (gap * h < 1e-6) s = h * exp(-zeta * w * h);
+    double angle = w * h, a11 = c + zeta * w * s;
+    double series = h * h * (0.5 - zeta * angle / 3.0 + (4.0 * zeta * zeta - 1.0) * angle * angle / 24.0);
+    made->a11[j] = a11;
+    made->a12[j] = s;
+    made->a21[j] = -w * w * s;
+    made->a22[j] = c - zeta * w * s;
+    made->b1[j] = angle < 1e-3 ? series : (1.0 - a11) / (w * w);
+    propagator_dissipation(made, j, w, zeta);
+}
+
+/* The propagator of step size h > 0; makes it when it is not remembered. */
+static inline const Propagator *oscillators_propagator(Oscillators *all, double h) {
+    if (all->known && all->propagators[all->latest].h == h) return &all->propagators[all->latest];
+    for (size_t i = 0; i < all->known; i++)
+        if (all->propagators[i].h == h) return &all->propagators[all->latest = i];
+    if (all->known == FANFOLD_STEP_SIZES) all->known = 0; /* too many step sizes: start anew */
+    all->latest = all->known++;
+    Propagator *made = &all->propagators[all->latest];
+    made->h = h;
+    for (size_t j = 0; j < all->modes; j++)
+        propagator_mode(made, j, all->frequency[j], all->damping_ratio[j], h);
+    return made;
+}
+
+#endif

@@ -1,0 +1,85 @@
+"""Run in a process of its own: step derivatives of one native FMU against differences of whole steps.
+
+    python derivatives.py KIND=PATH
+
+Prints the largest error of every kind of pair relative to the largest derivative of the same output quantity
+with respect to the same input quantity's unit, as one JSON object.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+
+from tests.conformance.driver import KINDS, OK, Fmu, Reference
+from tests.conformance.trial import begin, tune
+
+H = 2e-3
+AMOUNTS = {"N": 1.0, "N.m": 1.0, "m": 1e-5, "m/s": 1e-3, "rad/s": 1e-3, "1": 1e-4}
+"""Differences by unit: motions beyond round-off, without leaving what cubic terms describe."""
+ROUND_OFF = 1e-14
+"""Relative rounding of an output; what is left of larger numbers cancelled may be a few digits worse."""
+
+
+def stepped(fmu, state, first, u, outputs):
+    """Outputs after one step from a saved state."""
+    fmu.slave.setFMUstate(state)
+    assert fmu.set(first, u) == OK
+    assert fmu.step(0.1, H) == OK, fmu.log
+    return fmu.get(*outputs)
+
+
+def difference(fmu, state, first, u, outputs, column, amount):
+    """Central difference with one Richardson extrapolation: truncation of the fourth order."""
+    found = []
+    for size in (amount, 0.5 * amount):
+        ahead, behind = u.copy(), u.copy()
+        ahead[column] += size
+        behind[column] -= size
+        after = [stepped(fmu, state, first, v, outputs) for v in (ahead, behind)]
+        found.append((after[0] - after[1]) / (ahead[column] - behind[column]))
+    return (4.0 * found[1] - found[0]) / 3.0
+
+
+def errors(kind, path):
+    """Largest relative error by input quantity."""
+    rng = np.random.default_rng(11)
+    fmu, reference = Fmu(path), Reference(KINDS[kind].example())
+    begin(fmu, reference, rng)
+    tune(fmu, reference, rng)
+    component = reference.component
+    first, outputs = reference.firsts[1], (reference.firsts[2], reference.sizes[2])
+    for _ in range(3):
+        fmu.set(first, reference.random_inputs(rng))
+        assert fmu.step(0.0, H) == OK
+    state = fmu.slave.getFMUstate()
+    u = reference.random_inputs(rng)
+    after = stepped(fmu, state, first, u, outputs)
+    references = [list(range(a, a + n)) for a, n in ((first, u.size), outputs)]
+    result = {}
+    for quantity in component.input_layout.quantities:
+        if quantity.variability == "discrete":
+            continue
+        place = component.input_layout[quantity.name]
+        exact, approximate = [], []
+        for column in range(place.start, place.stop):
+            stepped(fmu, state, first, u, outputs)
+            known, unknown = [references[0][column]], references[1]
+            exact.append(fmu.slave.getDirectionalDerivative(unknown, known, [1.0]))
+            approximate.append(difference(fmu, state, first, u, outputs, column, AMOUNTS[quantity.unit]))
+        exact, approximate = np.array(exact), np.array(approximate)
+        for output in component.output_layout.quantities:
+            where = component.output_layout[output.name]
+            size = np.abs(approximate[:, where]).max()
+            round_off = ROUND_OFF * np.abs(after[where]).max() / AMOUNTS[quantity.unit]
+            if size > 1e3 * round_off:
+                error = max(np.abs(exact[:, where] - approximate[:, where]).max() - round_off, 0.0)
+                result[f"{output.name} by {quantity.name}"] = float(error / size)
+    return result
+
+
+if __name__ == "__main__":
+    ((kind, path),) = (argument.split("=", 1) for argument in sys.argv[1:])
+    print("\n" + json.dumps(errors(kind, path)))
