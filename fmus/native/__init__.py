@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .compile import CompileError, compile_library, compiler, equations, sources, suffix
+from .compile import FLAGS, CompileError, compile_library, compiler, equations, sources, suffix
 
-__all__ = ["CompileError", "compile_library", "compiler", "equations", "library", "sources"]
+__all__ = ["FLAGS", "CompileError", "compile_library", "compiler", "equations", "library", "sources"]
 
 
 def library() -> Path | None:

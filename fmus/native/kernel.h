@@ -55,6 +55,11 @@ typedef struct {
     int (*step_complex)(void *self, const double *x, const double complex *u, double h,
                         double complex *x_next, Reason *why);
     void (*outputs_complex)(void *self, const double complex *x, const double complex *u, double complex *y);
+    /* Both NULL for components without events. Time until the next event if the motion of the inputs goes on:
+       0 when it is due already, INFINITY when none is coming. */
+    double (*next_event)(void *self, const double *x, const double *u);
+    /* From x to x_next at one instant; `due` when the time that `next_event` gave has come. */
+    void (*event)(void *self, const double *x, const double *u, int due, double *x_next);
 } Kernel;
 
 /* Every component of this binary; the build writes the list from the equations files there are. */

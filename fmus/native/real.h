@@ -29,7 +29,7 @@ typedef double complex real;
 
 static inline double value_of(real a) { return creal(a); }
 static inline real real_sqrt(real a) {
-    double s = sqrt(creal(a));
+    double s = creal(a) > 0.0 ? sqrt(creal(a)) : 0.0; /* squares of infinitesimals make a zero a little negative */
     return complex_of(s, s > 0.0 ? cimag(a) / (2.0 * s) : 0.0);
 }
 static inline real real_sin(real a) { return complex_of(sin(creal(a)), cimag(a) * cos(creal(a))); }
