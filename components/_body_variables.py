@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ._component import Quantity
+from numpy.typing import ArrayLike
+
+from ._component import ContinuousStates, Quantity, Vector
 
 
 def parameters() -> list[Quantity]:
@@ -61,3 +63,22 @@ def observations(modes: int) -> list[Quantity]:
     if modes:
         found.append(Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes))
     return found
+
+
+def continuous_states(frequency: Vector) -> ContinuousStates:
+    """All states but the angular velocity, which follows from the momenta; modes of a joule each are typical."""
+    modes = frequency.size
+    states: list[tuple[Quantity, str, ArrayLike]] = [
+        (Quantity("position", "m", "Position of the centre of mass, world axes", 3), "m/s", 1.0),
+        (Quantity("orientation", "1", "Quaternion of the body as integrated", 4), "1/s", 1.0),
+        (Quantity("momentum", "N.s", "Linear momentum, world axes", 3), "N", 1.0),
+        (Quantity("spin", "N.m.s", "Angular momentum about the centre of mass, world axes", 3), "N.m", 1.0),
+        (Quantity("heat", "J", "Energy dissipated by modal damping"), "W", 1.0),
+    ]
+    if modes:
+        amplitude = Quantity("modal_amplitude", "kg(1/2).m", "Modal coordinates", modes)
+        momentum = Quantity("modal_momentum", "kg(1/2).m/s", "Modal momenta", modes)
+        states += [(amplitude, "kg(1/2).m/s", 1.0 / frequency), (momentum, "kg(1/2).m/s2", 1.0)]
+    quantities, units, nominal = zip(*states, strict=True)
+    places = (*range(13), 16, *range(17, 17 + 2 * modes))
+    return ContinuousStates(quantities, units, nominal, places, quadratures=("heat",))

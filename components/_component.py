@@ -17,6 +17,8 @@
        observe(c, x, u)    -> z
 
    The whole state is the one array x, so saving, restoring and serialising it is exact by construction.
+   A component that an outer solver may integrate also gives its `continuous` states and, where they differ
+   from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
 4. Give `example()`: a small instance that the tests over the registry run.
 
 Nothing else is to be edited: the FMU builder, the conformance tests, `fanfold list` and the component table
@@ -136,6 +138,29 @@ def port_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]
     return (wrench, motion) if port.side == "body" else (motion, wrench)
 
 
+@dataclass(frozen=True, slots=True)
+class ContinuousStates:
+    """The part of a state that an outer solver may integrate, as the quantities that model exchange shows.
+
+    Each of `quantities` has a unit of its rate in `rate_units` and a typical size of its scalars in `nominal`;
+    `places` are the positions of all scalars in the state array. Nothing but observations depends on those
+    named in `quadratures`. `indicators` is the number of event indicators.
+    """
+
+    quantities: tuple[Quantity, ...]
+    rate_units: tuple[str, ...]
+    nominal: tuple[ArrayLike, ...]
+    places: tuple[int, ...]
+    quadratures: tuple[str, ...] = ()
+    indicators: int = 0
+
+    def nominals(self) -> Vector:
+        """Typical size of every scalar, shape (len(places),)."""
+        sizes = zip(self.nominal, self.quantities, strict=True)
+        parts = [np.broadcast_to(np.asarray(n, dtype=float), (q.size,)) for n, q in sizes]
+        return np.concatenate([np.zeros(0), *parts])
+
+
 REGISTRY: dict[str, type[Component]] = {}
 """Every component by kind, filled by the class definitions themselves."""
 
@@ -151,6 +176,7 @@ class Component(ABC):
     observation_layout: Layout
     ports: tuple[Port, ...]
     feedthrough: bool
+    continuous: ContinuousStates | None = None
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
@@ -224,6 +250,22 @@ class Component(ABC):
     @abstractmethod
     def observe(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
         """Observations in declared order, shape (observation_layout.size,)."""
+
+    def complete(self, c: Any, x: Vector) -> Vector:  # noqa: ANN401
+        """The state whose dependent part fits the continuous states that a solver put into x."""
+        return x
+
+    def rates(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
+        """Rates of the continuous states in their order, of a state that needs no completion before."""
+        raise NotImplementedError(f"{self.kind} has no continuous states")
+
+    def indicators(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
+        """Numbers that change their sign at events, of a completed state."""
+        return np.zeros(0)
+
+    def update(self, c: Any, x: Vector, u: Vector, at_event: bool) -> Vector:  # noqa: ANN401
+        """What a state remembers of an accepted step of the solver and, at an event, what happens there."""
+        return x
 
     def native_data(self) -> Mapping[str, ArrayLike] | None:
         """Arrays of numbers by name that the native kernel of this kind reads; None where there is no kernel.

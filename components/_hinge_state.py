@@ -76,7 +76,7 @@ class State(NamedTuple):
 
 
 WRENCH = slice(31, 43)
-ANGLE, LATCHED = 10, 53
+ANGLE, HEAT, LATCHED, HOLDING = 10, 50, 53, 55
 
 
 class Loads(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import sin, sqrt, tan
 from typing import NamedTuple
 
-from ._component import ComponentError, Vector
+from ._component import ComponentError, ContinuousStates, Quantity, Vector
 from ._frames import (
     Quaternion,
     Vector3,
@@ -51,6 +51,20 @@ def gives_end_point(wrench_mode: str) -> bool:
     if wrench_mode not in ("mean", "endpoint"):
         raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
     return wrench_mode == "endpoint"
+
+
+def dissipated_energies(
+    first: int, names: Sequence[str] = ("heat",), indicators: int = 0
+) -> ContinuousStates:
+    """The continuous states of an end-point connection: energies that its state array holds from `first` on."""
+    return ContinuousStates(
+        tuple(Quantity(name, "J", "Energy dissipated since the start") for name in names),
+        ("W",) * len(names),
+        (1.0,) * len(names),
+        tuple(range(first, first + len(names))),
+        tuple(names),
+        indicators,
+    )
 
 
 def axis_frame(axis: Sequence[float], what: str) -> Quaternion:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._body_variables import observations, parameters
+from ._body_variables import continuous_states, observations, parameters
 from ._component import Component, ComponentError, Port, Vector
 from ._frames import (
     exponential,
@@ -115,6 +115,7 @@ class Body(Component):
             parameters=parameters(),
             observations=observations(self.modes),
         )
+        self.continuous = continuous_states(data.frequency)
         self._place_ports(data, ports)
 
     @staticmethod
@@ -365,6 +366,42 @@ class Body(Component):
         z[15] = x[_D]
         z[16:] = eta
         return z
+
+    def complete(self, c: _Constants, x: Vector) -> Vector:
+        """The state with a quaternion of unit length and the angular velocity that belongs to its momenta."""
+        m = self.modes
+        result = x.copy()
+        result[_Q] = q = normalized(tuple(x[_Q].tolist()))
+        momentum = x[_L] @ rotation_matrix(q)
+        result[_W] = self._inertia.angular_velocity(momentum, x[_ETA : _ETA + m], x[_ETA + m :])
+        return result
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Equations of motion; a quaternion that a solver made longer or shorter returns to unit length."""
+        if c.quasi_static:
+            raise ComponentError("quasi_static is 1; rates exist only where a body follows time")
+        m = self.modes
+        complete = self.complete(c, x)
+        a = rotation_matrix(tuple(complete[_Q].tolist()))
+        omega, eta = complete[_W], x[_ETA : _ETA + m]
+        wrench = u.reshape(-1, 6)
+        force, torque = wrench[:, :3], wrench[:, 3:]
+        arms = (self.arms + (self._phi @ eta).reshape(-1, 3)) @ a.T
+        rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
+        friction = 2.0 * c.damping_ratio * c.frequency * rate
+        load = self._inertia.at(omega, eta, rate).forces + self._modal_force(a, a, eta, force, torque)
+        turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
+        return np.concatenate(
+            (
+                x[_P] / self.data.mass,
+                0.5 * turning + (0.5 - 0.5 * (x[_Q] @ x[_Q])) * x[_Q],
+                force.sum(0) + self.data.mass * c.gravity,
+                sum_of_moments(arms, force) + torque.sum(0),
+                (friction @ rate,),
+                rate,
+                load - friction - c.frequency**2 * eta,
+            )
+        )
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/body.c` reads."""

@@ -33,7 +33,7 @@ from ._frames import (
     subtract,
     swing_twist,
 )
-from ._relative import as_floats, axis_frame, gives_end_point
+from ._relative import as_floats, axis_frame, dissipated_energies, gives_end_point
 from .laws import SlackSpring, mean_force
 
 
@@ -49,6 +49,16 @@ class _Geometry(NamedTuple):
     works_1: Vector3
     works_2: Vector3
     span: Vector3
+
+
+class _Instant(NamedTuple):
+    """Geometry, elongations and tensions of both strands, and heat (W) of their damping."""
+
+    geometry: _Geometry
+    elongations: tuple[float, float]
+    tension_a: float
+    tension_b: float
+    heat: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +108,8 @@ class CableLoop(Component):
             observations=_observations(),
             feedthrough=self._endpoint,
         )
+        if self._endpoint:
+            self.continuous = dissipated_energies(_HEAT)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -216,13 +228,16 @@ class CableLoop(Component):
         torque_1, torque_2 = cross(g.span, works_1), cross(g.span, works_2)
         return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
 
-    def _now(self, c: _Constants, x: Vector, u: Vector) -> tuple[_Geometry, float, float]:
-        """Geometry and tensions of this instant."""
-        v = as_floats(x)
-        g = self._geometry(as_floats(u), (v[0], v[1]))
-        a, b = self._elongations(c, g, (v[11], v[12], v[13]))
-        rate = self._elongation_rates(c, as_floats(u), g) if c.damping > 0.0 else (0.0, 0.0)
-        return g, -c.strand.value(a) + c.damping * rate[0], -c.strand.value(b) + c.damping * rate[1]
+    def _now(self, c: _Constants, x: Vector, u: Vector) -> _Instant:
+        """Geometry, tensions and heat of this instant; strands that are being adjusted are at their preload."""
+        v, inputs = as_floats(x), as_floats(u)
+        g = self._geometry(inputs, (v[0], v[1]))
+        elongations = rates = (0.0, 0.0)
+        if not (self._endpoint and inputs[-1] > 0.5):
+            elongations = self._elongations(c, g, (v[11], v[12], v[13]))
+            rates = self._elongation_rates(c, inputs, g) if c.damping > 0.0 else rates
+        a, b = (-c.strand.value(s) + c.damping * rate for s, rate in zip(elongations, rates, strict=True))
+        return _Instant(g, elongations, a, b, c.damping * sum(rate * rate for rate in rates))
 
     def _elongation_rates(self, c: _Constants, u: list[float], g: _Geometry) -> tuple[float, float]:
         """Elongation rates of both strands from the ports' velocities."""
@@ -246,14 +261,12 @@ class CableLoop(Component):
         """Wrenches on all ports."""
         if not self._endpoint:
             return x[_WRENCH:].copy()
-        g, tension_a, tension_b = self._now(c, x, u)
-        return np.array(self._wrenches(c, g, tension_a, tension_b))
+        now = self._now(c, x, u)
+        return np.array(self._wrenches(c, now.geometry, now.tension_a, now.tension_b))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Tensions, forces and torques of this instant, and energies."""
-        v = as_floats(x)
-        g, tension_a, tension_b = self._now(c, x, u)
-        a, b = self._elongations(c, g, (v[11], v[12], v[13]))
+        g, (a, b), tension_a, tension_b, _ = self._now(c, x, u)
         distance = norm(g.span)
         step = 0.0 if self._guided else c.radius_1 - c.radius_2
         difference = tension_a - tension_b
@@ -267,9 +280,22 @@ class CableLoop(Component):
                 -difference * step / distance,
                 0.5 * (a - b),
                 c.strand.potential(a) + c.strand.potential(b),
-                v[_HEAT],
+                float(x[_HEAT]),
             )
         )
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Heat of the strands' damping (W)."""
+        return np.array((self._now(c, x, u).heat,))
+
+    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+        """Follow the angles; while strands are adjusted, the present geometry is the one of their preload."""
+        g = self._geometry(as_floats(u), (float(x[0]), float(x[1])))
+        result = x.copy()
+        result[_ANGLES] = g.angles
+        if u[-1] > 0.5:
+            result[_START] = (*g.angles, self._length(c, norm(g.span)))
+        return result
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Pulley axis, course of the cables and mode."""

@@ -16,6 +16,7 @@ from ._relative import (
     as_floats,
     axis_frame,
     conjugate_torque,
+    dissipated_energies,
     gives_end_point,
     mean_direction,
     pair,
@@ -70,6 +71,8 @@ class EddyCurrentDamper(Component):
             ],
             feedthrough=self._endpoint,
         )  # fmt: skip
+        if self._endpoint:
+            self.continuous = dissipated_energies(_HEAT)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -116,6 +119,11 @@ class EddyCurrentDamper(Component):
         rate = self._rate(as_floats(u))[1]
         felt = rate if self._endpoint else MidStepRate(*as_floats(x[_RATE])).now()
         return np.array((rate, c.torque(felt), x[_HEAT]))
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Heat of the end-point torque (W)."""
+        rate = self._rate(as_floats(u))[1]
+        return np.array((-c.torque(rate) * rate,))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Axis and mode."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, Port, Quantity, Vector
+from ._component import Component, ContinuousStates, Port, Quantity, Vector
 from ._frames import sum_of_moments
 from ._midstep import extrapolated
 
@@ -38,6 +38,7 @@ class FixedBase(Component):
                 Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
             ],
         )
+        self.continuous = ContinuousStates((), (), (), ())
         self._y = np.zeros((len(ports), 13))
         self._y[:, 0:3] = self._positions
         self._y[:, 3] = 1.0
@@ -53,10 +54,13 @@ class FixedBase(Component):
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
         if u[-1] > 0.5:
             return np.zeros_like(x)
+        return np.concatenate((self._load(u), x[:_HISTORY], (h, x[-2])))
+
+    def _load(self, u: Vector) -> Vector:
+        """Sum of the wrenches about the reference, shape (6,)."""
         wrench = u[:-1].reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
-        load = np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
-        return np.concatenate((load, x[:_HISTORY], (h, x[-2])))
+        return np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
         """Constant poses."""
@@ -65,6 +69,14 @@ class FixedBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two means, which belong to mid-step."""
         return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
+
+    def rates(self, c: None, x: Vector, u: Vector) -> Vector:
+        """There are no continuous states."""
+        return np.zeros(0)
+
+    def update(self, c: None, x: Vector, u: Vector, at_event: bool) -> Vector:
+        """Remember the load of this instant."""
+        return np.concatenate((self._load(u), np.zeros(_HISTORY + 2)))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/fixed_base.c` reads."""

@@ -20,6 +20,8 @@ from ._component import Component, ComponentError, Port, Vector
 from ._frames import Vector3, mean, nearest_turn, rotate
 from ._hinge_state import (
     ANGLE,
+    HEAT,
+    HOLDING,
     LATCHED,
     WRENCH,
     Loads,
@@ -37,6 +39,7 @@ from ._relative import (
     as_floats,
     axis_frame,
     conjugate_torque,
+    dissipated_energies,
     gives_end_point,
     mean_direction,
     pair,
@@ -49,6 +52,8 @@ LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
 _FORCE_SMOOTHING = 1.0
+_REACHED = 1e-9
+"""Distance (rad) from the latch angle that a solver may leave when it has found the event."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +132,9 @@ class Hinge(Component):
             observations=observations(),
             feedthrough=self._endpoint,
         )
+        if self._endpoint:
+            heats = ("friction_heat", "latch_heat", "damping_heat")
+            self.continuous = dissipated_energies(HEAT, heats, indicators=int(latch != "none"))
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -324,7 +332,7 @@ class Hinge(Component):
 
     def _endpoint_step(self, c: _Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
-        if c.latch_automatic and not old.latched and self.latch != "none" and moved.angle >= c.latch_angle:
+        if self._awaits_latch(c, old) and moved.angle >= c.latch_angle:
             moved = moved._replace(latched=1.0, latched_angle=c.latch_angle)
         power = self._endpoint_loads(c, moved).heat
         added = [0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True)]
@@ -334,6 +342,10 @@ class Hinge(Component):
             damping_energy=old.damping_energy + added[2],
             power=power,
         )
+
+    def _awaits_latch(self, c: _Constants, state: State) -> bool:
+        """Whether the latch engages by itself and has not yet."""
+        return c.latch_automatic and not state.latched and self.latch != "none"
 
     def _now(self, c: _Constants, x: Vector, u: Vector) -> State:
         """The state moved to the motion of the present inputs."""
@@ -396,6 +408,26 @@ class Hinge(Component):
         if s.holding:
             energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
         return energy
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Heat (W) of friction, latch and damping."""
+        return np.array(self._endpoint_loads(c, self._now(c, x, u)).heat)
+
+    def indicators(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Angle left up to where the latch engages by itself; one where it does not."""
+        if self.latch == "none":
+            return np.zeros(0)
+        state = self._now(c, x, u)
+        return np.array((c.latch_angle - state.angle if self._awaits_latch(c, state) else 1.0,))
+
+    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+        """Follow the angle; at an event commands act, and a latch that is reached engages at its angle."""
+        state = self._now(c, x, u)._replace(holding=float(x[HOLDING]))
+        if at_event:
+            state = self._commanded(state, float(u[26]), float(u[28]))
+            if self._awaits_latch(c, state) and state.angle >= c.latch_angle - _REACHED:
+                state = state._replace(latched=1.0, latched_angle=c.latch_angle)
+        return state.pack()
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Hinge line, kind of latch, mode and tables."""

@@ -2,15 +2,19 @@
 
 from .build import build_fmu, cache_directory, native_backend
 from .check import check_fmu
-from .description import Backend, model_description, start_values, value_references
+from .description import Backend, FmiVersion, model_description
+from .description3 import model_description3
 from .native import library as native_library
+from .variables import start_values, value_references
 
 __all__ = [
     "Backend",
+    "FmiVersion",
     "build_fmu",
     "cache_directory",
     "check_fmu",
     "model_description",
+    "model_description3",
     "native_backend",
     "native_library",
     "start_values",

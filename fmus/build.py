@@ -29,17 +29,19 @@ from typing import Any
 
 import numpy as np
 import pythonfmu
-from fmpy import platform
+from fmpy import platform, platform_tuple
 from numpy.typing import NDArray
 
 import components
 from components import Component, ComponentError
 
 from . import slave
-from .description import Backend, StartValue, model_description, start_values
+from .description import Backend, FmiVersion, model_description
+from .description3 import model_description3, terminals
 from .native import library
 from .native_data import component_bytes
 from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
+from .variables import StartValue, start_values
 
 _COMPONENTS = Path(components.__file__).parent
 _PYTHONFMU = Path(pythonfmu.__file__).parent
@@ -73,25 +75,39 @@ def build_fmu(
     directory: str | Path | None = None,
     start: Mapping[str, StartValue] | None = None,
     backend: Backend | None = None,
+    fmi: FmiVersion = "2.0",
 ) -> Path:
     """Write `name`.fmu into `directory` and return its path; without a directory, the file in the cache.
 
     `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
-    native FMU where there is none. Without a `backend` it is native where possible. Nothing is built when
-    the cache holds an FMU of the same content.
+    native FMU where there is none, and FMI 3.0 of a PythonFMU. Without a `backend` it is native where possible.
+    Nothing is built when the cache holds an FMU of the same content.
     """
     starts = start_values(component, start or {})
-    backend = backend or ("native" if native_backend(component) else "python")
-    contents = _native_files if backend == "native" else _python_files
-    undated = model_description(component, name, starts, "", datetime.fromtimestamp(0, UTC), backend)
-    digest = _digest({**contents(component, name, starts, ""), "modelDescription.xml": undated})
+    backend = backend or ("native" if fmi == "3.0" or native_backend(component) else "python")
+    if fmi == "3.0" and backend == "python":
+        raise ComponentError("PythonFMUs are of FMI 2.0; FMI 3.0 needs the native back end")
+
+    def contents(guid: str, generated: datetime) -> dict[str, bytes]:
+        if fmi == "3.0":
+            files = _native_files(component, name, starts, guid, platform_tuple)
+            description = model_description3(component, name, starts, guid, generated)
+            if component.ports:
+                files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(component)
+        else:
+            description = model_description(component, name, starts, guid, generated, backend)
+            if backend == "native":
+                files = _native_files(component, name, starts, guid, platform)
+            else:
+                files = _python_files(component, name, starts)
+        return {**files, "modelDescription.xml": description}
+
+    digest = _digest(contents("", datetime.fromtimestamp(0, UTC)))
     cached = cache_directory() / digest / f"{name}.fmu"
     if not cached.exists():
         component.prepare(np.array(starts[: component.parameter_layout.size]))
         guid = "{" + str(uuid.UUID(bytes=bytes.fromhex(digest[:32]))) + "}"
-        files = dict(contents(component, name, starts, guid))
-        files["modelDescription.xml"] = model_description(component, name, starts, guid, _now(), backend)
-        _write(cached, lambda path: path.write_bytes(zip_bytes(files)))
+        _write(cached, lambda path: path.write_bytes(zip_bytes(contents(guid, _now()))))
     if directory is None:
         return cached
     target = Path(directory) / cached.name
@@ -99,8 +115,10 @@ def build_fmu(
     return target
 
 
-def _native_files(component: Component, name: str, starts: Sequence[float], guid: str) -> Mapping[str, bytes]:
-    """Library and data of a native FMU, by their path in it."""
+def _native_files(
+    component: Component, name: str, starts: Sequence[float], guid: str, folder: str
+) -> dict[str, bytes]:
+    """Library and data of a native FMU, by their path in it; the library's folder says which platform it is for."""
     binary = library()
     if binary is None:
         raise ComponentError(
@@ -109,12 +127,12 @@ def _native_files(component: Component, name: str, starts: Sequence[float], guid
     if component.native_data() is None:
         raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
     return {
-        f"binaries/{platform}/{name}{binary.suffix}": binary.read_bytes(),
+        f"binaries/{folder}/{name}{binary.suffix}": binary.read_bytes(),
         "resources/component.bin": component_bytes(component, starts, guid),
     }
 
 
-def _python_files(component: Component, name: str, starts: Sequence[float], guid: str) -> Mapping[str, bytes]:
+def _python_files(component: Component, name: str, starts: Sequence[float]) -> dict[str, bytes]:
     """Code, data and PythonFMU's own files of a PythonFMU, by their path in it."""
     package, code = bundle(type(component))
     resources = {**_resources(component, starts), **code, "slavemodule.txt": f"{package}_entry".encode()}

@@ -19,7 +19,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from components import REGISTRY
-from fmus import Backend, check_fmu, native_library
+from fmus import Backend, FmiVersion, check_fmu, native_library
 
 from .assembly import Assembly
 from .master import Settings
@@ -281,6 +281,10 @@ def plot_command(result: Path, output: Path | None) -> None:
     "--wrench-mode", type=click.Choice(["endpoint", "mean"]), default="endpoint", show_default=True,
     help="endpoint for other tools, mean for the implicit master.",
 )  # fmt: skip
+@click.option(
+    "--fmi", type=click.Choice(["2.0", "3.0"]), default="2.0", show_default=True,
+    help="Version of FMI; 3.0 needs the native back end.",
+)  # fmt: skip
 @_backend
 def export_command(
     scene: str,
@@ -288,11 +292,12 @@ def export_command(
     flexible: frozenset[str],
     output: Path,
     wrench_mode: WrenchMode,
+    fmi: FmiVersion,
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
     assembly = assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode)
-    for path in export(assembly, output, backend):
+    for path in export(assembly, output, backend, fmi):
         click.echo(path)
 
 

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import Literal
 
 from components import REGISTRY, ComponentError
-from fmus import Backend, build_fmu
+from fmus import Backend, FmiVersion, build_fmu
 
 from .assembly import Assembly
 from .explicit import ExplicitMaster
@@ -64,15 +64,16 @@ class Outcome:
         }
 
 
-def export(assembly: Assembly, directory: Path, backend: Backend | None = None) -> list[Path]:
+def export(
+    assembly: Assembly, directory: Path, backend: Backend | None = None, fmi: FmiVersion = "2.0"
+) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for part in assembly.parts:
         try:
-            paths.append(
-                build_fmu(REGISTRY[part.kind](**part.structure), part.name, directory, part.start, backend)
-            )
+            component = REGISTRY[part.kind](**part.structure)
+            paths.append(build_fmu(component, part.name, directory, part.start, backend, fmi))
         except ComponentError as error:
             raise RunError(f"{assembly.name}: {part.name}: {error}") from None
     return paths

@@ -171,8 +171,8 @@ static inline void undeformed_arms(const Body *body, const Work *work) {
 }
 
 /* Generalised forces of the load: Phi^T A^T f + Psi^T Jl(turn)^T A^T tau; `turns` are those of the ports. */
-static inline void modal_force(const Body *body, const Load *load, const real a_force[9], const real a_torque[9],
-                               const real *turns, const Work *work) {
+static inline void modal_force(const Body *body, const Load *load, const real a_force[9],
+                               const real a_torque[9], const real *turns, const Work *work) {
     size_t l = body->coordinates;
     for (size_t k = 0; k < body->ports; k++) {
         const real *wrench = load->wrenches + WRENCH * k;
@@ -374,15 +374,15 @@ static inline void turn_on(const real a_start[9], Vector3 omega, double h, real 
 }
 
 /* Angular momentum of mid-step, body axes. */
-static inline Vector3 momentum_of_mid_step(const double *x, const Load *load, Vector3 moment_start, Vector3 moment_end,
-                                           double h, const real a_mid[9]) {
+static inline Vector3 momentum_of_mid_step(const double *x, const Load *load, Vector3 moment_start,
+                                           Vector3 moment_end, double h, const real a_mid[9]) {
     Vector3 moment = vector_add(vector_mean(moment_start, moment_end), load->torque);
     return transposed_times(a_mid, vector_add(constant_vector(x + SPIN), vector_scaled(0.5 * h, moment)));
 }
 
 /* Angular velocity of mid-step, iterated on the moments of the forces at both ends. */
-static inline Turned turned_rigid(const Body *body, const double *x, const Load *load, double h, const real a_start[9],
-                                  const Work *work) {
+static inline Turned turned_rigid(const Body *body, const double *x, const Load *load, double h,
+                                  const real a_start[9], const Work *work) {
     real a_mid[9], a_end[9];
     undeformed_arms(body, work);
     Turned turned = {constant_vector(x + OMEGA), moment_of(body, load, work->arms, a_start), 0.0};
@@ -398,8 +398,8 @@ static inline Turned turned_rigid(const Body *body, const double *x, const Load 
 }
 
 /* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. */
-static inline Turned turned_flexible(Body *body, const double *x, const Load *load, double h, const real a_start[9],
-                                     const Work *work) {
+static inline Turned turned_flexible(Body *body, const double *x, const Load *load, double h,
+                                     const real a_start[9], const Work *work) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
     real a_mid[9], a_end[9], a_mean[9], inertia[6] = {0.0};
@@ -579,7 +579,8 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
         return refuse(why, "the body's data have %lu numbers for arms; it takes 3 a port, for at most %d ports",
                       (unsigned long)arms, MOST_PORTS);
     if (modes > MOST_MODES)
-        return refuse(why, "the body's data have %lu modes; there can be at most %d", (unsigned long)modes, MOST_MODES);
+        return refuse(why, "the body's data have %lu modes; there can be at most %d", (unsigned long)modes,
+                      MOST_MODES);
     body->ports = arms / 3;
     body->modes = modes;
     body->padded_modes = padded(modes);
@@ -651,7 +652,8 @@ static int read_shapes(Body *body, const Data *data, const char *name, size_t fi
     if (!shapes) return 0;
     for (size_t i = 0; i < 3 * body->ports; i++)
         for (size_t j = 0; j < m; j++)
-            body->shapes_by_port[(first + i) * n + j] = body->shapes_by_mode[j * length + first + i] = shapes[i * m + j];
+            body->shapes_by_port[(first + i) * n + j] = body->shapes_by_mode[j * length + first + i] =
+                shapes[i * m + j];
     return 1;
 }
 
@@ -807,8 +809,8 @@ static void observe(void *self, const double *x, const double *u, double *z) {
 }
 
 const Kernel body_kernel = {
-    "body", create,  prepare,           initial, body_step_real, body_outputs_real,
-    observe, body_step_complex, body_outputs_complex,
+    "body",  create,            prepare,              initial, body_step_real, body_outputs_real,
+    observe, body_step_complex, body_outputs_complex, NULL,    NULL,
 };
 
 #endif

@@ -296,7 +296,7 @@ static void loop_observe(void *self, const double *x, const double *u, double *z
 
 const Kernel ccl_kernel = {
     "ccl",       loop_create,  loop_prepare,      loop_initial,         loop_step_real, loop_outputs_real,
-    loop_observe, loop_step_complex, loop_outputs_complex,
+    loop_observe, loop_step_complex, loop_outputs_complex, NULL, NULL,
 };
 
 #endif

@@ -118,7 +118,7 @@ static void damper_observe(void *self, const double *x, const double *u, double 
 
 const Kernel damper_kernel = {
     "eddy_current_damper", damper_create,       damper_prepare, damper_initial,      damper_step_real,
-    damper_outputs_real,   damper_observe, damper_step_complex, damper_outputs_complex,
+    damper_outputs_real,   damper_observe, damper_step_complex, damper_outputs_complex, NULL, NULL,
 };
 
 #endif

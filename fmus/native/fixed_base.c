@@ -65,14 +65,15 @@ static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason 
     const double *positions = data_any(data, "positions", &count, why);
     if (!positions) return 0;
     if (count % 3 != 0 || count / 3 > MOST_PORTS)
-        return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, for at most %d ports",
+        return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, %d ports at most",
                       (unsigned long)count, MOST_PORTS);
     const double *arms = data_array(data, "arms", count, why);
     if (!arms) return 0;
     base->ports = count / 3;
     base->positions = allocate(memory, (count + 1) * sizeof(double));
     base->arms = allocate(memory, (count + 1) * sizeof(double));
-    if (!base->positions || !base->arms) return refuse(why, "no memory for a base of %lu ports", (unsigned long)base->ports);
+    if (!base->positions || !base->arms)
+        return refuse(why, "no memory for a base of %lu ports", (unsigned long)base->ports);
     for (size_t i = 0; i < count; i++) {
         if (!isfinite(positions[i]) || !isfinite(arms[i]))
             return refuse(why, "the base's data have a port position that is not finite");
@@ -124,8 +125,17 @@ static void observe(void *self, const double *x, const double *u, double *z) {
 }
 
 const Kernel fixed_base_kernel = {
-    "fixed_base", create,  prepare, initial, fixed_base_step_real, fixed_base_outputs_real,
-    observe,      fixed_base_step_complex,   fixed_base_outputs_complex,
+    "fixed_base",
+    create,
+    prepare,
+    initial,
+    fixed_base_step_real,
+    fixed_base_outputs_real,
+    observe,
+    fixed_base_step_complex,
+    fixed_base_outputs_complex,
+    NULL,
+    NULL,
 };
 
 #endif

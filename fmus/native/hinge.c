@@ -270,14 +270,21 @@ static inline void store_rates_after_impulse(const Motion *new, real *x_next) {
     store_starting_rate(new->rates[HINGE_ANGLE], x_next + SLIDE);
 }
 
+/* Whether the latch engages by itself and has not yet. */
+static inline int awaits_latch(const Hinge *hinge, const Grip *grip) {
+    return hinge->latch_automatic && grip->latched == 0.0 && hinge->latch_kind != NO_LATCH;
+}
+
+static inline void latch_if_reached(const Hinge *hinge, Grip *grip, int reached) {
+    if (!reached || !awaits_latch(hinge, grip)) return;
+    grip->latched = 1.0;
+    grip->latched_angle = hinge->latch_angle;
+}
+
 /* Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule. */
 static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip, const Motion *new, double h,
                                  real *x_next) {
-    if (hinge->latch_automatic && grip->latched == 0.0 && hinge->latch_kind != NO_LATCH &&
-        value_of(new->coordinates[HINGE_ANGLE]) >= hinge->latch_angle) {
-        grip->latched = 1.0;
-        grip->latched_angle = hinge->latch_angle;
-    }
+    latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->latch_angle);
     Loads loads = endpoint_loads(hinge, grip, new->coordinates, new->rates);
     for (int i = MEAN_RATES; i < HEAT; i++) x_next[i] = x[i];
     for (int i = 0; i < HEAT_CAUSES; i++) {
@@ -503,9 +510,33 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[14] = x[HEAT] + x[HEAT + 1] + x[HEAT + 2];
 }
 
+/* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */
+static double hinge_next_event(void *self, const double *x, const double *u) {
+    const Hinge *hinge = self;
+    Grip grip = commanded_grip(hinge, x, u);
+    if (!hinge->endpoint || !awaits_latch(hinge, &grip)) return INFINITY;
+    Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
+    double ahead = hinge->latch_angle - now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
+    if (ahead <= 0.0) return 0.0;
+    return rate > 0.0 ? ahead / rate : INFINITY;
+}
+
+/* Commands act, and a latch that is due engages at its angle; from here on it gives off its own heat. */
+static void hinge_event(void *self, const double *x, const double *u, int due, double *x_next) {
+    const Hinge *hinge = self;
+    memcpy(x_next, x, STATES * sizeof(double));
+    if (!hinge->endpoint) return;
+    Grip grip = commanded_grip(hinge, x, u);
+    Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
+    latch_if_reached(hinge, &grip, due || now.coordinates[HINGE_ANGLE] >= hinge->latch_angle);
+    store_grip(&grip, x_next);
+    Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
+    for (int i = 0; i < HEAT_CAUSES; i++) x_next[POWER + i] = loads.heat[i];
+}
+
 const Kernel hinge_kernel = {
-    "hinge",       hinge_create,       hinge_prepare,       hinge_initial, hinge_step_real, hinge_outputs_real,
-    hinge_observe, hinge_step_complex, hinge_outputs_complex,
+    "hinge",       hinge_create,       hinge_prepare,         hinge_initial,    hinge_step_real, hinge_outputs_real,
+    hinge_observe, hinge_step_complex, hinge_outputs_complex, hinge_next_event, hinge_event,
 };
 
 #endif

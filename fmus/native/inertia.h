@@ -116,7 +116,7 @@ typedef struct {
     double *split;
 } CouplingScratch;
 
-/* Rows of (slope + quadratic) or of slope alone, times eta: by how much the inertia diminishes. */
+/* J - B B^T at eta, from the products `scratch` holds at the full level, at a level that varies. */
 FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const real *eta,
                                           const CouplingScratch *scratch, real inertia[6]) {
     static const unsigned char first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};

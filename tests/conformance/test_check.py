@@ -10,7 +10,7 @@ import pytest
 from components import ComponentError
 from fmus import build_fmu, check_fmu
 from fmus.build import zip_bytes
-from fmus.description import base_unit
+from fmus.units import base_unit
 from tests.conformance.toy import Toy
 
 

@@ -63,18 +63,6 @@ def findings(backend, checks, *kinds):
     return json.loads(run.stdout.splitlines()[-1])
 
 
-@pytest.fixture(autouse=True, scope="session")
-def cache_of_tests(tmp_path_factory):
-    """FMUs of the tests do not end up in the user's cache."""
-    before = os.environ.get("FANFOLD_CACHE")
-    os.environ["FANFOLD_CACHE"] = str(tmp_path_factory.mktemp("cache"))
-    yield
-    if before is None:
-        del os.environ["FANFOLD_CACHE"]
-    else:
-        os.environ["FANFOLD_CACHE"] = before
-
-
 @pytest.mark.parametrize(("kind", "backend"), SUBJECTS)
 def test_has_no_problems(kind, backend):
     assert check_fmu(path_of(kind, backend)) == []

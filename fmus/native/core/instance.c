@@ -174,13 +174,13 @@ Status instance_reset(Instance *instance) {
     memcpy(instance->values, instance->start, instance->ends[1] * sizeof(double));
     instance->mode = MODE_INSTANTIATED;
     instance->time = 0.0;
-    instance->prepared = instance->has_state = instance->stepped = 0;
+    instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
     instance->outputs_known = instance->observations_known = 0;
     return STATUS_OK;
 }
 
 Status instance_terminate(Instance *instance) {
-    if (instance->mode != MODE_STEP)
+    if (instance->mode != MODE_STEP && instance->mode != MODE_EVENT)
         return instance_fail(instance, STATUS_ERROR, "terminated before the end of initialization mode");
     instance->mode = MODE_TERMINATED;
     return STATUS_OK;
@@ -293,7 +293,7 @@ static Status settable(Instance *instance, uint32_t reference) {
         scalar_name(instance, group, reference - instance->ends[group - 1], name, sizeof name);
         return instance_fail(instance, STATUS_ERROR, "%s is an output; it cannot be set", name);
     }
-    if (instance->mode == MODE_STEP && reference < instance->ends[0] && !instance->tunable[reference]) {
+    if (instance->mode >= MODE_STEP && reference < instance->ends[0] && !instance->tunable[reference]) {
         scalar_name(instance, 0, reference, name, sizeof name);
         return instance_fail(instance, STATUS_ERROR, "%s is fixed; it cannot be set after initialization", name);
     }
@@ -388,6 +388,46 @@ Status instance_step(Instance *instance, double time, double h) {
     return STATUS_OK;
 }
 
+double instance_next_event(Instance *instance) {
+    Reason why = {""};
+    const Kernel *kernel = instance->kernel;
+    if (!kernel->next_event || !instance->has_state || !inputs_finite(instance, &why) || !prepare(instance, &why))
+        return INFINITY;
+    return kernel->next_event(instance->self, instance->x, inputs_of(instance));
+}
+
+Status instance_enter_event_mode(Instance *instance) {
+    if (instance->mode != MODE_STEP)
+        return instance_fail(instance, STATUS_ERROR, "event mode is entered from step mode");
+    instance->mode = MODE_EVENT;
+    return STATUS_OK;
+}
+
+Status instance_enter_step_mode(Instance *instance) {
+    if (instance->mode != MODE_EVENT)
+        return instance_fail(instance, STATUS_ERROR, "step mode is entered from event mode");
+    instance->mode = MODE_STEP;
+    return STATUS_OK;
+}
+
+Status instance_update_discrete_states(Instance *instance) {
+    Reason why = {""};
+    const Kernel *kernel = instance->kernel;
+    if (instance->mode != MODE_EVENT)
+        return instance_fail(instance, STATUS_ERROR, "discrete states are updated in event mode");
+    if (!kernel->event)
+        return STATUS_OK;
+    if (!inputs_finite(instance, &why) || !prepare(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    double *next = instance->before;
+    kernel->event(instance->self, instance->x, inputs_of(instance), instance->event_due, next);
+    instance->before = instance->x;
+    instance->x = next;
+    instance->event_due = instance->stepped = 0;
+    instance->outputs_known = instance->observations_known = 0;
+    return STATUS_OK;
+}
+
 /* Inputs with the seed as their imaginary part; 0 where a known is none. */
 static int seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed, Reason *why) {
     const double *u = inputs_of(instance);
@@ -421,7 +461,7 @@ static int differentiate(Instance *instance, Reason *why) {
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                            const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
     Reason why = {""};
-    if (instance->mode != MODE_STEP)
+    if (instance->mode < MODE_STEP)
         return instance_fail(instance, STATUS_ERROR, "derivatives exist after the end of initialization mode");
     for (size_t i = 0; i < unknown_count; i++)
         if (unknowns[i] < instance->ends[1] || unknowns[i] >= instance->ends[2])
@@ -458,6 +498,7 @@ Status instance_save(Instance *instance, SavedState **state) {
     saved->time = instance->time;
     saved->mode = instance->mode;
     saved->has_state = instance->has_state;
+    saved->event_due = instance->event_due;
     memcpy(saved->numbers, instance->values, known * sizeof(double));
     if (instance->has_state)
         memcpy(saved->numbers + known, instance->x, instance->states * sizeof(double));
@@ -479,34 +520,35 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     instance->time = state->time;
     instance->mode = (Mode)state->mode;
     instance->has_state = state->has_state;
+    instance->event_due = state->event_due;
     instance->stepped = instance->outputs_known = instance->observations_known = 0;
     return STATUS_OK;
 }
 
 void instance_forget(SavedState *state) { free(state); }
 
-#define HEADER (16 + 5 * sizeof(double))
+#define HEADER (16 + 6 * sizeof(double))
 
 size_t instance_serialized_size(const SavedState *state) {
     return HEADER + (state->known + state->states) * sizeof(double);
 }
 
 void instance_serialize(const SavedState *state, unsigned char *bytes) {
-    double header[5] = {state->time, state->mode, state->has_state, (double)state->known, (double)state->states};
+    double header[6] = {state->time,           state->mode,          state->has_state,
+                        (double)state->known, (double)state->states, state->event_due};
     memcpy(bytes, state->owner, 16);
     memcpy(bytes + 16, header, sizeof header);
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
 }
 
 SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
-    double header[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
+    double header[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     size_t count = 0;
     if (size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
         memcpy(header, bytes + 16, sizeof header);
         count = (size - HEADER) / sizeof(double);
-        int modes = header[1] == MODE_INSTANTIATED || header[1] == MODE_INITIALIZATION || header[1] == MODE_STEP ||
-                    header[1] == MODE_TERMINATED;
-        if (!modes || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
+        int known_mode = header[1] >= 0.0 && header[1] <= MODE_TERMINATED && header[1] == floor(header[1]);
+        if (!known_mode || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
             count = 0;
     }
     SavedState *state = malloc(sizeof *state + (count + 1) * sizeof(double));
@@ -520,6 +562,7 @@ SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
         state->has_state = header[2] != 0.0;
         state->known = (size_t)header[3];
         state->states = (size_t)header[4];
+        state->event_due = header[5] != 0.0;
         memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     }
     return state;

@@ -14,7 +14,8 @@
 /* Numbered as fmi2Status and fmi3Status are. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
 
-typedef enum { MODE_INSTANTIATED, MODE_INITIALIZATION, MODE_STEP, MODE_TERMINATED } Mode;
+/* Event mode is a mode of FMI 3 only. */
+typedef enum { MODE_INSTANTIATED, MODE_INITIALIZATION, MODE_STEP, MODE_EVENT, MODE_TERMINATED } Mode;
 
 /* Takes a sentence to the host. */
 typedef void (*Logger)(void *host, Status status, const char *sentence);
@@ -36,14 +37,14 @@ typedef struct {
     double complex *complex_inputs, *complex_state, *complex_outputs;
     const double *start;
     Mode mode;
-    int feedthrough, prepared, has_state, stepped, outputs_known, observations_known;
+    int feedthrough, prepared, has_state, stepped, event_due, outputs_known, observations_known;
 } Instance;
 
 /* A saved state; `known` holds parameters and inputs. */
 typedef struct {
     char owner[16];
     double time;
-    int mode, has_state;
+    int mode, has_state, event_due;
     size_t known, states;
     double numbers[];
 } SavedState;
@@ -65,6 +66,13 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
 
 /* One communication step; STATUS_DISCARD, with the state as before, when it cannot be done. */
 Status instance_step(Instance *instance, double time, double h);
+
+/* Time until the next event from the present state and inputs: 0 when it is due, INFINITY when none is foreseen. */
+double instance_next_event(Instance *instance);
+Status instance_enter_event_mode(Instance *instance);
+Status instance_enter_step_mode(Instance *instance);
+/* What happens at the present instant: commands, and the event that was due. */
+Status instance_update_discrete_states(Instance *instance);
 
 /* Derivative of outputs along `seed` of inputs. After a step: of the outputs at its end with respect to the
    inputs of that step. Otherwise, at a communication point, as the standard means it. */

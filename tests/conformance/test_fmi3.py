@@ -1,0 +1,190 @@
+"""Every kind with a native kernel as an FMU of FMI 3.0: valid, equal to the component, with events where it has any.
+
+FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from functools import cache
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from fmpy.validation import validate_fmu
+
+from components import ComponentError
+from fmus import build_fmu, check_fmu, native_backend, native_library
+from fmus.build import zip_bytes
+from tests.conformance.driver import KINDS, start_of
+from tests.conformance.latching import CHECKS as LATCHING
+from tests.conformance.latching import START, hinge
+from tests.conformance.test_fmus import ALONE
+from tests.conformance.toy import Toy
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).parent
+NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
+CHECKS = (
+    "equal", "serialization", "reset", "instances", "order", "values", "parameter", "access", "derivative",
+    "event_mode",
+)  # fmt: skip
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
+
+
+@cache
+def path_of(kind):
+    component = KINDS[kind].example()
+    return str(build_fmu(component, kind, start=start_of(component), fmi="3.0"))
+
+
+@cache
+def latching_path():
+    return str(build_fmu(hinge(), "latching", start=START, fmi="3.0"))
+
+
+@cache
+def findings(script, *arguments):
+    command = [sys.executable, str(HERE / script), *arguments]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
+    if run.returncode:
+        pytest.fail(f"ended with {run.returncode}: {run.stderr[-2000:]}")
+    return json.loads(run.stdout.splitlines()[-1])
+
+
+def description(path):
+    with zipfile.ZipFile(path) as archive:
+        return ElementTree.fromstring(archive.read("modelDescription.xml"))
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_has_no_problems(kind):
+    assert validate_fmu(path_of(kind)) == []
+    assert check_fmu(path_of(kind)) == []
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_runs_without_fanfold(kind, tmp_path):
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    command = [sys.executable, "-P", "-c", ALONE, path_of(kind)]
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120)
+    assert run.returncode == 0, run.stderr[-2000:]
+    assert run.stdout.split()[-1] == "11"
+
+
+@pytest.mark.parametrize("check", CHECKS)
+@pytest.mark.parametrize("kind", NATIVE)
+def test_behaves(kind, check):
+    assert findings("trial3.py", "native", f"{kind}={path_of(kind)}")[check] == ""
+
+
+def test_all_kinds_share_one_process():
+    assert findings("trial3.py", "native", *(f"{kind}={path_of(kind)}" for kind in NATIVE)) == {
+        "together": ""
+    }
+
+
+@pytest.mark.parametrize("check", LATCHING)
+def test_latch_up(check):
+    assert findings("latching.py", latching_path())[check] == ""
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_variables_are_the_declared_quantities(kind):
+    component = KINDS[kind].example()
+    found = description(path_of(kind)).findall("ModelVariables/Float64")
+    time = found.pop()
+    assert (time.get("name"), time.get("causality")) == ("time", "independent")
+    declared = [q for layout in component.layouts for q in layout.quantities]
+    position = 0
+    for variable, quantity in zip(found, declared, strict=True):
+        dimensions = [int(d.get("start")) for d in variable.findall("Dimension")]
+        assert variable.get("name") == quantity.name
+        assert int(variable.get("valueReference")) == position
+        assert dimensions == ([quantity.size] if quantity.size > 1 else [])
+        assert len((variable.get("start") or "").split()) in (0, quantity.size)
+        position += quantity.size
+    assert int(time.get("valueReference")) == position
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_every_port_is_a_terminal(kind):
+    component = KINDS[kind].example()
+    with zipfile.ZipFile(path_of(kind)) as archive:
+        root = ElementTree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
+    terminals = root.findall("Terminals/Terminal")
+    assert [t.get("name") for t in terminals] == [port.name for port in component.ports]
+    for terminal, port in zip(terminals, component.ports, strict=True):
+        members = {m.get("memberName"): m for m in terminal.findall("TerminalMemberVariable")}
+        assert list(members) == ["position", "orientation", "velocity", "angular_velocity", "force", "torque"]
+        assert all(m.get("variableName") == f"{port.name}.{name}" for name, m in members.items())
+        assert members["force"].get("variableKind") == ("inflow" if port.side == "body" else "outflow")
+
+
+def test_only_a_latch_of_an_instant_returns_early():
+    found = {
+        path: description(path).find("CoSimulation").get("mightReturnEarlyFromDoStep")
+        for path in (latching_path(), *map(path_of, NATIVE))
+    }
+    assert found.pop(latching_path()) == "true"
+    assert set(found.values()) == {None}
+
+
+def test_a_python_fmu_of_fmi_3_is_refused():
+    with pytest.raises(ComponentError, match="native back end"):
+        build_fmu(KINDS["hinge"].example(), "hinge", backend="python", fmi="3.0")
+    with pytest.raises(ComponentError, match="no native kernel"):
+        build_fmu(Toy.example(), "toy", fmi="3.0")
+
+
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+DESCRIPTION = "modelDescription.xml"
+
+
+@pytest.mark.parametrize(
+    ("member", "pattern", "replacement", "sentence"),
+    [
+        (DESCRIPTION, b'fmiVersion="3.0"', b'fmiVersion="3.1"', "not an FMU 2.0 or 3.0"),
+        (
+            DESCRIPTION,
+            b'<InitialUnknown valueReference="[0-9]*"[^>]*>',
+            b"",
+            "missing in ModelStructure/Init",
+        ),
+        (DESCRIPTION, b'(<Output [^>]*dependencies=")', rb"\g<1>9999 ", "9999"),
+        (DESCRIPTION, b'(generationDateAndTime="[^"]*)Z"', rb'\1+00:00"', "must look like 2026"),
+        (DESCRIPTION, b'name="hold"', b'name="the hold"', "the hold"),
+        (DESCRIPTION, b'unit="N" ?', b"", "has no unit"),
+        (DESCRIPTION, b'canGetAndSetFMUState="true"', b"", "canGetAndSetFMUState is not true"),
+        (DESCRIPTION, b'instantiationToken="{.', b'instantiationToken="{x', "do not belong together"),
+        (
+            TERMINALS,
+            b'variableName="inboard.force"',
+            b'variableName="inboard.push"',
+            "inboard.push; there is none",
+        ),
+        (TERMINALS, b'matchingRule="plug"', b"", "matchingRule"),
+        (TERMINALS, b"</Terminals>", b"", "not well-formed"),
+        ("binaries/.*", b"", None, "no binary for this platform"),
+        ("resources/component.bin", b"FANFOLD", b"fanfold", "cannot be instantiated"),
+    ],
+)
+def test_check_names_each_problem(tmp_path, member, pattern, replacement, sentence):
+    with zipfile.ZipFile(path_of("hinge")) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    (name,) = (name for name in files if re.fullmatch(member, name))
+    text = files.pop(name)
+    if replacement is not None:
+        files[name] = re.sub(pattern, replacement, text)
+        assert files[name] != text
+    path = tmp_path / "spoiled.fmu"
+    path.write_bytes(zip_bytes(files))
+    problems = check_fmu(path)
+    assert any(sentence in problem for problem in problems), problems

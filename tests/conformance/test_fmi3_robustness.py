@@ -1,0 +1,82 @@
+"""FMI 3.0 in a host without Python, under sanitizers: driven, misused, with damaged resources, and nothing leaks."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+
+from fmus import build_fmu, native_library
+from fmus.native import FLAGS, compiler, sources
+from tests.conformance.driver import KINDS, start_of
+from tests.conformance.latching import START, hinge
+from tests.conformance.test_native_robustness import NATIVE, SANITIZERS, damaged
+
+HOST = Path(__file__).with_name("host3.c")
+DAMAGED = 200
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory):
+    """The host with all native sources in one program."""
+    folder = tmp_path_factory.mktemp("host3")
+    for name, text in {**sources(), HOST.name: HOST.read_text(encoding="utf-8")}.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
+    names = map(str, folder.glob("*.c"))
+    command = [compiler(), *flags, *SANITIZERS, *names, "-o", str(folder / "host3"), "-lm"]
+    run = subprocess.run(command, capture_output=True, text=True)
+    if "cannot find" in run.stderr and "san" in run.stderr:
+        pytest.skip("the compiler has no sanitizers")
+    assert run.returncode == 0, run.stderr[-2000:]
+    return folder / "host3"
+
+
+def unpacked(path, folder):
+    """Resources of an FMU with the separator that FMI 3 has at their end, and its token."""
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    return f"{folder}/resources/", read_model_description(str(path)).guid
+
+
+def told(host, cycles, component, token, *resources):
+    scalars = sum(layout.size for layout in component.layouts)
+    command = [str(host), str(cycles), token, str(scalars), *map(str, resources)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stdout + run.stderr[-3000:]
+    made, _, messages, _ = run.stdout.split()
+    return int(made), int(messages)
+
+
+@pytest.mark.parametrize("kind", [*NATIVE, "latching"])
+def test_is_driven_and_misused_without_a_fault(kind, host, tmp_path):
+    component = hinge() if kind == "latching" else KINDS[kind].example()
+    start = START if kind == "latching" else start_of(component)
+    resources, token = unpacked(build_fmu(component, kind, start=start, fmi="3.0"), tmp_path)
+    made, messages = told(host, 20, component, token, resources)
+    assert made == 20
+    assert messages >= 10 * made
+
+
+@pytest.mark.parametrize("kind", NATIVE)
+def test_damaged_resources_give_a_sentence(kind, host, tmp_path):
+    component = KINDS[kind].example()
+    path = build_fmu(component, kind, start=start_of(component), fmi="3.0")
+    resources, token = unpacked(path, tmp_path / "sound")
+    content = Path(resources, "component.bin").read_bytes()
+    generator = random.Random(13)
+    folders = []
+    for k in range(DAMAGED):
+        folder = tmp_path / f"damaged{k}"
+        folder.mkdir()
+        (folder / "component.bin").write_bytes(damaged(content, generator))
+        folders.append(f"{folder}/")
+    made, messages = told(host, 1, component, token, *folders, f"{tmp_path}/nowhere/")
+    assert made + messages >= DAMAGED
+    assert made < DAMAGED
