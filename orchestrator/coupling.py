@@ -9,18 +9,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from scipy.linalg import LinAlgError, lu_factor, lu_solve
 
-from .interface import Matrix, Probe, first_port_axes, probe_mobility, probe_stiffness
+from .engine import Engine, Limits, Status
+from .interface import Matrix, Probe, first_port_axes, mobility_of, stiffness_of
 from .network import Network
 from .participant import ParticipantError, Vector
+from .sparse import SparseSystem
 
 _MAX_ITERATIONS = 14
+_REFRESHED = (2, 4, 8)
+"""Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
 _SLOW = 0.15
 _DIVERGED = 50.0
+_STEEPEST = 0.9
+_ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
 
@@ -60,7 +64,8 @@ class Coupling:
 
     `wrenches` holds the solution of the last solve. `mode` tells probed mobilities of different parameter
     sets apart (static against dynamic). `persistent` asks for a slow damped iteration before giving up, where
-    the step cannot be made smaller.
+    the step cannot be made smaller. `observations` are those of the last `observe`, one participant's after
+    the other's, and a zero. A network of FMUs is iterated by the engine in C, any other one here.
     """
 
     def __init__(self, network: Network, tolerance: Tolerance) -> None:
@@ -69,14 +74,47 @@ class Coupling:
         self.wrenches = np.zeros(network.size)
         self.mode = "dynamic"
         self.persistent = False
-        self.sweeps = 0
         self.probes = 0
+        self._sweeps = 0
         self._law = np.zeros(network.size)
         self._round_off = np.zeros(network.size)
         self._mobilities: dict[tuple[str, float], list[Probe]] = {}
         self._stiffnesses: dict[tuple[str, float], list[Probe]] = {}
         self._factor_key: tuple[str, float] | None = None
-        self._factors: tuple[Matrix, Any] = lu_factor(np.eye(network.size))
+        self._participants = [*network.bodies, *network.connections]
+        self.observations = np.zeros(sum(p.observation_layout.size for p in self._participants) + 1)
+        self._engine: Engine | None = None
+        if Engine.serves(network):
+            limits = Limits(_SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _MAX_ITERATIONS, _REFRESHED)
+            shared = (self.wrenches, self._law, self._round_off, self.observations)
+            self._engine = Engine(network, limits, *shared)
+        else:
+            self._system = SparseSystem(network)
+
+    @property
+    def sweeps(self) -> int:
+        """Sweeps made so far."""
+        return self._sweeps if self._engine is None else self._engine.sweeps
+
+    @property
+    def fmu_time(self) -> float:
+        """Time (s) inside FMUs so far, as far as they were not called one by one."""
+        return 0.0 if self._engine is None else self._engine.seconds
+
+    def save(self, time: float) -> None:
+        """The present states of all participants are those that `solve` starts from."""
+        if self._engine is not None:
+            self._engine.save(time)
+            return
+        for participant in self._participants:
+            participant.save()
+
+    def observe(self, time: float) -> None:
+        """Put the observations of all participants into `observations`, bodies first."""
+        if self._engine is not None:
+            self._engine.observe(time)
+        elif self._participants:
+            np.concatenate([p.observe() for p in self._participants], out=self.observations[:-1])
 
     def forget(self) -> None:
         """The laws changed (an event): probe connections anew at the next solve."""
@@ -85,11 +123,12 @@ class Coupling:
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
         """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
-        solution = self._attempt(self._iterate, time, h, guess)
+        iterate = self._iterate if self._engine is None else self._iterate_in_engine
+        solution = self._attempt(iterate, time, h, guess)
         if not solution.converged:
             self.forget()
             finite = bool(np.all(np.isfinite(self.wrenches)))
-            again = self._attempt(self._iterate, time, h, self.wrenches.copy() if finite else guess)
+            again = self._attempt(iterate, time, h, self.wrenches.copy() if finite else guess)
             solution = replace(again, iterations=solution.iterations + again.iterations)
         if self.persistent and not solution.converged:
             again = self._attempt(self._damped, time, h, guess)
@@ -127,14 +166,31 @@ class Coupling:
                 return Solution(True, iteration, size, 0)
             if size > _DIVERGED * last:
                 break
-            if size > _SLOW * last and iteration in (2, 4, 8):
-                self._refresh(time, h, probe=iteration > 2)
+            if size > _SLOW * last and iteration in _REFRESHED:
+                self._refresh(time, h, probe=iteration > _REFRESHED[0])
                 steps.clear()
                 correction = self._direction(residual) / scale
             last = size
             steps.append(correction)
             self.wrenches += correction * scale
         return Solution(False, iteration, size, int(np.argmax(np.abs(correction))))
+
+    def _iterate_in_engine(self, time: float, h: float) -> Solution:
+        """The same as `_iterate`, but for the probing of participants, in C."""
+        engine = self._engine
+        assert engine is not None
+        engine.tolerate(self.tolerance.relative, self.tolerance.force, self.tolerance.torque)
+        key = (self.mode, h)
+        status = engine.iterate(time, h, self._factor_key == key)
+        while status in (Status.WANTS_MATRICES, Status.WANTS_PROBES):
+            again = status == Status.WANTS_PROBES
+            self._factor_key = None
+            if again:
+                self._stiffnesses.pop(key, None)
+            engine.use(self._probed(key, time))
+            self._factor_key = key
+            status = engine.resume(time, h, again=again)
+        return Solution(status == Status.CONVERGED, engine.iteration, engine.correction, engine.worst_row)
 
     def _damped(self, time: float, h: float) -> Solution:
         """Newton with all matrices of the present wrenches, each correction halved until it makes progress."""
@@ -187,8 +243,11 @@ class Coupling:
 
     def sweep(self, time: float, h: float) -> None:
         """Bodies under the wrenches, then connections over the motions, all from their saved states."""
+        if self._engine is not None:
+            self._engine.sweep(time, h)
+            return
         network = self.network
-        self.sweeps += 1
+        self._sweeps += 1
         network.set_wrenches(self.wrenches)
         for body in network.bodies:
             body.restore()
@@ -205,6 +264,8 @@ class Coupling:
 
     def work(self, h: float, change: Vector) -> float:
         """Work (J) that a change of wrenches does on the motion it causes in a step of size h."""
+        if self._engine is not None:
+            return self._engine.work(change)
         total = 0.0
         for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)], strict=True):
             moved = (probe.matrix @ change[rows]).reshape(-1, 12)[:, :6]
@@ -212,48 +273,46 @@ class Coupling:
         return total
 
     def _direction(self, residual: Vector) -> Vector:
-        result: Vector = lu_solve(self._factors, residual, check_finite=False)
-        return result
+        return self._system.solve(residual) if self._engine is None else self._engine.direction(residual)
 
-    def _factorize(self, time: float, h: float) -> None:
-        """LU factors of I - stiffness x mobility, from probes turned to the present orientations."""
-        key = (self.mode, h)
+    def _probed(self, key: tuple[str, float], time: float) -> list[Probe]:
+        """Matrices of all bodies and of all connections at their last motions, probed where they are not known."""
+        network, h = self.network, key[1]
         if key not in self._mobilities:
             self.probes += 1
             self._mobilities[key] = [
-                probe_mobility(body, len(ports), time, h)
-                for body, ports in zip(self.network.bodies, self.network.body_ports, strict=True)
+                mobility_of(body, len(ports), time, h)
+                for body, ports in zip(network.bodies, network.body_ports, strict=True)
             ]
         if key not in self._stiffnesses:
             self.probes += 1
             self._stiffnesses[key] = [
-                probe_stiffness(connection, len(ports), time, h)
-                for connection, ports in zip(
-                    self.network.connections, self.network.connection_ports, strict=True
-                )
+                stiffness_of(connection, len(ports), time, h)
+                for connection, ports in zip(network.connections, network.connection_ports, strict=True)
             ]
-        size = self.network.size
-        mobility = np.zeros((2 * size, size))
-        for body, rows, probe in zip(
-            self.network.bodies, self.network.rows, self._mobilities[key], strict=True
-        ):
-            mobility[2 * rows.start : 2 * rows.stop, rows] = probe.turned(first_port_axes(body.outputs))
-        matrix = np.eye(size)
-        rate = max(
-            _largest_rate(connection.inputs, len(ports))
-            for connection, ports in zip(self.network.connections, self.network.connection_ports, strict=True)
-        )
-        for connection, index, probe in zip(
-            self.network.connections, self.network.connection_rows, self._stiffnesses[key], strict=True
-        ):
-            motion_rows = (2 * index.reshape(-1, 6)[:, :1] + np.arange(12)).ravel()
-            stiffness = probe.turned(first_port_axes(connection.inputs))
-            matrix[index] -= stiffness @ mobility[motion_rows]
-            self._round_off[index] = _round_off(stiffness, connection.inputs, rate)
-        try:
-            self._factors = lu_factor(matrix, check_finite=False)
-        except (LinAlgError, ValueError):
-            self._factors = lu_factor(np.eye(size))
+        return self._mobilities[key] + self._stiffnesses[key]
+
+    def _factorize(self, time: float, h: float) -> None:
+        """LU factors of I - stiffness x mobility, from probes turned to the present orientations."""
+        key = (self.mode, h)
+        probes = self._probed(key, time)
+        if self._engine is not None:
+            self._engine.use(probes)
+            self._engine.assemble()
+        else:
+            network = self.network
+            motions = [b.outputs for b in network.bodies] + [c.inputs for c in network.connections]
+            turned = [p.turned(first_port_axes(m)) for p, m in zip(probes, motions, strict=True)]
+            first = len(network.bodies)
+            self._system.factorize(turned[:first], turned[first:])
+            rate = max(
+                _largest_rate(connection.inputs, len(ports))
+                for connection, ports in zip(network.connections, network.connection_ports, strict=True)
+            )
+            for connection, index, stiffness in zip(
+                network.connections, network.connection_rows, turned[first:], strict=True
+            ):
+                self._round_off[index] = _round_off(stiffness, connection.inputs, rate)
         self._factor_key = key
 
 
@@ -270,7 +329,7 @@ def _round_off(stiffness: Matrix, motion: Vector, rate: float) -> Vector:
     sizes = np.full((len(stiffness) // 6, 12), rate)
     sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
     sizes[:, 3:6] = 1.0
-    result: Vector = 8.0 * np.finfo(float).eps * (np.abs(stiffness) @ sizes.ravel())
+    result: Vector = _ROUND_OFF * (np.abs(stiffness) @ sizes.ravel())
     return result
 
 
@@ -281,6 +340,6 @@ def _broyden(direction: Vector, steps: list[Vector]) -> Vector:
     if steps:
         newest = steps[-1]
         slope = float(newest @ direction) / float(newest @ newest)
-        if slope < 0.9:
+        if slope < _STEEPEST:
             direction = direction / (1.0 - slope)
     return direction

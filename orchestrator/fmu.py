@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import POINTER, byref, c_double, c_uint32, c_void_p
+from ctypes import POINTER, Structure, addressof, byref, c_double, c_size_t, c_uint32, c_void_p, cast, pointer
 from itertools import groupby
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 from fmpy import extract, read_model_description
@@ -29,12 +30,39 @@ from .participant import ParticipantError, Vector
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = ("latch_distance", "latched")
 """Outputs that the master reads in every iteration beside the ports."""
+FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its state", "give observations")
+"""What an FMU could not do, by the number that the engine has for it; "" where a message says more."""
+_FINITE = 4
+_OVERWRITES_NO_STATE = "PythonFMU"
+
+
+class Calls(Structure):
+    """An FMU as the engine sees it, `Participant` in native/coupling.c: functions, references, arrays, state.
+
+    The engine adds what it knows of the ports.
+    """
+
+    _fields_ = (
+        *(
+            (name, c_void_p)
+            for name in (
+                *("component", "set_real", "get_real", "do_step", "get_state", "set_state", "free_state"),
+                *("derivative", "input_references", "output_references", "observation_references"),
+            )
+        ),
+        *((name, c_size_t) for name in ("inputs", "outputs", "observations", "overwrites_state")),
+        *((name, c_void_p) for name in ("input", "output", "observation", "saved")),
+        ("ports", c_size_t),
+        ("links", c_void_p),
+        ("turned", c_void_p),
+    )
 
 
 class FmuParticipant:
     """One instance of an FMU file.
 
     Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
+    directional_derivatives: whether it gives, right after a step, the derivatives of that step.
     """
 
     def __init__(
@@ -61,6 +89,10 @@ class FmuParticipant:
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
+        self.directional_derivatives = bool(
+            description.coSimulation.providesDirectionalDerivative
+        ) and _differentiates_steps(self._folder)
+        self._overwrites_state = _OVERWRITES_NO_STATE not in (description.generationTool or "")
         reals = [v for v in description.modelVariables if v.type == "Real"]
         self.parameter_layout, self._parameter_references = _group(
             v for v in reals if v.causality == "parameter"
@@ -89,7 +121,7 @@ class FmuParticipant:
         self._fmu.setupExperiment(startTime=0.0)
         for key, value in start.items():
             self._set(key, value)
-        self._check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
+        self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
 
     def _bind(self) -> None:
         """Raw functions; argument types are set so that nothing is converted per call but the two times."""
@@ -101,12 +133,51 @@ class FmuParticipant:
             dll.fmi2SetFMUstate,
             dll.fmi2FreeFMUstate,
         )
+        self.calls = self._record()
+
+    def _record(self) -> Calls:
+        """Functions and arrays of this instance for the engine; valid until `close`."""
+        record = Calls()
+        record.component = self._component
+        for name, function in (
+            ("set_real", self._set_real),
+            ("get_real", self._get_real),
+            ("do_step", self._do_step),
+            ("get_state", self._get_state),
+            ("set_state", self._set_state),
+            ("free_state", self._free_state),
+            ("derivative", getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)),
+        ):
+            setattr(record, name, None if function is None else cast(function, c_void_p))
+        for name, (references, count, values) in (
+            ("input", self._write_arguments),
+            ("output", self._read_arguments),
+            ("observation", self._observe_arguments),
+        ):
+            setattr(record, f"{name}_references", addressof(references))
+            setattr(record, f"{name}s", count)
+            setattr(record, name, cast(values, c_void_p))
+        record.saved = cast(pointer(self._saved), c_void_p)
+        record.overwrites_state = self._overwrites_state
+        return record
+
+    def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
+        """What to raise when a call of the engine failed, by its number in `FAILURES`."""
+        self._time = time
+        try:
+            if call == _FINITE:
+                self._check_finite()
+            self.check(max(status, fmi2Warning + 1), FAILURES[call] or f"do a step of {h:g} s")
+        except ParticipantError as error:
+            return error
+        raise AssertionError("a failure that is none")
 
     def _log(self, environment: Any, instance: Any, status: int, category: Any, message: bytes) -> None:  # noqa: ANN401
         if category is not None:
             self._messages.append(message.decode("utf-8", "replace").strip())
 
-    def _check(self, status: int, action: str) -> None:
+    def check(self, status: int, action: str) -> None:
+        """ParticipantError with the FMU's own words when a call could not do what it should."""
         if status in (fmi2OK, fmi2Warning):
             return
         reason = self._messages[-1] if self._messages else f"FMI status {status}, no message"
@@ -117,24 +188,27 @@ class FmuParticipant:
         """Write the inputs and leave initialization mode."""
         self._time = time
         self.write()
-        self._check(self._fmu.dll.fmi2ExitInitializationMode(self._component), "initialise")
+        self.check(self._fmu.dll.fmi2ExitInitializationMode(self._component), "initialise")
 
     def write(self) -> None:
         """fmi2SetReal on all inputs."""
         if self._set_real(self._component, *self._write_arguments) > fmi2Warning:
-            self._check(3, "set inputs")
+            self.check(3, "set inputs")
 
     def do_step(self, time: float, h: float) -> None:
         """fmi2DoStep."""
         self._time = time
         status = self._do_step(self._component, time, h, 0)
         if status > fmi2Warning:
-            self._check(status, f"do a step of {h:g} s")
+            self.check(status, f"do a step of {h:g} s")
 
     def read(self) -> None:
         """fmi2GetReal on all coupled outputs; values that are not finite are refused."""
         if self._get_real(self._component, *self._read_arguments) > fmi2Warning:
-            self._check(3, "give outputs")
+            self.check(3, "give outputs")
+        self._check_finite()
+
+    def _check_finite(self) -> None:
         if not np.isfinite(self.outputs.sum()):
             bad = int(np.argmin(np.isfinite(self.outputs)))
             name = self.output_layout.scalar_names()[bad]
@@ -144,20 +218,20 @@ class FmuParticipant:
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""
-        if self._saved:
+        if self._saved and not self._overwrites_state:
             self._free_state(self._component, byref(self._saved))
-            self._saved = c_void_p()
-        self._check(self._get_state(self._component, byref(self._saved)), "save its state")
+            self._saved.value = None
+        self.check(self._get_state(self._component, byref(self._saved)), "save its state")
 
     def restore(self) -> None:
         """fmi2SetFMUstate from the slot."""
         if self._set_state(self._component, self._saved) > fmi2Warning:
-            self._check(3, "restore its state")
+            self.check(3, "restore its state")
 
     def observe(self) -> Vector:
         """fmi2GetReal on all other outputs, into an array of its own."""
         self.write()
-        self._check(self._get_real(self._component, *self._observe_arguments), "give observations")
+        self.check(self._get_real(self._component, *self._observe_arguments), "give observations")
         return self._observations
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
@@ -172,7 +246,7 @@ class FmuParticipant:
         where = self.parameter_layout[name]
         values = np.broadcast_to(np.asarray(value, dtype=float), (where.stop - where.start,)).copy()
         arguments = _arguments(self._parameter_references[where], values)
-        self._check(self._fmu.dll.fmi2SetReal(self._component, *arguments), f"set {name}")
+        self.check(self._fmu.dll.fmi2SetReal(self._component, *arguments), f"set {name}")
 
     def close(self) -> None:
         """Free state and instance, unload, remove the unpacked files."""
@@ -188,6 +262,12 @@ def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any
     """Value references, their number and the values' memory, ready for a call."""
     array = (c_uint32 * len(references))(*references)
     return array, len(references), values.ctypes.data_as(POINTER(c_double))
+
+
+def _differentiates_steps(folder: Path) -> bool:
+    """Whether the derivatives after a step are those of the step; the standard means those at its end alone."""
+    root = ElementTree.parse(folder / "modelDescription.xml")
+    return root.find("VendorAnnotations/Tool[@name='Fanfold']/DirectionalDerivative[@afterStep]") is not None
 
 
 def _is_coupled(name: str) -> bool:

@@ -1,20 +1,25 @@
-"""The interface Jacobian of a coupled step, found by probing participants that cannot return derivatives.
+"""The interface Jacobian of a coupled step: derivatives that an FMU returns, or else differences of steps.
 
 A body's mobility is d(motion at the end of the step) / d(held wrench); a connection's stiffness is
 d(mean wrench) / d(motion at the end of the step). Motions are counted per port as 12 numbers: translation,
 rotation vector, velocity, angular velocity, world axes. Both are nearly constant in axes that turn with
 the first port, for a given step size: a probed matrix is turned along until the iteration stops
-contracting. A participant with directional derivatives only has to offer another `probe`.
+contracting.
+
+Derivatives of an FMU are those of the discrete step it has just made, by the inputs it was made with.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 
 from components import left_product, rotation_matrix
 
+from . import engine
+from .fmu import FmuParticipant
 from .participant import Participant, Vector
 
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
@@ -45,6 +50,28 @@ def first_port_axes(motion: Vector) -> Matrix:
     w, x, y, z = motion[3:7].tolist()
     axes: Matrix = rotation_matrix((w, x, y, z))
     return axes
+
+
+def mobility_of(body: Participant, ports: int, time: float, h: float) -> Probe:
+    """Mobility of a body (12 ports, 6 ports) about the step from its saved state, which it has just made."""
+    if _is_differentiable(body):
+        return Probe(engine.mobility(body, ports), first_port_axes(body.outputs))
+    return probe_mobility(body, ports, time, h)
+
+
+def stiffness_of(connection: Participant, ports: int, time: float, h: float) -> Probe:
+    """Stiffness of a connection (6 ports, 12 ports) about the step from its saved state that it has just made."""
+    if _is_differentiable(connection):
+        return Probe(engine.stiffness(connection, ports), first_port_axes(connection.inputs))
+    return probe_stiffness(connection, ports, time, h)
+
+
+def _is_differentiable(participant: Participant) -> TypeGuard[FmuParticipant]:
+    return (
+        isinstance(participant, FmuParticipant)
+        and participant.directional_derivatives
+        and engine.library() is not None
+    )
 
 
 def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Probe:

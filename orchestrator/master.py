@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from .coupling import Coupling, Solution, Tolerance
 from .network import Network
 from .participant import Participant, Vector
 from .stepping import ErrorEstimate, History, StepSizes, failure, find_event
+
+Rows = np.ndarray[Any, np.dtype[np.intp]]
 
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
@@ -66,12 +68,13 @@ class Settings:
 
 @dataclass(slots=True)
 class Statistics:
-    """What a run cost."""
+    """What a run cost; fmu_time: seconds inside FMUs in steps that the engine made."""
 
     steps: int = 0
     sweeps: int = 0
     rejected: int = 0
     probes: int = 0
+    fmu_time: float = 0.0
 
 
 class Master:
@@ -90,7 +93,7 @@ class Master:
         self._pending = [line for line in hinge_lines if line.latches]
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
-        self._history = History()
+        self._history = History(network.size)
         self._error = ErrorEstimate(settings.tolerance, 0.0)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step)
@@ -99,8 +102,10 @@ class Master:
         self._energy_start = 0.0
         self._kinetic = 0.0
         self._parts = 1
-        self._energies = [_energy_rows(p) for p in self._participants]
+        self._energies = _energy_rows(self._participants)
         self._scene = np.zeros(len(SCENE_CHANNELS))
+        ends = np.cumsum([p.observation_layout.size for p in self._participants])
+        self._recorded = [*np.split(self._coupling.observations, ends)[:-1], self._scene]
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
@@ -163,6 +168,7 @@ class Master:
             self.settings.progress(self.time, h)
         self.statistics.sweeps = self._coupling.sweeps
         self.statistics.probes = self._coupling.probes
+        self.statistics.fmu_time = self._coupling.fmu_time
 
     def _next_step(self, until: float) -> float:
         remaining = until - self.time
@@ -287,35 +293,33 @@ class Master:
 
     def _save(self) -> None:
         """The present states are those to return to."""
-        for participant in self._participants:
-            participant.save()
+        self._coupling.save(self.time)
         self._before = {line.name: self._distance(line) for line in self._pending}
 
     def _energy(self) -> tuple[float, float]:
         """Stored and dissipated energy of all participants (J), from observations made here."""
-        potential = dissipated = self._kinetic = 0.0
-        self._observed = [p.observe() for p in self._participants]
-        for values, rows in zip(self._observed, self._energies, strict=True):
-            self._kinetic += float(values[rows.kinetic].sum())
-            potential += float(values[rows.potential].sum())
-            dissipated += float(values[rows.dissipated].sum())
+        self._coupling.observe(self.time)
+        self._kinetic, potential, dissipated = (
+            self._coupling.observations.take(self._energies).sum(axis=1).tolist()
+        )
         return self._kinetic + potential, dissipated
 
     def _record(self, h: float, iterations: int) -> None:
         stored, dissipated = self._energy()
         self._scene[:] = h, iterations, stored, dissipated, stored + dissipated - self._energy_start
-        self.recorder.append(self.time, [*self._observed, self._scene])
+        self.recorder.append(self.time, self._recorded)
 
 
-class _EnergyRows(NamedTuple):
-    """Where a participant's observations hold energies; each has one element or none."""
-
-    kinetic: list[int]
-    potential: list[int]
-    dissipated: list[int]
-
-
-def _energy_rows(participant: Participant) -> _EnergyRows:
-    layout = participant.observation_layout
-    names = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY)
-    return _EnergyRows(*([layout[name].start] if name in layout else [] for name in names))
+def _energy_rows(participants: Sequence[Participant]) -> Rows:
+    """Where observations hold kinetic, potential and dissipated energies (3, participants); else their end, a zero."""
+    rows = np.full(
+        (3, len(participants)), sum(p.observation_layout.size for p in participants), dtype=np.intp
+    )
+    start = 0
+    for column, participant in enumerate(participants):
+        layout = participant.observation_layout
+        for row, name in enumerate((KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY)):
+            if name in layout:
+                rows[row, column] = start + layout[name].start
+        start += layout.size
+    return rows

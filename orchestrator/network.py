@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,15 @@ _UNITS = {
     "force": "N",
     "torque": "N.m",
 }
+
+
+class Meeting(NamedTuple):
+    """A body's port and the connection's port it meets, all by number: in the network, and in its participant."""
+
+    body: int
+    body_port: int
+    connection: int
+    connection_port: int
 
 
 class NetworkError(Exception):
@@ -50,7 +59,8 @@ class Network:
     """Participants joined port to port.
 
     bodies, connections: participants in order. wrenches: the unknown, shape (6 x body ports,), of which
-    each body's inputs hold a copy. `port_names[i]` is the (body, port) of rows 6 i to 6 i + 5.
+    each body's inputs hold a copy. `port_names[i]` is the (body, port) of rows 6 i to 6 i + 5, `meetings[i]`
+    what meets there.
     """
 
     def __init__(self, participants: Sequence[Participant], links: Iterable[Link]) -> None:
@@ -74,6 +84,16 @@ class Network:
         self.connection_rows = [
             np.concatenate([np.arange(6) + 6 * place[reverse[(c.name, port)]] for port in ports])
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
+        ]
+        meets = {
+            reverse[(c.name, port)]: (number, side)
+            for number, (c, ports) in enumerate(zip(self.connections, self.connection_ports, strict=True))
+            for side, port in enumerate(ports)
+        }
+        self.meetings = [
+            Meeting(number, side, *meets[(b.name, port)])
+            for number, (b, ports) in enumerate(zip(self.bodies, self.body_ports, strict=True))
+            for side, port in enumerate(ports)
         ]
         self._motion = np.zeros(13 * len(self.port_names))
         self._motion_rows = _consecutive([13 * len(ports) for ports in self.body_ports])

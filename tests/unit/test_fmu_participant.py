@@ -6,17 +6,19 @@ import shutil
 import zipfile
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fmus import build_fmu
+from orchestrator.engine import Engine
 from orchestrator.fmu import FmuParticipant
 from orchestrator.master import Settings
 from orchestrator.participant import ParticipantError, in_process
 from orchestrator.result import Result
-from orchestrator.run import RunError, run
+from orchestrator.run import RunError, as_fmus, run
 from orchestrator.scene import assemble, find_scene, load_scene
 from tests.unit.faulty import FaultyDamper
 
@@ -52,7 +54,7 @@ def faulty_fmu(folder, assembly, fault):
     part = next(p for p in assembly.parts if p.name == "brake")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FANFOLD_CACHE", str(folder / "cache"))
-        return build_fmu(FaultyDamper(fault, **part.structure), "brake", folder, part.start)
+        return build_fmu(FaultyDamper(fault, **part.structure), "brake", folder, part.start, "python")
 
 
 def error_of(function, *arguments, **options):
@@ -197,10 +199,12 @@ def test_tolerance_that_cannot_be_met(tmp_path):
     assert Result.open(tmp_path / "run.h5").time.size == 1
 
 
-def test_fmus_equal_components(tmp_path):
-    """Independent path: AMOS-3 as FMUs and in process agree to round-off in every signal, with equal steps."""
+def test_fmus_equal_components(tmp_path, monkeypatch):
+    """Independent path: AMOS-3 as PythonFMUs and in process agree in every bit, the coupling being the same."""
+    monkeypatch.setattr(Engine, "serves", staticmethod(lambda network: False))
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"all"})
-    as_fmus = run(assembly, tmp_path / "fmus.h5", Settings(), 0.3)
+    load = partial(as_fmus, backend="python")
+    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.3, load=load)
     within = run(
         assembly,
         tmp_path / "components.h5",
@@ -208,9 +212,9 @@ def test_fmus_equal_components(tmp_path):
         0.3,
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
-    assert as_fmus.segments == within.segments
-    assert as_fmus.iterations == within.iterations
-    one, other = Result.open(as_fmus.path), Result.open(within.path)
+    assert outside.segments == within.segments
+    assert outside.iterations == within.iterations
+    one, other = Result.open(outside.path), Result.open(within.path)
     assert one.components == other.components
     for component in one.components:
         assert one.variables(component) == other.variables(component)
@@ -218,6 +222,24 @@ def test_fmus_equal_components(tmp_path):
             np.testing.assert_array_equal(
                 one.signal(component, variable), other.signal(component, variable), f"{component}.{variable}"
             )
+
+
+def test_state_is_saved_over_and_over(tmp_path):
+    """Roll-back: after any number of saves a step from the last saved state gives the same outputs again."""
+    brake = FmuParticipant("brake", faulty_fmu(tmp_path, scene(tmp_path), "none"))
+    brake.initialize(0.0)
+    for step in range(3):
+        brake.save()
+        brake.inputs[brake.input_layout["outboard.angular_velocity"]] = (0.0, 1.0 + step, 0.0)
+        found = []
+        for _ in range(2):
+            brake.restore()
+            brake.write()
+            brake.do_step(0.01 * step, 0.01)
+            brake.read()
+            found.append(brake.outputs.copy())
+        np.testing.assert_array_equal(*found)
+    brake.close()
 
 
 def without_rollback(path):

@@ -637,7 +637,9 @@ def test_kinematic_latch_is_a_plastic_event(step):
     assert pytest.approx(3.82, abs=5e-3) == 0.5 * REDUCED * RELATIVE_RATE**2
     run, i = pinned_pair(step, 2e-3)
     rate, energy, momentum = run.signal("HL2", "angular_rate"), kinetic_energy(run), momentum_about_pin(run)
-    assert run.signal("HL2", "angle")[i] == pytest.approx(0.0, abs=2e-7 * RELATIVE_RATE)  # the impulse takes 1e-7 s
+    assert run.signal("HL2", "angle")[i] == pytest.approx(
+        0.0, abs=2e-7 * RELATIVE_RATE
+    )  # the impulse takes 1e-7 s
     assert rate[i] == pytest.approx(RELATIVE_RATE, rel=1e-3)
     assert momentum[i + 1] == pytest.approx(momentum[i], rel=1e-6)
     drop = 0.5 * REDUCED * rate[i] ** 2

@@ -195,6 +195,23 @@ def test_values_reach_the_port_they_are_meant_for():
             )
 
 
+def test_meetings_number_the_links():
+    """Independent path: every meeting, by number, is one of the scene's links, by name, in the unknown's order."""
+    network = Network(in_process(ASSEMBLY.parts), reversed(ASSEMBLY.links))
+    found = [
+        Link(
+            (network.bodies[m.body].name, network.body_ports[m.body][m.body_port]),
+            (
+                network.connections[m.connection].name,
+                network.connection_ports[m.connection][m.connection_port],
+            ),
+        )
+        for m in network.meetings
+    ]
+    assert [link.body for link in found] == network.port_names
+    assert set(found) == set(ASSEMBLY.links)
+
+
 def test_row_of_the_unknown_has_a_name():
     """Message: a row of the unknown is told as connection and body port, both of one link."""
     network = Network(in_process(ASSEMBLY.parts), ASSEMBLY.links)

@@ -1,0 +1,337 @@
+"""The coupled step in C: the structures of native/coupling.c, filled once from a network of FMUs.
+
+After that a step costs a few calls. Where the library is missing (an installation without a compiler) or a
+participant is no FMU, there is no engine, and orchestrator/coupling.py does the same in Python.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from ctypes import (
+    CDLL,
+    POINTER,
+    Structure,
+    addressof,
+    byref,
+    c_double,
+    c_int,
+    c_size_t,
+    c_void_p,
+    sizeof,
+)
+from enum import IntEnum
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .elimination import eliminate
+from .fmu import Calls, FmuParticipant
+from .network import Network
+from .participant import ParticipantError, Vector
+
+if TYPE_CHECKING:
+    from .interface import Probe
+
+Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+_SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
+LIBRARY = Path(__file__).parent / "native" / f"_coupling{_SUFFIX.get(sys.platform, '.so')}"
+_MISSING = "the engine was not built"
+
+
+class Status(IntEnum):
+    """How an iteration ended, as in native/coupling.c."""
+
+    CONVERGED = 0
+    NOT_CONVERGED = 1
+    REFUSED = 2
+    NOT_FINITE = 3
+    WANTS_MATRICES = 4
+    WANTS_PROBES = 5
+
+
+class Limits(Structure):
+    """Numbers of the iteration; their values stand in orchestrator/coupling.py."""
+
+    _fields_ = (
+        ("slow", c_double),
+        ("diverged", c_double),
+        ("steepest", c_double),
+        ("round_off", c_double),
+        ("most", c_size_t),
+        ("refreshed", c_size_t * 3),
+    )
+
+
+class _Probe(Structure):
+    _fields_ = (("matrix", c_void_p), ("axes", c_void_p))
+
+
+class _Matrix(Structure):
+    _fields_ = (
+        *((name, c_size_t) for name in ("groups", "size", "length")),
+        *(
+            (name, c_void_p)
+            for name in (
+                *("begin", "blocks", "lower_begin", "lower", "upper_begin", "upper", "targets"),
+                *("values", "pivots", "ordered"),
+            )
+        ),
+    )
+
+
+class _Network(Structure):
+    _fields_ = (
+        *((name, c_size_t) for name in ("participants", "bodies", "links", "size")),
+        *(
+            (name, c_void_p)
+            for name in (
+                *("participant", "link", "probe", "parts", "wrenches", "law", "residual", "scale"),
+                *("round_off", "steps", "squares", "product"),
+            )
+        ),
+        ("limits", Limits),
+        *((name, c_double) for name in ("relative", "force", "torque")),
+        ("matrix", _Matrix),
+        *((name, c_double) for name in ("time", "h", "last", "correction", "seconds")),
+        *(
+            (name, c_size_t)
+            for name in ("iteration", "kept", "sweeps", "worst_row", "singular", "failed", "failed_call")
+        ),
+        ("failed_status", c_int),
+    )
+
+
+_FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
+    "sweep": ((c_void_p, c_double, c_double), c_int),
+    "iterate": ((c_void_p, c_double, c_double, c_int), c_int),
+    "resume": ((c_void_p, c_int), c_int),
+    "assemble": ((c_void_p,), None),
+    "direction": ((c_void_p, c_void_p, c_void_p), None),
+    "work": ((c_void_p, c_void_p), c_double),
+    "save": ((c_void_p,), c_int),
+    "observe": ((c_void_p,), c_int),
+    "mobility": ((POINTER(Calls), c_void_p, c_void_p), c_int),
+    "stiffness": ((POINTER(Calls), c_void_p, c_void_p), c_int),
+}
+
+
+@cache
+def library() -> CDLL | None:
+    """The compiled engine; None where it was not built, or was built from another version of its source."""
+    try:
+        found = CDLL(str(LIBRARY))
+        sizes = (c_size_t * 2)()
+        found.coupling_sizes(sizes)
+        for name, (arguments, result) in _FUNCTIONS.items():
+            function = getattr(found, f"coupling_{name}")
+            function.argtypes, function.restype = arguments, result
+    except (OSError, AttributeError):
+        return None
+    return found if list(sizes) == [sizeof(Calls), sizeof(_Network)] else None
+
+
+def mobility(body: FmuParticipant, ports: int) -> Matrix:
+    """Mobility (12 ports, 6 ports) of a body from the FMU's own derivatives over the step just made."""
+    return _derivatives("mobility", body, (12 * ports, 6 * ports), ports)
+
+
+def stiffness(connection: FmuParticipant, ports: int) -> Matrix:
+    """Stiffness (6 ports, 12 ports) of a connection from the FMU's own derivatives over the step just made."""
+    return _derivatives("stiffness", connection, (6 * ports, 12 * ports), ports)
+
+
+def _derivatives(name: str, participant: FmuParticipant, shape: tuple[int, int], ports: int) -> Matrix:
+    found = library()
+    if found is None:
+        raise RuntimeError(_MISSING)
+    calls = participant.calls
+    calls.ports = ports
+    matrix, slope = np.empty(shape), np.empty(13 * ports)
+    status = getattr(found, f"coupling_{name}")(byref(calls), matrix.ctypes.data, slope.ctypes.data)
+    participant.check(status, "give derivatives")
+    return matrix
+
+
+class Engine:
+    """Sweeps and iterates a network of FMUs in C.
+
+    wrenches, law, round_off (size,): the unknown, what the connections return for it and how far that is
+    rounded; observations: those of all participants in order. All are memory of the caller's.
+    `sweeps` and `seconds` count what was done since the start, the latter only the time inside FMUs.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        limits: Limits,
+        wrenches: Vector,
+        law: Vector,
+        round_off: Vector,
+        observations: Vector,
+    ) -> None:
+        found = library()
+        if found is None:
+            raise RuntimeError(_MISSING)
+        self._participants: list[FmuParticipant] = [
+            p for p in (*network.bodies, *network.connections) if isinstance(p, FmuParticipant)
+        ]
+        self._calls = (Calls * len(self._participants))(*(p.calls for p in self._participants))
+        self._table = (_Probe * len(self._participants))()
+        self._probes: Sequence[Probe] = ()
+        self._kept: list[Any] = [wrenches, law, round_off, observations]
+        self._data = _Network(
+            participants=len(self._participants),
+            bodies=len(network.bodies),
+            links=len(network.meetings),
+            size=network.size,
+            wrenches=wrenches.ctypes.data,
+            law=law.ctypes.data,
+            round_off=round_off.ctypes.data,
+            limits=limits,
+            participant=addressof(self._calls),
+            probe=addressof(self._table),
+        )
+        self._pointer = c_void_p(addressof(self._data))
+        self._iterate, self._resume = found.coupling_iterate, found.coupling_resume
+        self._work, self._save, self._observe = (
+            found.coupling_work,
+            found.coupling_save,
+            found.coupling_observe,
+        )
+        self._library = found
+        self._set_up(network)
+        self._change = np.zeros(network.size)
+        self._change_address = self._change.ctypes.data
+        place = observations.ctypes.data
+        for calls in self._calls:
+            calls.observation = place
+            place += calls.observations * observations.itemsize
+
+    @staticmethod
+    def serves(network: Network) -> bool:
+        """Whether the engine is there and can do with all participants."""
+        return library() is not None and all(
+            isinstance(p, FmuParticipant) and p.can_restore for p in network.by_name.values()
+        )
+
+    def _set_up(self, network: Network) -> None:
+        """Tables of indices and all memory that is ever needed."""
+        size, most = network.size, self._data.limits.most
+        order = eliminate(network.meetings)
+        first = len(network.bodies)
+        link = [
+            (m.body, m.body_port, first + m.connection, m.connection_port, place)
+            for m, place in zip(network.meetings, order.place.tolist(), strict=True)
+        ]
+        self._data.link = self._keep(np.array(link, dtype=np.uintp))
+        self._data.parts = self._keep(order.parts)
+        for name in ("residual", "scale", "steps", "squares", "product"):
+            largest = 6 * max(map(len, network.connection_ports)) * 6 * max(map(len, network.body_ports))
+            length = {"steps": most * size, "squares": most, "product": largest}.get(name, size)
+            setattr(self._data, name, self._keep(np.zeros(length)))
+        matrix = self._data.matrix
+        matrix.groups, matrix.size, matrix.length = len(order.begin) - 1, size, order.length
+        for name in ("begin", "blocks", "lower_begin", "lower", "upper_begin", "upper", "targets"):
+            setattr(matrix, name, self._keep(getattr(order, name)))
+        matrix.values, matrix.ordered = self._keep(np.zeros(order.length)), self._keep(np.zeros(size))
+        matrix.pivots = self._keep(np.zeros(size, dtype=np.uintp))
+        rows = [slice(r.start // 6, r.stop // 6) for r in network.rows]
+        links = [np.arange(r.start, r.stop) for r in rows] + [r[::6] // 6 for r in network.connection_rows]
+        for calls, found in zip(self._calls, links, strict=True):
+            calls.ports = len(found)
+            calls.links = self._keep(found.astype(np.uintp))
+            calls.turned = self._keep(np.zeros(72 * len(found) ** 2))
+
+    def _keep(self, array: np.ndarray[Any, Any]) -> int:
+        """The address of an array that lives as long as the engine."""
+        self._kept.append(np.ascontiguousarray(array))
+        return int(self._kept[-1].ctypes.data)
+
+    @property
+    def sweeps(self) -> int:
+        """Sweeps made so far."""
+        return int(self._data.sweeps)
+
+    @property
+    def seconds(self) -> float:
+        """Time spent inside the FMUs so far."""
+        return float(self._data.seconds)
+
+    @property
+    def iteration(self) -> int:
+        """Number of the last iteration."""
+        return int(self._data.iteration)
+
+    @property
+    def correction(self) -> float:
+        """Size of the last correction, scaled by the tolerance."""
+        return float(self._data.correction)
+
+    @property
+    def worst_row(self) -> int:
+        """Row of the unknown that the last correction changes most, or that is not finite."""
+        return int(self._data.worst_row)
+
+    def use(self, probes: Sequence[Probe]) -> None:
+        """Take matrices of all bodies, then of all connections."""
+        self._probes = probes
+        for entry, probe in zip(self._table, probes, strict=True):
+            entry.matrix, entry.axes = probe.matrix.ctypes.data, probe.axes.ctypes.data
+
+    def tolerate(self, relative: float, force: float, torque: float) -> None:
+        """Set when a correction is small."""
+        data = self._data
+        data.relative, data.force, data.torque = relative, force, torque
+
+    def sweep(self, time: float, h: float) -> None:
+        """Bodies under the wrenches, connections over the motions; ParticipantError where one fails."""
+        if not self._library.coupling_sweep(self._pointer, time, h):
+            raise self._failure(time, h)
+
+    def iterate(self, time: float, h: float, ready: bool) -> int:
+        """Iterate from the present wrenches to a `Status`; ready: assembled for this h."""
+        return self._told(self._iterate(self._pointer, time, h, ready), time, h)
+
+    def resume(self, time: float, h: float, *, again: bool) -> int:
+        """Go on after `use`; again: the iteration had other matrices before."""
+        return self._told(self._resume(self._pointer, again), time, h)
+
+    def _told(self, status: int, time: float, h: float) -> int:
+        if status == Status.REFUSED:
+            raise self._failure(time, h)
+        return status
+
+    def assemble(self) -> None:
+        """Factors of the linear system for the matrices in use and the present motions."""
+        self._library.coupling_assemble(self._pointer)
+
+    def direction(self, residual: Vector) -> Vector:
+        """Chord Newton correction for a residual (size,)."""
+        result = np.empty_like(residual)
+        self._library.coupling_direction(self._pointer, residual.ctypes.data, result.ctypes.data)
+        return result
+
+    def work(self, change: Vector) -> float:
+        """Work (J) that a change of wrenches (size,) does on the motion it causes."""
+        self._change[:] = change
+        return float(self._work(self._pointer, self._change_address))
+
+    def save(self, time: float) -> None:
+        """Save the states of all."""
+        if not self._save(self._pointer):
+            raise self._failure(time, 0.0)
+
+    def observe(self, time: float) -> None:
+        """Read the observations of all into the array given at the start."""
+        if not self._observe(self._pointer):
+            raise self._failure(time, 0.0)
+
+    def _failure(self, time: float, h: float) -> ParticipantError:
+        data = self._data
+        found: ParticipantError = self._participants[data.failed].failure(
+            data.failed_call, data.failed_status, time, h
+        )
+        return found

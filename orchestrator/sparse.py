@@ -1,0 +1,65 @@
+"""The linear system of a coupled step in Python: I - stiffness x mobility over the connection graph, sparse.
+
+What orchestrator/native/blocks.h does for a network of FMUs, for networks of anything else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from .interface import Matrix
+from .network import Network
+from .participant import Vector
+
+# a chain fills in as little as in its natural order, and a tree of chains does not depend on that order
+_PERMUTATION: Literal["MMD_AT_PLUS_A"] = "MMD_AT_PLUS_A"
+
+
+class SparseSystem:
+    """LU factors of I - stiffness x mobility; the identity until `factorize`."""
+
+    def __init__(self, network: Network) -> None:
+        self._shape = (network.size, network.size)
+        bodies = {
+            (meeting.connection, meeting.connection_port): (meeting.body, meeting.body_port)
+            for meeting in network.meetings
+        }
+        self._products = [
+            (connection, port, *bodies[(connection, port)])
+            for connection, ports in enumerate(network.connection_ports)
+            for port in range(len(ports))
+        ]
+        diagonal = np.arange(network.size)
+        rows, columns = [diagonal], [diagonal]
+        for connection, _, body, _ in self._products:
+            own, other = network.connection_rows[connection], network.rows[body]
+            row, column = np.meshgrid(own, np.arange(other.start, other.stop), indexing="ij")
+            rows.append(row.ravel())
+            columns.append(column.ravel())
+        self._places = (np.concatenate(rows), np.concatenate(columns))
+        self._ones = np.ones(network.size)
+        self._factors = splu(csc_array((self._ones, (diagonal, diagonal)), self._shape))
+
+    def factorize(self, mobilities: Sequence[Matrix], stiffnesses: Sequence[Matrix]) -> None:
+        """Take matrices of all bodies (12 ports, 6 ports) and connections (6 ports, 12 ports)."""
+        values = [self._ones]
+        for connection, port, body, body_port in self._products:
+            stiffness = stiffnesses[connection][:, 12 * port : 12 * port + 12]
+            mobility = mobilities[body][12 * body_port : 12 * body_port + 12]
+            values.append(-(stiffness @ mobility).ravel())
+        matrix = csc_array((np.concatenate(values), self._places), self._shape)
+        try:
+            self._factors = splu(matrix, permc_spec=_PERMUTATION)
+        except (RuntimeError, ValueError):  # no pivot: the residual itself is as good a correction as any
+            diagonal = self._places[0][: len(self._ones)]
+            self._factors = splu(csc_array((self._ones, (diagonal, diagonal)), self._shape))
+
+    def solve(self, residual: Vector) -> Vector:
+        """Chord Newton correction for a residual (size,)."""
+        result: Vector = self._factors.solve(residual)
+        return result

@@ -1,0 +1,231 @@
+"""The FMUs of a scene under libcosim: exported for other tools (end-point wrenches), fixed-step algorithm.
+
+    python -m tests.benchmark.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python]
+
+Beside our master's runs of the same scene on the same kind of FMUs. With rigid bodies libcosim runs the whole
+deployment. With flexible ones that takes hours: there the largest step of 1, 2, 5 times a power of ten that
+stays stable over a short window is searched, its steps are timed, and the whole is estimated from them.
+The rigid runs start without static preload, because libcosim has none.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from fmus import Backend
+from orchestrator.assembly import Assembly
+from orchestrator.master import Settings
+from orchestrator.network import MOTION, WRENCH
+from orchestrator.run import as_fmus, export
+from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.scene_connections import WrenchMode
+from tests.benchmark.one_panel import Trial, couple, crest, line_torque
+
+try:
+    from libcosimpy.CosimEnums import CosimVariableType
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+except ImportError:
+    raise SystemExit("libcosimpy is missing; install it with: pip install '.[benchmark]'") from None
+
+_NANO = 1e9
+WINDOW = 20000
+"""Steps of a trial that decides on stability and measures the cost of a step."""
+STEPS = tuple(m * 10.0**-e for e in range(4, 9) for m in (10.0, 5.0, 2.0))
+RIGID_STEPS = (2e-4, 1e-4, 5e-5, 2e-5)
+
+
+class CoSimulation:
+    """FMUs of an assembly, loaded and connected in libcosim; `watch` are signals kept in memory."""
+
+    def __init__(self, assembly: Assembly, paths: Sequence[Path], h: float, until: float) -> None:
+        log_output_level(CosimLogLevel.FATAL)
+        self._until, self._samples = until, int(until / h) + 10
+        self._execution = CosimExecution.from_step_size(round(h * _NANO))
+        self._slaves = {
+            path.stem: self._execution.add_local_slave(CosimLocalSlave(str(path), path.stem))
+            for path in paths
+        }
+        self._references = {
+            name: {v.name.decode(): v.reference for v in self._execution.slave_variables(index)}
+            for name, index in self._slaves.items()
+        }
+        for link in assembly.links:
+            self._connect(link.body, link.connection, MOTION)
+            self._connect(link.connection, link.body, WRENCH)
+        self._observer = CosimObserver.create_time_series(self._samples)
+        self._execution.add_observer(self._observer)
+
+    def _connect(self, source: tuple[str, str], target: tuple[str, str], names: Sequence[str]) -> None:
+        """Connect all scalars of the named quantities of two ports; a scalar that fails is an error."""
+        (slave, port), (other, side) = source, target
+        for name in names:
+            prefix = f"{port}.{name}["
+            for scalar, reference in self._references[slave].items():
+                if scalar.startswith(prefix):
+                    to = self._references[other][f"{side}.{name}[{scalar.removeprefix(prefix)}"]
+                    places = (self._slaves[slave], reference, self._slaves[other], to)
+                    if self._execution.connect_real_variables(*places) != 0:
+                        raise RuntimeError(f"libcosim does not connect {slave}.{scalar} with {other}")
+
+    def watch(self, slave: str, name: str) -> None:
+        """Keep a signal in memory."""
+        place = self._slaves[slave], self._references[slave][name]
+        if not self._observer.start_time_series(*place, CosimVariableType.REAL):
+            raise RuntimeError(f"libcosim does not observe {slave}.{name}")
+
+    def run(self) -> tuple[bool, float]:
+        """Whether the end was reached, and the wall time (s)."""
+        start = perf_counter()
+        reached = self._execution.simulate_until(round(self._until * _NANO))
+        return bool(reached), perf_counter() - start
+
+    def signal(self, slave: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Times and values of a signal that was watched."""
+        place = self._slaves[slave], self._references[slave][name]
+        times, _, values = self._observer.time_series_real_samples(*place, 1, self._samples)
+        return np.array(times) / _NANO, np.array(values)
+
+
+@contextmanager
+def loaded(
+    assembly: Assembly, backend: Backend, h: float, until: float
+) -> Iterator[tuple[CoSimulation, list[str]]]:
+    """The co-simulation of an assembly, and the hinges whose latches it watches; loading is not timed."""
+    hinges = [hinge for line in assembly.hinge_lines for hinge in line.hinges]
+    with TemporaryDirectory(prefix="fanfold_") as folder:
+        simulation = CoSimulation(assembly, export(assembly, Path(folder), backend), h, until)
+        for hinge in hinges:
+            for name in ("latch_torque", "latched"):
+                simulation.watch(hinge, name)
+        yield simulation, hinges
+
+
+class Lines(NamedTuple):
+    """What a run gives of every hinge line, and its wall time (s); None where it did not reach the end."""
+
+    trials: list[Trial] | None
+    wall: float
+
+
+def co_simulate(assembly: Assembly, backend: Backend, h: float, until: float) -> Lines:
+    """One run of an assembly in end-point mode."""
+    with loaded(assembly, backend, h, until) as (simulation, _):
+        reached, wall = simulation.run()
+        if not reached:
+            return Lines(None, wall)
+        trials = [_of_line(simulation, line.hinges, wall, round(until / h)) for line in assembly.hinge_lines]
+    return Lines(trials, wall)
+
+
+def _of_line(simulation: CoSimulation, hinges: Sequence[str], wall: float, steps: int) -> Trial:
+    times, latched = simulation.signal(hinges[0], "latched")
+    torque = np.abs(sum(simulation.signal(hinge, "latch_torque")[1] for hinge in hinges))
+    if not latched.any():
+        return Trial(np.nan, np.nan, wall, steps)
+    return Trial(float(times[latched.argmax()]), crest(times, torque), wall, steps)
+
+
+class Cost(NamedTuple):
+    """The largest stable step of those tried (s), what a step costs (s), and what a whole run would (s)."""
+
+    h: float
+    per_step: float
+    total: float
+
+
+def largest_step(assembly: Assembly, backend: Backend, until: float) -> Cost:
+    """Search downwards; stable means `WINDOW` steps without failure and without a latch that cannot be."""
+    for h in STEPS:
+        window = WINDOW * h
+        found = co_simulate(assembly, backend, h, min(window, until))
+        if found.trials is not None and _plausible(found.trials, window, until):
+            per_step = found.wall / min(WINDOW, until / h)
+            return Cost(h, per_step, per_step * until / h)
+    return Cost(np.nan, np.nan, np.nan)
+
+
+def _plausible(trials: Sequence[Trial], window: float, until: float) -> bool:
+    """A wing does not latch in the first half second, and never with more than 10 kN.m."""
+    early = [trial.latch < 0.5 for trial in trials if not np.isnan(trial.latch)]
+    return not any(early) and not any(trial.peak > 1e4 for trial in trials)
+
+
+def ours(assembly: Assembly, backend: Backend, tolerance: float, until: float) -> Lines:
+    """Our master on the same kind of FMUs, in mean mode."""
+    settings = Settings(tolerance=tolerance, largest_step=assembly.largest_step)
+    record, trial = couple(as_fmus(assembly, backend), assembly, settings, until=until)
+    latches = {text.split()[0]: time for time, _, text in record.events}
+    trials = [
+        trial._replace(
+            latch=latches.get(line.name, np.nan), peak=crest(record.times, line_torque(record, assembly, i))
+        )
+        for i, line in enumerate(assembly.hinge_lines)
+    ]
+    return Lines(trials, trial.wall)
+
+
+def worst(kind: str, found: Sequence[Trial], reference: Sequence[Trial]) -> float:
+    """Largest relative error of "latch" or "peak" over the lines."""
+    pairs = [(getattr(a, kind), getattr(b, kind)) for a, b in zip(found, reference, strict=True)]
+    return float(np.max([abs(a / b - 1.0) if b > 0.0 else np.nan for a, b in pairs]))
+
+
+def compare(scene: str, fidelity: Literal["rigid", "flexible"], until: float, backend: Backend) -> None:
+    """Print the table of a scene with all bodies rigid or flexible."""
+    both = {"rigid": {"all"}, "flexible": ()} if fidelity == "rigid" else {"rigid": (), "flexible": {"all"}}
+    modes: tuple[WrenchMode, ...] = ("mean", "endpoint")
+    mean, endpoint = (assemble(load_scene(find_scene(scene)), **both, wrench_mode=mode) for mode in modes)
+    if fidelity == "rigid":
+        mean = replace(mean, preload=False)
+    reference = ours(mean, backend, 1e-5, until).trials or []
+    print(f"\n{scene}, all bodies {fidelity}, {until:g} s, {backend} FMUs; errors against our run at 1e-5")
+    print(f"{'master':<12}{'setting':<14}{'latch time':>12}{'latch peak':>12}{'wall, s':>12}{'ratio':>10}")
+    found = {tolerance: ours(mean, backend, tolerance, until) for tolerance in (1e-2, 1e-3, 1e-4)}
+    quickest = min(lines.wall for lines in found.values())
+    for tolerance, lines in found.items():
+        _row("implicit", f"tol {tolerance:g}", lines, reference, quickest)
+    if fidelity == "rigid":
+        for h in RIGID_STEPS:
+            _row("libcosim", f"H {h:g} s", co_simulate(endpoint, backend, h, until), reference, quickest)
+        return
+    cost = largest_step(endpoint, backend, until)
+    texts = "stable", "estimated", f"{cost.total:.0f}", f"{cost.total / quickest:.0f}"
+    print(f"{'libcosim':<12}{f'H {cost.h:g} s':<14}{texts[0]:>12}{texts[1]:>12}{texts[2]:>12}{texts[3]:>10}")
+    print(
+        f"  {WINDOW} steps of {cost.per_step * 1e6:.1f} us; larger steps of {STEPS[0]:g} s and below diverge"
+    )
+
+
+def _row(master: str, setting: str, lines: Lines, reference: Sequence[Trial], quickest: float) -> None:
+    errors: list[Any] = ["failed", "failed"]
+    if lines.trials is not None:
+        errors = [f"{worst(kind, lines.trials, reference):.1e}" for kind in ("latch", "peak")]
+    wall = f"{lines.wall:>12.2f}{lines.wall / quickest:>10.1f}"
+    print(f"{master:<12}{setting:<14}{errors[0]:>12}{errors[1]:>12}{wall}", flush=True)
+
+
+def main() -> None:
+    """Command line."""
+    parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("scene", nargs="?", default="amos3")
+    parser.add_argument("--until", type=float, default=12.0)
+    parser.add_argument("--backend", choices=("native", "python"), default="native")
+    chosen = parser.parse_args()
+    for fidelity in ("rigid", "flexible"):
+        compare(chosen.scene, fidelity, chosen.until, chosen.backend)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,292 @@
+"""The coupled step in C: the same numbers as in Python, the same sentences, work that grows with the chain."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus import build_fmu, native_library
+from orchestrator import engine
+from orchestrator.coupling import Coupling, Tolerance
+from orchestrator.elimination import eliminate
+from orchestrator.engine import Calls, Engine, Limits
+from orchestrator.fmu import FmuParticipant
+from orchestrator.interface import Probe, mobility_of, probe_mobility, probe_stiffness, stiffness_of
+from orchestrator.master import Settings
+from orchestrator.network import Meeting, Network
+from orchestrator.participant import ParticipantError
+from orchestrator.result import Result
+from orchestrator.run import as_fmus, run
+from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.sparse import SparseSystem
+from tests.unit.faulty import FaultyDamper
+
+pytestmark = pytest.mark.skipif(engine.library() is None, reason="no C compiler built the engine")
+needs_native = pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
+
+TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+DAMPER = '[[damper]]\nname = "brake"\nhinge = "root"\ndamping_coefficient = 2.0\n'
+
+
+def in_python(monkeypatch):
+    """Let couplings do without the engine, but FMUs keep their derivatives."""
+    monkeypatch.setattr(Engine, "serves", staticmethod(lambda network: False))
+
+
+class Wired:
+    """Participants without equations, joined as said: connections are tuples of the bodies at their ports."""
+
+    def __init__(self, bodies, connections):
+        self.rng = np.random.default_rng(3)
+        ends = [(body, c, side) for c, found in enumerate(connections) for side, body in enumerate(found)]
+        ends.sort(key=lambda end: end[0])
+        counts = [sum(body == end[0] for end in ends) for body in range(bodies)]
+        starts = np.cumsum([0, *counts]).tolist()
+        self.meetings = [
+            Meeting(body, link - starts[body], c, side) for link, (body, c, side) in enumerate(ends)
+        ]
+        self.size = 6 * len(ends)
+        self.body_ports = [[str(k) for k in range(count)] for count in counts]
+        self.connection_ports = [[str(k) for k in range(len(found))] for found in connections]
+        self.rows = [slice(6 * a, 6 * b) for a, b in pairwise(starts)]
+        self.connection_rows = [
+            np.concatenate(
+                [
+                    6 * link + np.arange(6)
+                    for side in range(len(found))
+                    for link, m in enumerate(self.meetings)
+                    if (m.connection, m.connection_port) == (c, side)
+                ]
+            )
+            for c, found in enumerate(connections)
+        ]
+        self.bodies = [self.still(len(ports), "outputs") for ports in self.body_ports]
+        self.connections = [self.still(len(ports), "inputs") for ports in self.connection_ports]
+
+    def still(self, ports, motion):
+        """A participant that never steps, with ports at rest in random poses."""
+        made = FmuParticipant.__new__(FmuParticipant)
+        made.inputs, made.outputs = np.zeros(13 * ports), np.zeros(13 * ports)
+        made.calls = Calls(input=made.inputs.ctypes.data, output=made.outputs.ctypes.data)
+        table = getattr(made, motion).reshape(-1, 13)
+        table[:, :7] = self.rng.standard_normal((ports, 7))
+        table[:, 3:7] /= np.linalg.norm(table[:, 3:7], axis=1)[:, None]
+        return made
+
+    def probes(self):
+        """Random matrices of all participants, with the axes of random poses."""
+        shapes = [(12 * len(p), 6 * len(p)) for p in self.body_ports]
+        shapes += [(6 * len(p), 12 * len(p)) for p in self.connection_ports]
+        axes = [np.linalg.qr(self.rng.standard_normal((3, 3)))[0] for _ in shapes]
+        return [Probe(self.rng.standard_normal(s), a) for s, a in zip(shapes, axes, strict=True)]
+
+    def turned(self, probes):
+        motions = [b.outputs for b in self.bodies] + [c.inputs for c in self.connections]
+        found = []
+        for probe, motion in zip(probes, motions, strict=True):
+            w, x, y, z = motion[3:7]
+            axes = np.eye(3) + 2.0 * (
+                w * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+                + np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+                @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+            )
+            rows, columns = (n // 3 for n in probe.matrix.shape)
+            turn = axes @ probe.axes.T
+            found.append(np.kron(np.eye(rows), turn) @ probe.matrix @ np.kron(np.eye(columns), turn.T))
+        return found
+
+    def dense(self, turned):
+        """I - stiffness x mobility, entry by entry from where the ports meet."""
+        matrix = np.eye(self.size)
+        first = len(self.bodies)
+        for c, rows in enumerate(self.connection_rows):
+            for m in self.meetings:
+                if m.connection == c:
+                    stiffness = turned[first + c][:, 12 * m.connection_port : 12 * m.connection_port + 12]
+                    mobility = turned[m.body][12 * m.body_port : 12 * m.body_port + 12]
+                    matrix[rows, self.rows[m.body]] -= stiffness @ mobility
+        return matrix
+
+    def engine(self):
+        sizes = (self.size, self.size, self.size, 1)
+        return Engine(self, Limits(0.1, 10.0, 0.9, 1e-15, 5, (2, 3, 4)), *(np.zeros(n) for n in sizes))
+
+
+def chain(length):
+    return Wired(length, [(k, k + 1) for k in range(length - 1)])
+
+
+NETWORKS = {
+    "chain": lambda: chain(6),
+    "parallel hinges": lambda: Wired(3, [(0, 1), (1, 0), (1, 2), (1, 2), (0, 1)]),
+    "star": lambda: Wired(7, [(0, 1), (0, 2), (3, 0), (1, 4), (2, 5), (3, 6)]),
+    "ring": lambda: Wired(5, [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)]),
+    "mesh": lambda: Wired(5, [(0, 1), (1, 2), (2, 0), (2, 3), (3, 4), (4, 1), (0, 3)]),
+    "three ports, one of them twice on a body": lambda: Wired(4, [(0, 1, 2), (2, 3), (3, 3, 1)]),
+    "one port": lambda: Wired(2, [(0,), (0, 1)]),
+}
+
+
+@pytest.mark.parametrize("name", NETWORKS)
+def test_linear_system_of_any_network(name):
+    """Independent path: corrections of the engine and of the sparse solver equal those of a dense matrix."""
+    network = NETWORKS[name]()
+    probes = network.probes()
+    turned = network.turned(probes)
+    residual = network.rng.standard_normal(network.size)
+    expected = np.linalg.solve(network.dense(turned), residual)
+    made = network.engine()
+    made.use(probes)
+    made.assemble()
+    np.testing.assert_allclose(made.direction(residual), expected, rtol=1e-7, atol=1e-9)
+    system = SparseSystem(network)
+    system.factorize(turned[: len(network.bodies)], turned[len(network.bodies) :])
+    np.testing.assert_allclose(system.solve(residual), expected, rtol=1e-7, atol=1e-9)
+
+
+def test_singular_matrix_gives_the_residual():
+    """Bad input: with a matrix that has no pivot the correction is the residual itself, and finite."""
+    network = Wired(2, [(0,), (0, 1)])
+    zeros = [Probe(np.zeros_like(p.matrix), np.eye(3)) for p in network.probes()]
+    made = network.engine()
+    made.use([Probe(np.full_like(p.matrix, np.nan), p.axes) for p in zeros])
+    made.assemble()
+    np.testing.assert_array_equal(made.direction(np.ones(network.size)), np.ones(network.size))
+    made.use(zeros)
+    made.assemble()
+    np.testing.assert_array_equal(made.direction(np.full(network.size, 2.0)), np.full(network.size, 2.0))
+
+
+def test_chain_stays_sparse():
+    """Cost: entries of the factors and products of the elimination grow with the length of a chain, not faster."""
+    short, long = (eliminate(chain(length).meetings) for length in (50, 500))
+    assert long.length < 10.5 * short.length
+    assert long.targets.size <= 10.5 * short.targets.size
+    assert long.parts.size < 10.5 * short.parts.size
+
+
+def test_tree_of_chains_has_no_fill():
+    """Cost: wings on a hub are eliminated from their tips, so that no block appears that was not there."""
+    wings = [(5 * wing + k if k else 0, 5 * wing + k + 1) for wing in range(4) for k in range(5)]
+    found = eliminate(Wired(21, wings).meetings)
+    pairs = sum(len(set(a) & set(b)) > 0 for a in wings for b in wings)
+    assert len(found.blocks) == pairs
+
+
+def wing():
+    return assemble(load_scene(find_scene("amos3")), rigid={"all"})
+
+
+@needs_native
+def test_derivatives_equal_differences_of_steps():
+    """Independent path: mobility and stiffness that native FMUs return are those of probing the same step."""
+    assembly = wing()
+    with as_fmus(assembly, "native") as participants:
+        network = Network(participants, assembly.links)
+        coupling = Coupling(network, Tolerance(1e-6))
+        for body in network.bodies:
+            body.write()
+            body.read()
+        network.carry_motion()
+        for participant in participants:
+            participant.initialize(0.0)
+            participant.read()
+        coupling.save(0.0)
+        coupling.wrenches[:] = np.random.default_rng(1).standard_normal(network.size)
+        coupling.sweep(0.0, 0.01)
+        for given, probe, side, ports_of in (
+            (mobility_of, probe_mobility, network.bodies, network.body_ports),
+            (stiffness_of, probe_stiffness, network.connections, network.connection_ports),
+        ):
+            for participant, ports in zip(side, ports_of, strict=True):
+                assert participant.directional_derivatives
+                exact = given(participant, len(ports), 0.0, 0.01).matrix
+                probed = probe(participant, len(ports), 0.0, 0.01).matrix
+                scale = np.abs(probed).max() + 1e-9
+                np.testing.assert_allclose(exact / scale, probed / scale, atol=1e-4, err_msg=participant.name)
+
+
+@pytest.mark.parametrize("backend", [pytest.param("native", marks=needs_native), "python"])
+def test_engine_equals_python(tmp_path, monkeypatch, backend):
+    """Independent path: AMOS-3 by the engine and in Python takes the same steps and sweeps to the same motion."""
+    assembly = wing()
+    load = partial(as_fmus, backend=backend)
+    one = run(assembly, tmp_path / "engine.h5", Settings(), 0.3, load=load)
+    in_python(monkeypatch)
+    other = run(assembly, tmp_path / "python.h5", Settings(), 0.3, load=load)
+    assert (one.steps, one.iterations, one.rejected) == (other.steps, other.iterations, other.rejected)
+    for mine, theirs in zip(one.segments, other.segments, strict=True):
+        assert mine == pytest.approx(theirs, rel=1e-12)
+    results = [Result.open(path) for path in (one.path, other.path)]
+    for component in results[0].components:
+        for variable in results[0].variables(component):
+            mine, theirs = (result.signal(component, variable) for result in results)
+            # forces are solved to 1e-6; differences of steps bring their own noise into the matrices
+            atol = 1e-4 if results[0].unit(component, variable) in ("N", "N.m") else 1e-7
+            np.testing.assert_allclose(mine, theirs, rtol=1e-6, atol=atol, err_msg=f"{component}.{variable}")
+
+
+def test_without_a_library_python_does_it(tmp_path, monkeypatch):
+    """Fallback: no engine, no native derivatives, and the run still reaches its end."""
+    monkeypatch.setattr(engine, "library", lambda: None)
+    outcome = run(wing(), tmp_path / "run.h5", Settings(), 0.02)
+    assert outcome.headline.complete
+
+
+def follow(coupling):
+    """Free motion: sweep after sweep without wrenches, each a step."""
+    for step in range(20):
+        coupling.sweep(0.01 * step, 0.01)
+        coupling.save(0.01 * (step + 1))
+
+
+def failing(folder, fault, monkeypatch, *, native):
+    """The sentence of two panels whose brake, an FMU like everything else, fails at 0.1 s."""
+    path = folder / "scene.toml"
+    path.write_text(TWO_PANELS + DAMPER, encoding="utf-8")
+    assembly = assemble(load_scene(path))
+    monkeypatch.setenv("FANFOLD_CACHE", str(folder / "cache"))
+    part = next(p for p in assembly.parts if p.name == "brake")
+    brake = FmuParticipant(
+        "brake", build_fmu(FaultyDamper(fault, **part.structure), "brake", folder, part.start, "python")
+    )
+    with as_fmus(assembly) as participants:
+        network = Network([brake if p.name == "brake" else p for p in participants], assembly.links)
+        assert Engine.serves(network)
+        if not native:
+            in_python(monkeypatch)
+        coupling = Coupling(network, Tolerance(1e-6))
+        for participant in network.by_name.values():
+            participant.initialize(0.0)
+            participant.read()
+        coupling.save(0.0)
+        with pytest.raises(ParticipantError) as caught:
+            follow(coupling)
+        brake.close()
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("fault", ["error", "nan"])
+def test_failure_is_told_as_in_python(tmp_path, monkeypatch, fault):
+    """Bad input: the engine's sentence is Python's, with the FMU's name, its own words or output, and the time."""
+    with monkeypatch.context() as patch:
+        sentence = failing(tmp_path, fault, patch, native=True)
+    assert sentence.startswith("brake: ")
+    assert {"error": "the magnet has come off", "nan": "inboard.torque[2] is nan"}[fault] in sentence
+    assert sentence == failing(tmp_path, fault, monkeypatch, native=False)
+
+
+def test_library_of_another_version_is_refused(monkeypatch):
+    """Bad input: structures of another size mean another source; Python then does it."""
+    monkeypatch.setattr(engine, "sizeof", lambda structure: 8)
+    engine.library.cache_clear()
+    try:
+        assert engine.library() is None
+    finally:
+        monkeypatch.undo()
+        engine.library.cache_clear()
+    assert engine.library() is not None
