@@ -240,9 +240,9 @@ def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) ->
     console = Console()
     console.print(headline_table(outcome.headline))
     console.print(
-        f"{outcome.steps} steps ({outcome.rejected} rejected), {outcome.iterations} iterations, "
-        f"{outcome.wall_time:.1f} s wall time, {100 * outcome.fmu_time_share:.0f} % of it in FMU steps, "
-        f"{outcome.headline.end_time / outcome.wall_time:.2f} times real time; result in {outcome.path}"
+        f"{outcome.costs.steps} steps ({outcome.costs.rejected} rejected), {outcome.costs.iterations} iterations, "
+        f"{outcome.costs.wall_time:.1f} s wall time, {100 * outcome.costs.fmu_time_share:.0f} % of it in FMUs, "
+        f"{outcome.headline.end_time / outcome.costs.wall_time:.2f} times real time; result in {outcome.path}"
     )
     if verified is not None:
         console.print(_verification_table(verified))

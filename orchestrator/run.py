@@ -37,31 +37,41 @@ class RunError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class Costs:
+    """What a run cost: steps, sweeps over all participants, rejected steps, wall time (s), share of it in FMUs."""
+
+    steps: int
+    iterations: int
+    rejected: int
+    wall_time: float
+    fmu_time_share: float
+
+    def as_dict(self, end_time: float) -> dict[str, float]:
+        """By the names that results and JSON have."""
+        return {
+            "steps": self.steps,
+            "iterations": self.iterations,
+            "rejected_steps": self.rejected,
+            "wall_time_s": self.wall_time,
+            "real_time_factor": end_time / self.wall_time,
+            "fmu_time_share": self.fmu_time_share,
+        }
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """A finished run: where its result is, which master made it, headline numbers, costs, step sizes taken."""
 
     path: Path
     master: MasterKind
     headline: Headline
-    steps: int
-    iterations: int
-    rejected: int
-    wall_time: float
-    fmu_time_share: float
+    costs: Costs
     segments: tuple[tuple[float, ...], ...]
 
     def as_dict(self) -> dict[str, object]:
         """For JSON: headline numbers, then costs."""
-        return {
-            **self.headline.as_dict(),
-            "steps": self.steps,
-            "iterations": self.iterations,
-            "rejected_steps": self.rejected,
-            "wall_time_s": self.wall_time,
-            "real_time_factor": self.headline.end_time / self.wall_time,
-            "fmu_time_share": self.fmu_time_share,
-            "output": str(self.path),
-        }
+        costs = self.costs.as_dict(self.headline.end_time)
+        return {**self.headline.as_dict(), **costs, "output": str(self.path)}
 
 
 def export(
@@ -152,27 +162,11 @@ def _follow(
             ) from None
         wall = perf_counter() - start
         statistics = runner.statistics
-        writer.statistics(
-            {
-                "steps": statistics.steps,
-                "iterations": statistics.sweeps,
-                "rejected_steps": statistics.rejected,
-                "wall_time_s": wall,
-                "real_time_factor": end / wall,
-                "fmu_time_share": sum(clock[0] for clock in clocks) / wall,
-            }
-        )
-    return Outcome(
-        path=output,
-        master=kind,
-        headline=headline(Result.open(output)),
-        steps=statistics.steps,
-        iterations=statistics.sweeps,
-        rejected=statistics.rejected,
-        wall_time=wall,
-        fmu_time_share=sum(clock[0] for clock in clocks) / wall,
-        segments=tuple(tuple(segment) for segment in runner.segments),
-    )
+        fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
+        costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
+        writer.statistics(costs.as_dict(end))
+    segments = tuple(tuple(segment) for segment in runner.segments)
+    return Outcome(output, kind, headline(Result.open(output)), costs, segments)
 
 
 def _timed(participant: Participant) -> list[float]:

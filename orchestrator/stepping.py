@@ -12,7 +12,7 @@ from .coupling import Coupling, Solution
 from .participant import Vector
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARE = 0.2
+_ERROR_SHARE = 0.03
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 _GROWTH_MARGIN = 0.5

@@ -101,7 +101,7 @@ def test_every_combination_starts_and_runs(flexible, tmp_path):
     outcome = run(assembly, tmp_path / "run.h5", settings, 0.05)
     result = Result.open(outcome.path)
     assert outcome.headline.complete
-    assert outcome.steps < 500
+    assert outcome.costs.steps < 500
     residual = np.abs(result.signal("scene", "energy_residual")).max()
     assert residual < 1e-6 * result.signal("scene", "stored_energy")[0]
     for loop in ("yoke_loop", "panel_loop"):

@@ -213,7 +213,7 @@ def test_fmus_equal_components(tmp_path, monkeypatch):
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
     assert outside.segments == within.segments
-    assert outside.iterations == within.iterations
+    assert outside.costs.iterations == within.costs.iterations
     one, other = Result.open(outside.path), Result.open(within.path)
     assert one.components == other.components
     for component in one.components:

@@ -121,7 +121,7 @@ def test_plan_that_ends_before_its_event(tmp_path):
     assembly = smooth_scene(tmp_path)
     plan = Settings(step_plan=[[0.005] * 5 + [1e-7], [0.005]])
     outcome = run(assembly, tmp_path / "run.h5", plan, 0.1, load=loader(assembly))
-    assert outcome.steps < 30
+    assert outcome.costs.steps < 30
     assert np.all(np.diff(Result.open(outcome.path).time) > 0.0)
 
 
