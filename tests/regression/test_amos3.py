@@ -6,7 +6,6 @@ at tolerance 1e-4, and were not checked against anybody else's.
 
 from __future__ import annotations
 
-import os
 from itertools import chain, combinations
 from pathlib import Path
 
@@ -41,12 +40,6 @@ def assembly_of(flexible):
 
 def identifier(flexible):
     return "+".join(flexible) or "rigid"
-
-
-def _unless_asked(flexible):
-    """Seven deployments take minutes; the one with a flexible yoke has both kinds of latch and always runs."""
-    asked = flexible == ("yoke",) or os.environ.get("FANFOLD_ALL") == "1"
-    return pytest.mark.skipif(not asked, reason="a whole deployment; set FANFOLD_ALL=1")
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +94,7 @@ def test_every_combination_starts_and_runs(flexible, tmp_path):
     outcome = run(assembly, tmp_path / "run.h5", settings, 0.05)
     result = Result.open(outcome.path)
     assert outcome.headline.complete
-    assert outcome.costs.steps < 500
+    assert outcome.costs.steps < 1000
     residual = np.abs(result.signal("scene", "energy_residual")).max()
     assert residual < 1e-6 * result.signal("scene", "stored_energy")[0]
     for loop in ("yoke_loop", "panel_loop"):
@@ -109,9 +102,7 @@ def test_every_combination_starts_and_runs(flexible, tmp_path):
         assert tensions == pytest.approx([40.0, 40.0], rel=0.1)
 
 
-@pytest.mark.parametrize(
-    "flexible", [pytest.param(f, marks=_unless_asked(f), id=identifier(f)) for f in COMBINATIONS[1:]]
-)
+@pytest.mark.parametrize("flexible", COMBINATIONS[1:], ids=identifier)
 def test_latch_times_hardly_depend_on_fidelity(flexible, rigid, tmp_path):
     """Done-when 2: independent models of the bodies agree with the all-rigid run within 3 %."""
     assembly = assembly_of(flexible)

@@ -135,13 +135,6 @@ def test_the_energy_balance_closes_at_the_default_tolerance(solved, name):
     assert np.abs(energy_residual(*solved(name, tolerance=1e-4))).max() < 1e-4
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "until"), [("one", 4.4), ("two", 4.85)])
-def test_the_energy_balance_closes_without_damping_at_a_tight_tolerance(solved, name, until):
-    """Where nothing is dissipated nothing can hide; from stowed past the latches' first peak."""
-    assert np.abs(energy_residual(*solved(name, undamped=True, until=until, tolerance=1e-6))).max() < 1e-6
-
-
 def test_the_energy_residual_is_of_second_order(solved):
     """Fixed steps on the smooth scene."""
     steps = (2e-2, 1e-2, 5e-3)
