@@ -1,7 +1,7 @@
 """Energy where nothing is dissipated and so nothing can hide, at a tight tolerance (issue 2, done-when 3).
 
-The residual of the balance relative to what the motors release up to then: below 1e-6 at tolerance 1e-6, and
-falling with the tolerance. Stiff joints that ring after release or latch-up faster than any step resolves are
+The residual of the balance relative to what the motors release up to then: below 1e-6 at tolerance 1e-6
+(how it falls with H stands in test_order.py). Stiff joints that ring after release or latch-up faster than any step resolves are
 damped by the coupling itself; that is computed on its own and is part of the balance.
 """
 
@@ -57,9 +57,3 @@ def residual(name, tolerance, folder):
 @pytest.mark.parametrize("name", SCENES)
 def test_the_balance_closes_to_the_tolerance(name, tmp_path):
     assert residual(name, 1e-6, tmp_path) < 1e-6
-
-
-@pytest.mark.parametrize("name", ["one_panel", "amos3"])
-def test_the_balance_follows_the_tolerance(name, tmp_path):
-    """A hundredfold tolerance lets steps be ten times as large, and the residual goes with their square."""
-    assert residual(name, 1e-6, tmp_path) < 0.1 * residual(name, 1e-4, tmp_path)
