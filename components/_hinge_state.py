@@ -1,7 +1,8 @@
-"""The state of a hinge by name, the motion of its six coordinates over a step, and the loads that follow."""
+"""Constants and state of a hinge by name, the motion of its six coordinates over a step, and the loads that follow."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +12,36 @@ from ._component import Vector
 from ._frames import Quaternion, Vector3
 from ._midstep import MidStepRate
 from ._relative import Pose, Rates, as_floats
+from .laws import Law
 
 Six = tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Constants:
+    """Parameters as plain numbers and laws; stiffness and damping of the six coordinates in order."""
+
+    stiffness: Six
+    damping: Six
+    aligned_angle: float
+    stowed_angle: float
+    motor: Law
+    harness: Law
+    friction: float
+    static_ratio: float
+    pin_radius: float
+    bending_arm: float
+    friction_preload: float
+    stiction_velocity: float
+    latch: Law
+    latch_angle: float
+    latch_stiffness: float
+    latch_damping: float
+    latch_automatic: bool
+    lock_mass: float
+    lock_inertia: float
+    hold_stiffness: float
+    end_weight: float
 
 
 class State(NamedTuple):
@@ -74,9 +103,19 @@ class State(NamedTuple):
         """Hinge angle, unwrapped."""
         return self.coordinates[3]
 
+    def commanded(self, latch: float, hold: float) -> State:
+        """Latched or held at the angle where the command arrives."""
+        state = self
+        if latch > 0.5 and not state.latched:
+            state = state._replace(latched=1.0, latched_angle=state.angle)
+        if hold > 0.5 and not state.holding:
+            state = state._replace(hold_angle=state.angle)
+        return state._replace(holding=1.0 if hold > 0.5 else 0.0)
+
 
 WRENCH = slice(31, 43)
 ANGLE, HEAT, LATCHED, HOLDING = 10, 50, 53, 55
+HEATS = ("friction_heat", "latch_heat", "damping_heat")
 
 
 class Loads(NamedTuple):

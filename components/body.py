@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from ._body_variables import continuous_states, observations, parameters
 from ._component import Component, ComponentError, Port, Vector
+from ._example_modes import example_modal_data
 from ._frames import (
     exponential,
     left_product,
@@ -420,7 +421,7 @@ class Body(Component):
     @classmethod
     def example(cls) -> Body:
         """A flexible body with four modes of a made-up point-mass grid, one port with an offset."""
-        data = _example_modal_data()
+        data = example_modal_data()
         return cls(
             modal=data.to_arrays(),
             ports=[
@@ -428,23 +429,3 @@ class Body(Component):
                 {"name": "outboard", "point": "right", "offset": (0.1, 0.0, 0.02)},
             ],
         )
-
-
-def _example_modal_data() -> ModalData:
-    """Modes of a 3x2 grid of point masses: smooth made-up shapes, rigid motions projected out."""
-    grid = np.array([(x, y, 0.1 * x * y) for x in (0.0, 0.5, 1.0) for y in (-0.4, 0.4)])
-    masses = np.linspace(0.8, 1.2, len(grid))
-    shapes = np.array(
-        [
-            [np.sin((k + 1) * p[0] + axis) + (k - 1) * p[1] * p[0] for axis in range(3)]
-            for k in range(4)
-            for p in grid
-        ]
-    ).reshape(4, len(grid) * 3)
-    return ModalData.from_point_masses(
-        masses,
-        grid,
-        shapes.T,
-        frequency=2.0 * np.pi * np.array([2.0, 9.0, 40.0, 300.0]),
-        points={"left": 0, "right": len(grid) - 1},
-    )

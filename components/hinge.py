@@ -8,7 +8,6 @@ of the current inputs for hosts that step explicitly ("endpoint").
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import sqrt
 from typing import Literal
 
@@ -21,11 +20,12 @@ from ._frames import Vector3, mean, nearest_turn, rotate
 from ._hinge_state import (
     ANGLE,
     HEAT,
+    HEATS,
     HOLDING,
     LATCHED,
     WRENCH,
+    Constants,
     Loads,
-    Six,
     State,
     coordinates_of,
     mean_swing,
@@ -52,35 +52,7 @@ LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
 _FORCE_SMOOTHING = 1.0
-_REACHED = 1e-9
-"""Distance (rad) from the latch angle that a solver may leave when it has found the event."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Constants:
-    """Parameters as plain numbers and laws; stiffness and damping of the six coordinates in order."""
-
-    stiffness: Six
-    damping: Six
-    aligned_angle: float
-    stowed_angle: float
-    motor: Law
-    harness: Law
-    friction: float
-    static_ratio: float
-    pin_radius: float
-    bending_arm: float
-    friction_preload: float
-    stiction_velocity: float
-    latch: Law
-    latch_angle: float
-    latch_stiffness: float
-    latch_damping: float
-    latch_automatic: bool
-    lock_mass: float
-    lock_inertia: float
-    hold_stiffness: float
-    end_weight: float
+_REACHED = 1e-9  # distance (rad) from the latch angle that a solver may leave when it has found the event
 
 
 class Hinge(Component):
@@ -133,10 +105,9 @@ class Hinge(Component):
             feedthrough=self._endpoint,
         )
         if self._endpoint:
-            heats = ("friction_heat", "latch_heat", "damping_heat")
-            self.continuous = dissipated_energies(HEAT, heats, indicators=int(latch != "none"))
+            self.continuous = dissipated_energies(HEAT, HEATS, indicators=int(latch != "none"))
 
-    def prepare(self, p: Vector) -> _Constants:
+    def prepare(self, p: Vector) -> Constants:
         """Constants of the given parameters."""
         self.check_ranges(p)
         value = {
@@ -147,7 +118,7 @@ class Hinge(Component):
         stiffness, damping = one["latch_stiffness"], one["latch_damping"]
         if self._locks:
             stiffness, damping = one["lock_stiffness"], 0.0
-        return _Constants(
+        return Constants(
             stiffness=(*three["translational_stiffness"], *three["rotational_stiffness"]),
             damping=(*three["translational_damping"], *three["rotational_damping"]),
             aligned_angle=one["aligned_angle"],
@@ -171,7 +142,7 @@ class Hinge(Component):
             end_weight=one["end_weight"],
         )
 
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def initial(self, c: Constants, u: Vector) -> Vector:
         """Unlatched, at the pose of the inputs; the angle is the one nearest the stowed angle."""
         values = as_floats(u)
         pose = relative_pose(values, self._axis_frame)
@@ -189,10 +160,10 @@ class Hinge(Component):
             angle,
         ).pack()
 
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+    def step(self, c: Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step; the inputs are those of its end. Commands act from its start."""
         values = as_floats(u)
-        old = self._commanded(State.unpack(x), values[26], values[28])
+        old = State.unpack(x).commanded(values[26], values[28])
         pose = relative_pose(values, self._axis_frame)
         end = coordinates_of(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
         rates = rates_of(relative_rates(values, pose))
@@ -218,18 +189,7 @@ class Hinge(Component):
             damping_energy=old.damping_energy + loads.heat[2],
         ).pack()
 
-    @staticmethod
-    def _commanded(state: State, latch: float, hold: float) -> State:
-        """Latch or hold at the angle where the command arrives."""
-        if latch > 0.5 and not state.latched:
-            state = state._replace(latched=1.0, latched_angle=state.angle)
-        if hold > 0.5 and not state.holding:
-            state = state._replace(hold_angle=state.angle)
-        return state._replace(holding=1.0 if hold > 0.5 else 0.0)
-
-    def _mean_loads(
-        self, c: _Constants, old: State, new: State, motions: list[StepMotion], h: float
-    ) -> Loads:
+    def _mean_loads(self, c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
         """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
         elastic: list[float] = []
         heat = 0.0
@@ -261,7 +221,7 @@ class Hinge(Component):
 
     @staticmethod
     def _friction(
-        c: _Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
+        c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
     ) -> float:
         """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
         preload = 0.0 if latched else c.friction_preload
@@ -272,7 +232,7 @@ class Hinge(Component):
         sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
         return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
 
-    def _latch(self, c: _Constants, old: State, motion: StepMotion) -> tuple[float, float]:
+    def _latch(self, c: Constants, old: State, motion: StepMotion) -> tuple[float, float]:
         """Mean latch torque, and the energy it turned to heat."""
         if not old.latched or self.latch == "none":
             return 0.0, 0.0
@@ -283,7 +243,7 @@ class Hinge(Component):
             extra += inertial_force(c.latch_stiffness, deflection)
         return mean_force(c.latch, deflection.start, deflection.end) + extra, -extra * change
 
-    def _impulse_loads(self, c: _Constants, old: State, new: State, h: float) -> Loads:
+    def _impulse_loads(self, c: Constants, old: State, new: State, h: float) -> Loads:
         """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
 
         An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
@@ -307,7 +267,7 @@ class Hinge(Component):
             (0.0, latch, sum(work) - latch),
         )
 
-    def _endpoint_loads(self, c: _Constants, s: State) -> Loads:
+    def _endpoint_loads(self, c: Constants, s: State) -> Loads:
         """Loads of one instant from coordinates and rates; heat as power (W)."""
         q, w = list(s.coordinates), s.rates
         q[3] -= c.aligned_angle
@@ -330,10 +290,9 @@ class Hinge(Component):
             (-friction * w[3], -viscous * w[3], damping),
         )
 
-    def _endpoint_step(self, c: _Constants, old: State, moved: State, h: float) -> State:
+    def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
-        if self._awaits_latch(c, old) and moved.angle >= c.latch_angle:
-            moved = moved._replace(latched=1.0, latched_angle=c.latch_angle)
+        moved = self._latched(c, moved, c.latch_angle)
         power = self._endpoint_loads(c, moved).heat
         added = [0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True)]
         return moved._replace(
@@ -343,11 +302,17 @@ class Hinge(Component):
             power=power,
         )
 
-    def _awaits_latch(self, c: _Constants, state: State) -> bool:
+    def _awaits_latch(self, c: Constants, state: State) -> bool:
         """Whether the latch engages by itself and has not yet."""
         return c.latch_automatic and not state.latched and self.latch != "none"
 
-    def _now(self, c: _Constants, x: Vector, u: Vector) -> State:
+    def _latched(self, c: Constants, state: State, reached: float) -> State:
+        """The state with the latch engaged at its angle, if it awaits that and the angle `reached` is reached."""
+        if not self._awaits_latch(c, state) or state.angle < reached:
+            return state
+        return state._replace(latched=1.0, latched_angle=c.latch_angle)
+
+    def _now(self, c: Constants, x: Vector, u: Vector) -> State:
         """The state moved to the motion of the present inputs."""
         values = as_floats(u)
         state = State.unpack(x)
@@ -362,7 +327,7 @@ class Hinge(Component):
             holding=1.0 if values[28] > 0.5 else 0.0,
         )
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def outputs(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports, distance to the latch angle, latched or not."""
         if not self._endpoint:
             return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED])))
@@ -371,7 +336,7 @@ class Hinge(Component):
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
         return np.array((*wrench, c.latch_angle - s.angle, s.latched))
 
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def observe(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Angles, torques and forces at the communication point (end-point law), and energies."""
         s = self._now(c, x, u)
         rate = s.rates[3]
@@ -397,7 +362,7 @@ class Hinge(Component):
             )
         )
 
-    def _stored(self, c: _Constants, s: State) -> float:
+    def _stored(self, c: Constants, s: State) -> float:
         """Energy in bushing, motor, harness, latch and hold."""
         q = list(s.coordinates)
         q[3] -= c.aligned_angle
@@ -409,24 +374,23 @@ class Hinge(Component):
             energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
         return energy
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def rates(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Heat (W) of friction, latch and damping."""
         return np.array(self._endpoint_loads(c, self._now(c, x, u)).heat)
 
-    def indicators(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def indicators(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Angle left up to where the latch engages by itself; one where it does not."""
         if self.latch == "none":
             return np.zeros(0)
         state = self._now(c, x, u)
         return np.array((c.latch_angle - state.angle if self._awaits_latch(c, state) else 1.0,))
 
-    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+    def update(self, c: Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
         """Follow the angle; at an event commands act, and a latch that is reached engages at its angle."""
         state = self._now(c, x, u)._replace(holding=float(x[HOLDING]))
         if at_event:
-            state = self._commanded(state, float(u[26]), float(u[28]))
-            if self._awaits_latch(c, state) and state.angle >= c.latch_angle - _REACHED:
-                state = state._replace(latched=1.0, latched_angle=c.latch_angle)
+            state = state.commanded(float(u[26]), float(u[28]))
+            state = self._latched(c, state, c.latch_angle - _REACHED)
         return state.pack()
 
     def native_data(self) -> Mapping[str, ArrayLike]:

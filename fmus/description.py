@@ -12,6 +12,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
 
+from .description_model_exchange import add_model_exchange, state_units
 from .units import add_units
 from .variables import Variable, follows_inputs, scalars
 
@@ -76,7 +77,8 @@ def model_description(
         {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend)},
     )
     SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES[backend]})
-    add_units(root, (v.quantity.unit for v in variables))
+    units = [v.quantity.unit for v in variables]
+    add_units(root, [*units, *state_units(component)] if backend == "native" else units)
     _add_log_categories(root)
     SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
     if backend == "native":
@@ -84,6 +86,8 @@ def model_description(
         SubElement(annotations, "DirectionalDerivative", {"afterStep": STEP_DERIVATIVE})
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
+    if backend == "native":
+        add_model_exchange(root, component, name)
     return xml_bytes(root)
 
 

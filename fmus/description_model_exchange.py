@@ -33,14 +33,14 @@ def add_model_exchange(root: Element, component: Component, name: str) -> None:
     states = component.continuous
     if states is None:
         return
-    interface = Element("ModelExchange", {"modelIdentifier": name, **_CAPABILITIES})
-    root.insert(0, interface)
+    attributes = {"modelIdentifier": name, **_CAPABILITIES}
+    if type(component).update is Component.update:
+        attributes["completedIntegratorStepNotNeeded"] = "true"
+    root.insert(0, Element("ModelExchange", attributes))
     root.set("numberOfEventIndicators", str(states.indicators))
     first = sum(1 for _ in scalars(component)) + 1
-    parent = root.find("ModelVariables")
-    structure = root.find("ModelStructure")
-    assert parent is not None and structure is not None  # noqa: S101 - the description is complete
-    _add_variables(parent, states, first)
+    (variables,), (structure,) = root.iter("ModelVariables"), root.iter("ModelStructure")
+    _add_variables(variables, states, first)
     _add_structure(structure, component, states, first)
 
 

@@ -27,6 +27,7 @@ def component_bytes(component: Component, starts: Sequence[float], token: str) -
         "feedthrough": [float(component.feedthrough)],
         "start": starts,
         **_variables(component),
+        **_continuous(component),
         **arrays,
     }
     texts = {"kind": component.kind, "token": token}
@@ -38,16 +39,24 @@ def component_bytes(component: Component, starts: Sequence[float], token: str) -
 
 
 def _variables(component: Component) -> Mapping[str, ArrayLike]:
-    """Offset, size, minimum, maximum and tunability of every quantity, by group and name."""
+    """Offset, size, minimum, maximum of every quantity, and whether it changes at events only, by group and name."""
     found: dict[str, ArrayLike] = {}
     for group, layout in zip(_GROUPS, component.layouts, strict=True):
         for quantity in layout.quantities:
             place = layout[quantity.name]
             low = -np.inf if quantity.minimum is None else quantity.minimum
             high = np.inf if quantity.maximum is None else quantity.maximum
-            tunable = float(quantity.variability == "tunable")
-            found[f"{group}:{quantity.name}"] = (place.start, quantity.size, low, high, tunable)
+            at_events = float(quantity.variability in ("tunable", "discrete"))
+            found[f"{group}:{quantity.name}"] = (place.start, quantity.size, low, high, at_events)
     return found
+
+
+def _continuous(component: Component) -> Mapping[str, ArrayLike]:
+    """Numbers of continuous states and event indicators, and typical sizes; nothing without model exchange."""
+    states = component.continuous
+    if states is None:
+        return {}
+    return {"continuous": (len(states.places), states.indicators), "nominals": states.nominals()}
 
 
 def _numbers(name: str, values: ArrayLike) -> bytes:

@@ -543,6 +543,8 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
     }
 }
 
+#include "body_exchange.h"
+
 #ifndef FANFOLD_COMPLEX
 
 #define MOST_MODES 1024
@@ -811,6 +813,11 @@ static void observe(void *self, const double *x, const double *u, double *z) {
 const Kernel body_kernel = {
     "body",  create,            prepare,              initial, body_step_real, body_outputs_real,
     observe, body_step_complex, body_outputs_complex, NULL,    NULL,
+    .continuous = body_continuous,
+    .complete = body_complete_real,
+    .complete_complex = body_complete_complex,
+    .rates = body_rates_real,
+    .rates_complex = body_rates_complex,
 };
 
 #endif

@@ -192,16 +192,22 @@ static inline Strands elongation_rates(const Loop *loop, const real *u, const Ge
     return (Strands){stretch + turn, stretch - turn};
 }
 
-/* Geometry, elongations and tensions of this instant. */
-static inline Strands tensions_now(const Loop *loop, const real *x, const real *u, Geometry *g, Strands *elongation) {
-    *g = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
-    *elongation = elongations(loop, g, x[START], x[START + 1], x[START + 2]);
-    Strands rate = {0.0, 0.0};
-    if (loop->damping > 0.0) rate = elongation_rates(loop, u, g);
-    return (Strands){
-        -law_value(&loop->strand, elongation->a) + loop->damping * rate.a,
-        -law_value(&loop->strand, elongation->b) + loop->damping * rate.b,
-    };
+/* Geometry of an instant, and elongations, their rates and tensions of the strands. */
+typedef struct Instant {
+    Geometry geometry;
+    Strands elongation, rate, tension;
+} Instant;
+
+/* Of this instant; strands that are being adjusted are at their preload. */
+static inline Instant loop_now(const Loop *loop, const real *x, const real *u) {
+    Instant now = {.geometry = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1])};
+    if (!(loop->endpoint && value_of(u[loop->hold]) > 0.5)) {
+        now.elongation = elongations(loop, &now.geometry, x[START], x[START + 1], x[START + 2]);
+        if (loop->damping > 0.0) now.rate = elongation_rates(loop, u, &now.geometry);
+    }
+    now.tension.a = -law_value(&loop->strand, now.elongation.a) + loop->damping * now.rate.a;
+    now.tension.b = -law_value(&loop->strand, now.elongation.b) + loop->damping * now.rate.b;
+    return now;
 }
 
 /* Wrenches on all ports. */
@@ -211,13 +217,23 @@ void NAME(loop_outputs)(void *self, const real *x, const real *u, real *y) {
         for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) y[i] = x[WRENCH + i];
         return;
     }
-    Geometry g;
-    Strands elongation, tension = tensions_now(loop, x, u, &g, &elongation);
-    store_wrenches(loop, &g, tension, y);
+    Instant now = loop_now(loop, x, u);
+    store_wrenches(loop, &now.geometry, now.tension, y);
+}
+
+/* Heat of the strands' damping. */
+int NAME(loop_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
+    const Loop *loop = self;
+    (void)raw, (void)why;
+    Strands rate = loop_now(loop, x, u).rate;
+    rates[0] = loop->damping * (rate.a * rate.a + rate.b * rate.b);
+    return 1;
 }
 
 #ifndef FANFOLD_COMPLEX
 
+int loop_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
+                       double complex *rates, Reason *why);
 int loop_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
                       Reason *why);
 void loop_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
@@ -278,9 +294,9 @@ static int loop_initial(void *self, const double *u, double *x, Reason *why) {
 /* Tensions, forces and torques of this instant, and energies. */
 static void loop_observe(void *self, const double *x, const double *u, double *z) {
     const Loop *loop = self;
-    Geometry g;
-    Strands elongation, tension = tensions_now(loop, x, u, &g, &elongation);
-    double distance = vector_norm(g.span);
+    const Instant now = loop_now(loop, x, u);
+    Strands elongation = now.elongation, tension = now.tension;
+    double distance = vector_norm(now.geometry.span);
     double step = loop->guided ? 0.0 : loop->radius_1 - loop->radius_2;
     double difference = tension.a - tension.b;
     z[0] = tension.a;
@@ -294,9 +310,30 @@ static void loop_observe(void *self, const double *x, const double *u, double *z
     z[8] = x[HEAT];
 }
 
+static size_t loop_continuous(const void *self, size_t *places) {
+    (void)self;
+    if (places) places[0] = HEAT;
+    return 1;
+}
+
+/* Follows the angles; while strands are adjusted, the present geometry is the one of their preload. */
+static void loop_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
+    const Loop *loop = self;
+    (void)at_event;
+    Geometry now = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
+    memcpy(x_next, x, (WRENCH + WRENCH_SIZE * loop->ports) * sizeof(double));
+    x_next[ANGLES] = now.angle_1;
+    x_next[ANGLES + 1] = now.angle_2;
+    if (u[loop->hold] > 0.5) store_start(loop, &now, x_next);
+}
+
 const Kernel ccl_kernel = {
     "ccl",       loop_create,  loop_prepare,      loop_initial,         loop_step_real, loop_outputs_real,
     loop_observe, loop_step_complex, loop_outputs_complex, NULL, NULL,
+    .continuous = loop_continuous,
+    .rates = loop_rates_real,
+    .rates_complex = loop_rates_complex,
+    .update = loop_update,
 };
 
 #endif

@@ -63,8 +63,20 @@ void NAME(damper_outputs)(void *self, const real *x, const real *u, real *y) {
     store_pair((Vector3){0.0, 0.0, 0.0}, quaternion_rotate(pose.frame, conjugate), pose.gap, y);
 }
 
+/* Heat of the end-point torque. */
+int NAME(damper_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
+    const Damper *damper = self;
+    (void)raw, (void)x, (void)why;
+    Pose pose = relative_pose(u, damper->axis_frame);
+    real rate = relative_rates(u, &pose).twist;
+    rates[0] = -damper_torque(damper, rate) * rate;
+    return 1;
+}
+
 #ifndef FANFOLD_COMPLEX
 
+int damper_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
+                         double complex *rates, Reason *why);
 int damper_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
                         Reason *why);
 void damper_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
@@ -116,9 +128,18 @@ static void damper_observe(void *self, const double *x, const double *u, double 
     z[2] = x[HEAT];
 }
 
+static size_t damper_continuous(const void *self, size_t *places) {
+    (void)self;
+    if (places) places[0] = HEAT;
+    return 1;
+}
+
 const Kernel damper_kernel = {
     "eddy_current_damper", damper_create,       damper_prepare, damper_initial,      damper_step_real,
     damper_outputs_real,   damper_observe, damper_step_complex, damper_outputs_complex, NULL, NULL,
+    .continuous = damper_continuous,
+    .rates = damper_rates_real,
+    .rates_complex = damper_rates_complex,
 };
 
 #endif

@@ -20,12 +20,8 @@ typedef struct {
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
 void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
 
-/* Remembers the mean load of the step; an impulse is no load that lasts, and starts the record anew. */
-int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
-    const FixedBase *base = self;
-    (void)why;
-    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
-    if (value_of(u[base->impulse]) > 0.5) return 1;
+/* Sum of the wrenches about the reference. */
+static inline void store_load(const FixedBase *base, const real *u, real *x) {
     Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < base->ports; k++) {
         const double *arm = base->arms + 3 * k;
@@ -34,8 +30,17 @@ int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, 
         torque = vector_add(torque, vector_of(u + WRENCH * k + 3));
         torque = vector_add(torque, vector_cross((Vector3){arm[0], arm[1], arm[2]}, pull));
     }
-    vector_store(force, x_next);
-    vector_store(torque, x_next + 3);
+    vector_store(force, x);
+    vector_store(torque, x + 3);
+}
+
+/* Remembers the mean load of the step; an impulse is no load that lasts, and starts the record anew. */
+int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
+    const FixedBase *base = self;
+    (void)why;
+    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
+    if (value_of(u[base->impulse]) > 0.5) return 1;
+    store_load(base, u, x_next);
     for (size_t i = 0; i < LOAD; i++) x_next[LOAD + i] = x[i];
     x_next[2 * LOAD] = h;
     x_next[2 * LOAD + 1] = x[2 * LOAD];
@@ -52,9 +57,18 @@ void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y)
     }
 }
 
+/* There are no continuous states. */
+int NAME(fixed_base_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
+    (void)self, (void)raw, (void)x, (void)u, (void)rates, (void)why;
+    return 1;
+}
+
 #ifndef FANFOLD_COMPLEX
 
 #define MOST_PORTS 1024
+
+int fixed_base_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
+                             double complex *rates, Reason *why);
 
 int fixed_base_step_complex(void *self, const double *x, const double complex *u, double h,
                             double complex *x_next, Reason *why);
@@ -124,6 +138,19 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     }
 }
 
+static size_t no_continuous_states(const void *self, size_t *places) {
+    (void)self, (void)places;
+    return 0;
+}
+
+/* Remembers the load of this instant. */
+static void update(void *self, const double *x, const double *u, int at_event, double *x_next) {
+    const FixedBase *base = self;
+    (void)x, (void)at_event;
+    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
+    store_load(base, u, x_next);
+}
+
 const Kernel fixed_base_kernel = {
     "fixed_base",
     create,
@@ -136,6 +163,10 @@ const Kernel fixed_base_kernel = {
     fixed_base_outputs_complex,
     NULL,
     NULL,
+    .continuous = no_continuous_states,
+    .rates = fixed_base_rates_real,
+    .rates_complex = fixed_base_rates_complex,
+    .update = update,
 };
 
 #endif

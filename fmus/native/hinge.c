@@ -353,6 +353,8 @@ void NAME(hinge_outputs)(void *self, const real *x, const real *u, real *y) {
     y[PAIR_SIZE + 1] = x[LATCHED];
 }
 
+#include "hinge_exchange.h"
+
 #ifndef FANFOLD_COMPLEX
 
 int hinge_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
@@ -537,6 +539,11 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
 const Kernel hinge_kernel = {
     "hinge",       hinge_create,       hinge_prepare,         hinge_initial,    hinge_step_real, hinge_outputs_real,
     hinge_observe, hinge_step_complex, hinge_outputs_complex, hinge_next_event, hinge_event,
+    .continuous = hinge_continuous,
+    .rates = hinge_rates_real,
+    .rates_complex = hinge_rates_complex,
+    .indicators = hinge_indicators,
+    .update = hinge_update,
 };
 
 #endif

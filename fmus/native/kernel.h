@@ -60,6 +60,20 @@ typedef struct {
     double (*next_event)(void *self, const double *x, const double *u);
     /* From x to x_next at one instant; `due` when the time that `next_event` gave has come. */
     void (*event)(void *self, const double *x, const double *u, int due, double *x_next);
+    /* Model exchange; `continuous` is NULL for components without it. Number of continuous states and, where
+       wanted, their positions in the state. */
+    size_t (*continuous)(const void *self, size_t *places);
+    /* Makes what depends on the continuous states fit those that a solver put into x; NULL where nothing does. */
+    void (*complete)(void *self, double *x);
+    void (*complete_complex)(void *self, double complex *x);
+    /* Rates of the continuous states at the completed state x; `raw` is the same before completion. */
+    int (*rates)(void *self, const double *raw, const double *x, const double *u, double *rates, Reason *why);
+    int (*rates_complex)(void *self, const double complex *raw, const double complex *x, const double complex *u,
+                         double complex *rates, Reason *why);
+    /* Number of event indicators and, where wanted, their values; NULL for none. */
+    size_t (*indicators)(void *self, const double *x, const double *u, double *indicators);
+    /* What the state remembers of an accepted step of the solver and, at an event, what happens; NULL for nothing. */
+    void (*update)(void *self, const double *x, const double *u, int at_event, double *x_next);
 } Kernel;
 
 /* Every component of this binary; the build writes the list from the equations files there are. */

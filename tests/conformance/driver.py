@@ -36,6 +36,8 @@ def _extracted(path):
 class Fmu:
     """One instance; every call returns the FMI status, `log` holds what it said."""
 
+    interface = FMU2Slave
+
     def __init__(self, path, instance="instance"):
         self.description = read_model_description(path, validate=False)
         self.log = []
@@ -44,7 +46,7 @@ class Fmu:
         self._callbacks.logger = self._logger
         self._callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
-        self.slave = FMU2Slave(
+        self.slave = self.interface(
             guid=self.description.guid,
             unzipDirectory=_extracted(path).name,
             modelIdentifier=self.description.coSimulation.modelIdentifier,

@@ -11,10 +11,10 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import build_fmu, native_library
-from fmus.native import FLAGS, compiler, sources
 from tests.conformance.driver import KINDS, start_of
 from tests.conformance.latching import START, hinge
-from tests.conformance.test_native_robustness import NATIVE, SANITIZERS, damaged
+from tests.conformance.sanitized import program
+from tests.conformance.test_native_robustness import NATIVE, damaged
 
 HOST = Path(__file__).with_name("host3.c")
 DAMAGED = 200
@@ -25,17 +25,7 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no na
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """The host with all native sources in one program."""
-    folder = tmp_path_factory.mktemp("host3")
-    for name, text in {**sources(), HOST.name: HOST.read_text(encoding="utf-8")}.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
-    names = map(str, folder.glob("*.c"))
-    command = [compiler(), *flags, *SANITIZERS, *names, "-o", str(folder / "host3"), "-lm"]
-    run = subprocess.run(command, capture_output=True, text=True)
-    if "cannot find" in run.stderr and "san" in run.stderr:
-        pytest.skip("the compiler has no sanitizers")
-    assert run.returncode == 0, run.stderr[-2000:]
-    return folder / "host3"
+    return program(HOST, tmp_path_factory.mktemp("host3"))
 
 
 def unpacked(path, folder):

@@ -16,11 +16,10 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import build_fmu, native_backend
-from fmus.native import FLAGS, compiler, sources
 from tests.conformance.driver import KINDS, start_of
+from tests.conformance.sanitized import program
 
 HOST = Path(__file__).with_name("host.c")
-SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
 DAMAGED = 300
 
@@ -28,24 +27,7 @@ DAMAGED = 300
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """The host with all native sources in one program."""
-    folder = tmp_path_factory.mktemp("host")
-    for name, text in {**sources(), HOST.name: HOST.read_text(encoding="utf-8")}.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
-    command = [
-        compiler(),
-        *flags,
-        *SANITIZERS,
-        *map(str, folder.glob("*.c")),
-        "-o",
-        str(folder / "host"),
-        "-lm",
-    ]
-    run = subprocess.run(command, capture_output=True, text=True)
-    if "cannot find" in run.stderr and "san" in run.stderr:
-        pytest.skip("the compiler has no sanitizers")
-    assert run.returncode == 0, run.stderr[-2000:]
-    return folder / "host"
+    return program(HOST, tmp_path_factory.mktemp("host"))
 
 
 def unpacked(kind, folder):

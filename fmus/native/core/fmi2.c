@@ -1,4 +1,4 @@
-/* FMI 2.0 for co-simulation: the standard's functions on an instance. */
+/* FMI 2.0: the standard's functions on an instance; those of model exchange alone are in fmi2_model_exchange.c. */
 
 #include "fmi2.h"
 
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "instance.h"
+#include "continuous.h"
+#include "fmi2_instance.h"
 #include "resources.h"
 
 /* An instance and the host it reports to. */
@@ -47,7 +48,7 @@ static void log_to_host(void *host, Status status, const char *sentence) {
 
 static Slave *slave_of(fmi2Component component) { return component; }
 
-static Instance *instance_of(fmi2Component component) { return component ? slave_of(component)->instance : NULL; }
+Instance *fmi2_instance_of(fmi2Component component) { return component ? slave_of(component)->instance : NULL; }
 
 FMI2_EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
 FMI2_EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
@@ -76,13 +77,13 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
         strcpy(slave->name, name);
     if (!slave->name || !*name)
         log_to_host(slave, STATUS_ERROR, "an instance needs a name");
-    else if (type != fmi2CoSimulation)
-        log_to_host(slave, STATUS_ERROR, "this FMU is for co-simulation; model exchange is not offered");
+    else if (type != fmi2CoSimulation && type != fmi2ModelExchange)
+        log_to_host(slave, STATUS_ERROR, "an instance is for model exchange or for co-simulation");
     else if (!location || !resources_path(location, path, sizeof path))
         log_to_host(slave, STATUS_ERROR, "the resource location is missing or longer than 4095 characters");
     else
         slave->instance = instance_create(name, path, guid, log_to_host, slave);
-    if (slave->instance)
+    if (slave->instance && (type == fmi2CoSimulation || continuous_use(slave->instance)))
         return slave;
     fmi2FreeInstance(slave);
     return NULL;
@@ -98,7 +99,7 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean 
                                            fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
                                            fmi2Real stop) {
     (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     if (!instance)
         return fmi2Error;
     if (instance->mode != MODE_INSTANTIATED)
@@ -108,40 +109,40 @@ FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean 
 }
 
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_enter_initialization(instance, instance->time) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_exit_initialization(instance) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component component) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_terminate(instance) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component component) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_reset(instance) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                    fmi2Real values[]) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_get(instance, references, count, values) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                    const fmi2Real values[]) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_set(instance, references, count, values) : fmi2Error;
 }
 
 /* There are no variables of other types; asking for none of them is no error. */
 static fmi2Status other_type(fmi2Component component, size_t count) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     if (!instance)
         return fmi2Error;
     return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "all variables of this FMU are of type Real")
@@ -165,7 +166,7 @@ OTHER_TYPE(Boolean)
 OTHER_TYPE(String)
 
 FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     if (!instance)
         return fmi2Error;
     SavedState *saved = *state;
@@ -175,7 +176,7 @@ FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *st
 }
 
 FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_restore(instance, state) : fmi2Error;
 }
 
@@ -198,7 +199,7 @@ FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2F
 
 FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUstate state, fmi2Byte bytes[],
                                              size_t size) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     if (!instance || !state)
         return fmi2Error;
     if (size < instance_serialized_size(state))
@@ -221,20 +222,21 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
                                                     const fmi2ValueReference unknowns[], size_t unknown_count,
                                                     const fmi2ValueReference knowns[], size_t known_count,
                                                     const fmi2Real seed[], fmi2Real result[]) {
-    Instance *instance = instance_of(component);
-    return instance ? (fmi2Status)instance_derivative(instance, unknowns, unknown_count, knowns, known_count, seed,
-                                                      result)
-                    : fmi2Error;
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance)
+        return fmi2Error;
+    return (fmi2Status)(instance->continuous.used ? continuous_derivative : instance_derivative)(
+        instance, unknowns, unknown_count, knowns, known_count, seed, result);
 }
 
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
     (void)no_return;
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_step(instance, time, h) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component component) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     return instance ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "no step runs that could be cancelled")
                     : fmi2Error;
 }
@@ -259,7 +261,7 @@ FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kin
 }
 
 FMI2_EXPORT fmi2Status fmi2GetRealStatus(fmi2Component component, fmi2StatusKind kind, fmi2Real *value) {
-    Instance *instance = instance_of(component);
+    Instance *instance = fmi2_instance_of(component);
     if (!instance || kind != fmi2LastSuccessfulTime)
         return fmi2Discard;
     *value = instance->time;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "continuous.h"
 #include "real.h"
 
 static const char *const GROUPS[4] = {"parameter", "input", "output", "observation"};
@@ -44,6 +45,11 @@ static void scalar_name(const Instance *instance, int group, size_t position, ch
         snprintf(name, size, "%s[%lu]", variable.name, (unsigned long)(position - variable.offset + 1));
 }
 
+void instance_scalar_name(const Instance *instance, uint32_t reference, char *name, size_t size) {
+    int group = reference >= instance->ends[0];
+    scalar_name(instance, group, reference - (group ? instance->ends[0] : 0), name, size);
+}
+
 /* Unit of the parameter at a position; empty where it is not known. */
 static const char *unit_of(const Instance *instance, size_t position) {
     Variable variable;
@@ -69,6 +75,10 @@ static int read_layout(Instance *instance, Reason *why) {
         total += (size_t)counts[group];
         instance->ends[group] = total;
     }
+    if (!continuous_read(instance, why))
+        return 0;
+    total += 2 * instance->continuous.count;
+    instance->ends[4] = total;
     instance->feedthrough = feedthrough[0] != 0.0;
     instance->sizes = (Sizes){(size_t)counts[0], (size_t)counts[1], (size_t)counts[2], (size_t)counts[3]};
     instance->start = data_array(data, "start", instance->ends[1], why);
@@ -77,7 +87,7 @@ static int read_layout(Instance *instance, Reason *why) {
     instance->values = allocate(&instance->memory, (total + 1) * sizeof(double));
     instance->minimum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
     instance->maximum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
-    instance->tunable = allocate(&instance->memory, instance->sizes.parameters + 1);
+    instance->tunable = allocate(&instance->memory, instance->ends[1] + 1);
     if (!instance->values || !instance->minimum || !instance->maximum || !instance->tunable)
         return refuse(why, "no memory for %lu values", (unsigned long)total);
     Variable variable;
@@ -88,10 +98,12 @@ static int read_layout(Instance *instance, Reason *why) {
                 continue;
             if (variable.offset > size || variable.size > size - variable.offset)
                 return refuse(why, "%s %.100s lies outside of what is declared", GROUPS[group], variable.name);
-            for (size_t k = variable.offset; group == 0 && k < variable.offset + variable.size; k++) {
+            for (size_t k = variable.offset; group < 2 && k < variable.offset + variable.size; k++) {
+                instance->tunable[k + (group ? instance->ends[0] : 0)] = (unsigned char)variable.tunable;
+                if (group)
+                    continue;
                 instance->minimum[k] = variable.minimum;
                 instance->maximum[k] = variable.maximum;
-                instance->tunable[k] = (unsigned char)variable.tunable;
             }
         }
     }
@@ -122,7 +134,7 @@ static int make_state(Instance *instance, Reason *why) {
     if (!instance->x || !instance->before || !instance->complex_inputs || !instance->complex_state ||
         !instance->complex_outputs)
         return refuse(why, "no memory for %lu states", (unsigned long)instance->states);
-    return 1;
+    return continuous_create(instance, why);
 }
 
 static int check_token(const Instance *instance, const char *token, Reason *why) {
@@ -175,12 +187,12 @@ Status instance_reset(Instance *instance) {
     instance->mode = MODE_INSTANTIATED;
     instance->time = 0.0;
     instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
-    instance->outputs_known = instance->observations_known = 0;
+    instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
     return STATUS_OK;
 }
 
 Status instance_terminate(Instance *instance) {
-    if (instance->mode != MODE_STEP && instance->mode != MODE_EVENT)
+    if (instance->mode < MODE_STEP || instance->mode == MODE_TERMINATED)
         return instance_fail(instance, STATUS_ERROR, "terminated before the end of initialization mode");
     instance->mode = MODE_TERMINATED;
     return STATUS_OK;
@@ -257,7 +269,12 @@ static int initialize(Instance *instance, Reason *why) {
         !state_finite(instance, instance->x, why))
         return 0;
     instance->has_state = 1;
+    instance->continuous.known = 0;
     return 1;
+}
+
+int instance_ready(Instance *instance, Reason *why) {
+    return initialize(instance, why) && prepare(instance, why) && inputs_finite(instance, why);
 }
 
 Status instance_exit_initialization(Instance *instance) {
@@ -266,7 +283,7 @@ Status instance_exit_initialization(Instance *instance) {
         return instance_fail(instance, STATUS_ERROR, "initialization mode ends only where it has begun");
     if (!initialize(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
-    instance->mode = MODE_STEP;
+    instance->mode = instance->continuous.used ? MODE_EVENT : MODE_STEP;
     return STATUS_OK;
 }
 
@@ -280,14 +297,17 @@ static int contiguous(const uint32_t *references, size_t count) {
 
 static Status no_such_reference(Instance *instance, uint32_t reference) {
     return instance_fail(instance, STATUS_ERROR, "there is no value reference %lu; it must be below %lu",
-                         (unsigned long)reference, (unsigned long)instance->ends[3]);
+                         (unsigned long)reference, (unsigned long)instance->ends[4]);
 }
 
 /* Whether a reference may be set now. */
 static Status settable(Instance *instance, uint32_t reference) {
     char name[200];
-    if (reference >= instance->ends[3])
+    if (reference >= instance->ends[4])
         return no_such_reference(instance, reference);
+    if (reference >= instance->ends[3])
+        return instance_fail(instance, STATUS_ERROR, "value reference %lu is that of a continuous state or its rate; "
+                             "it cannot be set", (unsigned long)reference);
     if (reference >= instance->ends[1]) {
         int group = reference >= instance->ends[2] ? 3 : 2;
         scalar_name(instance, group, reference - instance->ends[group - 1], name, sizeof name);
@@ -301,8 +321,9 @@ static Status settable(Instance *instance, uint32_t reference) {
 }
 
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values) {
-    int parameters = 0;
-    if (contiguous(references, count) && references[0] >= instance->ends[0] &&
+    int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
+    Status status = STATUS_OK, worst = STATUS_OK;
+    if (!continuous && contiguous(references, count) && references[0] >= instance->ends[0] &&
         references[count - 1] < instance->ends[1]) {
         memcpy(instance->values + references[0], values, count * sizeof(double));
     } else {
@@ -310,7 +331,10 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
             if (settable(instance, references[i]) != STATUS_OK)
                 return STATUS_ERROR;
         for (size_t i = 0; i < count; i++) {
-            instance->values[references[i]] = values[i];
+            if (!continuous)
+                instance->values[references[i]] = values[i];
+            else if ((status = continuous_set_value(instance, references[i], values[i])) > worst)
+                worst = status;
             parameters |= references[i] < instance->ends[0];
         }
     }
@@ -323,7 +347,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
     }
     if (instance->mode < MODE_STEP)
         instance->has_state = instance->outputs_known = 0;
-    return STATUS_OK;
+    return worst;
 }
 
 static int know_outputs(Instance *instance, Reason *why) {
@@ -331,7 +355,7 @@ static int know_outputs(Instance *instance, Reason *why) {
         return 1;
     if (!initialize(instance, why) || !prepare(instance, why))
         return 0;
-    instance->kernel->outputs(instance->self, instance->x, inputs_of(instance),
+    instance->kernel->outputs(instance->self, continuous_state(instance), inputs_of(instance),
                               instance->values + instance->ends[1]);
     return instance->outputs_known = 1;
 }
@@ -341,21 +365,23 @@ static int know_observations(Instance *instance, Reason *why) {
         return 1;
     if (!initialize(instance, why) || !prepare(instance, why))
         return 0;
-    instance->kernel->observe(instance->self, instance->x, inputs_of(instance),
+    instance->kernel->observe(instance->self, continuous_state(instance), inputs_of(instance),
                               instance->values + instance->ends[2]);
     return instance->observations_known = 1;
 }
 
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values) {
     Reason why = {""};
-    int outputs = 0, observations = 0;
+    int outputs = 0, observations = 0, continuous = 0;
     for (size_t i = 0; i < count; i++) {
-        if (references[i] >= instance->ends[3])
+        if (references[i] >= instance->ends[4])
             return no_such_reference(instance, references[i]);
         outputs |= references[i] >= instance->ends[1] && references[i] < instance->ends[2];
-        observations |= references[i] >= instance->ends[2];
+        observations |= references[i] >= instance->ends[2] && references[i] < instance->ends[3];
+        continuous |= references[i] >= instance->ends[3];
     }
-    if ((outputs && !know_outputs(instance, &why)) || (observations && !know_observations(instance, &why)))
+    if ((outputs && !know_outputs(instance, &why)) || (observations && !know_observations(instance, &why)) ||
+        (continuous && !continuous_show(instance, &why)))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     if (contiguous(references, count))
         memcpy(values, instance->values + references[0], count * sizeof(double));
@@ -369,7 +395,9 @@ Status instance_step(Instance *instance, double time, double h) {
     Reason why = {""};
     instance->time = time;
     if (instance->mode != MODE_STEP)
-        return instance_fail(instance, STATUS_ERROR, "a step before the end of initialization mode");
+        return instance_fail(instance, STATUS_ERROR, instance->continuous.used
+                                 ? "this instance is for model exchange; a solver outside makes the steps"
+                                 : "a step before the end of initialization mode");
     if (!(h > 0.0 && isfinite(h)))
         return instance_fail(instance, STATUS_DISCARD, "the communication step size is %g s; it must be positive", h);
     double *next = instance->before;
@@ -513,6 +541,8 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     if (!state || state->known != instance->ends[1] || state->states != instance->states ||
         memcmp(state->owner, owner, sizeof owner) != 0)
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
+    if (state->mode == (instance->continuous.used ? MODE_STEP : MODE_CONTINUOUS))
+        return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");
     if (memcmp(instance->values, state->numbers, instance->ends[0] * sizeof(double)) != 0)
         instance->prepared = 0;
     memcpy(instance->values, state->numbers, state->known * sizeof(double));
@@ -521,7 +551,7 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     instance->mode = (Mode)state->mode;
     instance->has_state = state->has_state;
     instance->event_due = state->event_due;
-    instance->stepped = instance->outputs_known = instance->observations_known = 0;
+    instance->stepped = instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
     return STATUS_OK;
 }
 

@@ -1,7 +1,8 @@
 /* One instance of a component: values, state and mode, whatever version of FMI is spoken outside.
 
    All values lie in one array in the order of the value references: parameters, inputs, outputs,
-   observations. Outputs and observations are computed when they are read, once per state. */
+   observations, continuous states, their rates. Outputs and observations are computed when they are read, once
+   per state; states and rates whenever they are read. */
 
 #ifndef FANFOLD_INSTANCE_H
 #define FANFOLD_INSTANCE_H
@@ -14,11 +15,28 @@
 /* Numbered as fmi2Status and fmi3Status are. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
 
-/* Event mode is a mode of FMI 3 only. */
-typedef enum { MODE_INSTANTIATED, MODE_INITIALIZATION, MODE_STEP, MODE_EVENT, MODE_TERMINATED } Mode;
+/* Co-simulation has step mode, with FMI 3 event mode too; model exchange has event and continuous-time mode. */
+typedef enum {
+    MODE_INSTANTIATED,
+    MODE_INITIALIZATION,
+    MODE_STEP,
+    MODE_EVENT,
+    MODE_CONTINUOUS,
+    MODE_TERMINATED
+} Mode;
 
 /* Takes a sentence to the host. */
 typedef void (*Logger)(void *host, Status status, const char *sentence);
+
+/* Continuous states, where the component has them: see continuous.h. `places` are their positions in the state;
+   `completed` is what an instance that is `used` for model exchange evaluates, if `known`. */
+typedef struct {
+    int offered, used, known;
+    size_t count, indicators, *places;
+    const double *nominals;
+    double *completed;
+    double complex *complex_raw, *complex_rates;
+} Continuous;
 
 typedef struct {
     Memory memory;
@@ -29,15 +47,16 @@ typedef struct {
     Logger logger;
     void *host;
     Sizes sizes;
-    size_t ends[4], states;
+    size_t ends[5], states;
     double *values, *minimum, *maximum;
-    unsigned char *tunable;
+    unsigned char *tunable; /* of parameters and inputs: changes at events only */
     double *x, *before;
     double step_size, time;
     double complex *complex_inputs, *complex_state, *complex_outputs;
     const double *start;
     Mode mode;
     int feedthrough, prepared, has_state, stepped, event_due, outputs_known, observations_known;
+    Continuous continuous;
 } Instance;
 
 /* A saved state; `known` holds parameters and inputs. */
@@ -55,6 +74,10 @@ Instance *instance_create(const char *name, const char *resources, const char *t
 void instance_free(Instance *instance);
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...);
+/* Whether there are a state, checked parameters and finite inputs, so that equations can be evaluated. */
+int instance_ready(Instance *instance, Reason *why);
+/* Name of the parameter or input with a value reference. */
+void instance_scalar_name(const Instance *instance, uint32_t reference, char *name, size_t size);
 
 Status instance_enter_initialization(Instance *instance, double start_time);
 Status instance_exit_initialization(Instance *instance);

@@ -1,0 +1,321 @@
+/* The continuous states of an instance: see continuous.h. */
+
+#include "continuous.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "real.h"
+
+/* More than any component has; what damaged data may ask for stays small. */
+#define MOST 1e6
+
+static int is_count(double number) { return number >= 0.0 && number <= MOST && floor(number) == number; }
+
+int continuous_read(Instance *instance, Reason *why) {
+    Continuous *continuous = &instance->continuous;
+    Reason absent;
+    const double *counts = data_array(&instance->data, "continuous", 2, &absent);
+    if (!counts)
+        return 1;
+    if (!is_count(counts[0]) || !is_count(counts[1]))
+        return refuse(why, "the component's data declare %g continuous states and %g event indicators", counts[0],
+                      counts[1]);
+    continuous->offered = 1;
+    continuous->count = (size_t)counts[0];
+    continuous->indicators = (size_t)counts[1];
+    continuous->nominals = data_array(&instance->data, "nominals", continuous->count, why);
+    return continuous->nominals != NULL;
+}
+
+int continuous_create(Instance *instance, Reason *why) {
+    const Kernel *kernel = instance->kernel;
+    Continuous *continuous = &instance->continuous;
+    if (!continuous->offered)
+        return 1;
+    size_t count = kernel->continuous ? kernel->continuous(instance->self, NULL) : 0;
+    size_t indicators = kernel->indicators ? kernel->indicators(instance->self, NULL, NULL, NULL) : 0;
+    if (!kernel->continuous || count != continuous->count || indicators != continuous->indicators)
+        return refuse(why, "the component has %lu continuous states and %lu event indicators; the data give %lu and %lu",
+                      (unsigned long)count, (unsigned long)indicators, (unsigned long)continuous->count,
+                      (unsigned long)continuous->indicators);
+    continuous->places = allocate(&instance->memory, (count + 1) * sizeof(size_t));
+    if (!continuous->places)
+        return refuse(why, "no memory for %lu continuous states", (unsigned long)count);
+    kernel->continuous(instance->self, continuous->places);
+    return 1;
+}
+
+int continuous_use(Instance *instance) {
+    Continuous *continuous = &instance->continuous;
+    Memory *memory = &instance->memory;
+    if (!continuous->offered) {
+        instance_fail(instance, STATUS_ERROR, "this FMU is for co-simulation; model exchange is not offered");
+        return 0;
+    }
+    size_t numbers = instance->states + 1;
+    continuous->completed = allocate(memory, numbers * sizeof(double));
+    continuous->complex_raw = allocate(memory, numbers * sizeof(double complex));
+    continuous->complex_rates = allocate(memory, (continuous->count + 1) * sizeof(double complex));
+    if (!continuous->completed || !continuous->complex_raw || !continuous->complex_rates) {
+        instance_fail(instance, STATUS_ERROR, "no memory for model exchange");
+        return 0;
+    }
+    continuous->used = 1;
+    return 1;
+}
+
+const double *continuous_state(Instance *instance) {
+    Continuous *continuous = &instance->continuous;
+    if (!continuous->used || !instance->kernel->complete)
+        return instance->x;
+    if (!continuous->known) {
+        memcpy(continuous->completed, instance->x, instance->states * sizeof(double));
+        instance->kernel->complete(instance->self, continuous->completed);
+        continuous->known = 1;
+    }
+    return continuous->completed;
+}
+
+/* At a state that is ready. */
+static int evaluate_rates(Instance *instance, double *rates, Reason *why) {
+    return instance->kernel->rates(instance->self, instance->x, continuous_state(instance),
+                                   instance->values + instance->ends[0], rates, why);
+}
+
+static void copy_states(const Instance *instance, double *states) {
+    for (size_t i = 0; i < instance->continuous.count; i++)
+        states[i] = instance->x[instance->continuous.places[i]];
+}
+
+int continuous_show(Instance *instance, Reason *why) {
+    double *states = instance->values + instance->ends[3];
+    if (!instance_ready(instance, why) || !evaluate_rates(instance, states + instance->continuous.count, why))
+        return 0;
+    copy_states(instance, states);
+    return 1;
+}
+
+Status continuous_set_value(Instance *instance, uint32_t reference, double value) {
+    char name[200];
+    if (!instance->tunable[reference] || value == instance->values[reference]) {
+        instance->values[reference] = value;
+        return STATUS_OK;
+    }
+    instance_scalar_name(instance, reference, name, sizeof name);
+    if (reference < instance->ends[0])
+        return instance_fail(instance, STATUS_ERROR, "%s changes in event mode only", name);
+    return instance_fail(instance, STATUS_WARNING, "%s changes in event mode only; it stays %g", name,
+                         instance->values[reference]);
+}
+
+/* STATUS_OK when an instance for model exchange is in one of two modes; `wanted` says what they allow. */
+static Status check_mode(Instance *instance, Mode one, Mode other, const char *wanted) {
+    if (!instance->continuous.used)
+        return instance_fail(instance, STATUS_ERROR, "this instance is for co-simulation; it has no solver outside");
+    if (instance->mode != one && instance->mode != other)
+        return instance_fail(instance, STATUS_ERROR, "%s", wanted);
+    return STATUS_OK;
+}
+
+/* STATUS_OK when there is a state to ask about, and as many numbers of a kind as the caller thinks. */
+static Status check_query(Instance *instance, size_t own, size_t count, const char *kind) {
+    if (!instance->continuous.used)
+        return instance_fail(instance, STATUS_ERROR, "this instance is for co-simulation; it has no solver outside");
+    if (instance->mode == MODE_INSTANTIATED)
+        return instance_fail(instance, STATUS_ERROR, "%s exist from initialization mode on", kind);
+    if (own != count)
+        return instance_fail(instance, STATUS_ERROR, "there are %lu %s, not %lu", (unsigned long)own, kind,
+                             (unsigned long)count);
+    return STATUS_OK;
+}
+
+/* What follows from the state is to be computed anew. */
+static void state_changed(Instance *instance) {
+    instance->continuous.known = instance->outputs_known = instance->observations_known = 0;
+}
+
+Status continuous_set_time(Instance *instance, double time) {
+    Status status = check_mode(instance, MODE_EVENT, MODE_CONTINUOUS, "time is set in event or continuous-time mode");
+    if (status != STATUS_OK)
+        return status;
+    if (!isfinite(time))
+        return instance_fail(instance, STATUS_ERROR, "the time is %g s; it must be finite", time);
+    instance->time = time;
+    return STATUS_OK;
+}
+
+Status continuous_set_states(Instance *instance, const double *states, size_t count) {
+    Status status = check_query(instance, instance->continuous.count, count, "continuous states");
+    if (status == STATUS_OK)
+        status = check_mode(instance, MODE_CONTINUOUS, MODE_CONTINUOUS,
+                            "continuous states are set in continuous-time mode");
+    if (status != STATUS_OK)
+        return status;
+    for (size_t i = 0; i < count; i++)
+        instance->x[instance->continuous.places[i]] = states[i];
+    state_changed(instance);
+    return STATUS_OK;
+}
+
+Status continuous_get_states(Instance *instance, double *states, size_t count) {
+    Reason why = {""};
+    Status status = check_query(instance, instance->continuous.count, count, "continuous states");
+    if (status != STATUS_OK)
+        return status;
+    if (!instance_ready(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    copy_states(instance, states);
+    return STATUS_OK;
+}
+
+Status continuous_get_nominals(Instance *instance, double *nominals, size_t count) {
+    if (!instance->continuous.used || instance->continuous.count != count)
+        return check_query(instance, instance->continuous.count, count, "continuous states");
+    memcpy(nominals, instance->continuous.nominals, count * sizeof(double));
+    return STATUS_OK;
+}
+
+/* STATUS_DISCARD and a sentence where one of the numbers is not finite: a solver may try a smaller step. */
+static Status check_finite(Instance *instance, const double *numbers, size_t count, const char *kind) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(numbers[i]))
+            return instance_fail(instance, STATUS_DISCARD, "%s %lu is %g", kind, (unsigned long)i + 1, numbers[i]);
+    return STATUS_OK;
+}
+
+Status continuous_get_rates(Instance *instance, double *rates, size_t count) {
+    Reason why = {""};
+    Status status = check_query(instance, instance->continuous.count, count, "continuous states");
+    if (status != STATUS_OK)
+        return status;
+    if (!instance_ready(instance, &why))
+        return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+    if (!evaluate_rates(instance, rates, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    return check_finite(instance, rates, count, "the rate of continuous state");
+}
+
+Status continuous_get_indicators(Instance *instance, double *indicators, size_t count) {
+    Reason why = {""};
+    Status status = check_query(instance, instance->continuous.indicators, count, "event indicators");
+    if (status != STATUS_OK || !count)
+        return status;
+    if (!instance_ready(instance, &why))
+        return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+    instance->kernel->indicators(instance->self, continuous_state(instance), instance->values + instance->ends[0],
+                                 indicators);
+    return check_finite(instance, indicators, count, "event indicator");
+}
+
+/* Lets the component remember the present instant, or act in it. */
+static Status update(Instance *instance, int at_event) {
+    Reason why = {""};
+    if (!instance->kernel->update)
+        return STATUS_OK;
+    if (!instance_ready(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    double *next = instance->before;
+    instance->kernel->update(instance->self, instance->x, instance->values + instance->ends[0], at_event, next);
+    instance->before = instance->x;
+    instance->x = next;
+    state_changed(instance);
+    return STATUS_OK;
+}
+
+Status continuous_enter_event_mode(Instance *instance) {
+    Status status = check_mode(instance, MODE_CONTINUOUS, MODE_EVENT, "event mode is entered from continuous-time mode");
+    /* the commands still are those of the time before the event */
+    if (status == STATUS_OK && instance->mode == MODE_CONTINUOUS)
+        status = update(instance, 0);
+    if (status == STATUS_OK)
+        instance->mode = MODE_EVENT;
+    return status;
+}
+
+Status continuous_enter_continuous_time_mode(Instance *instance) {
+    Status status = check_mode(instance, MODE_EVENT, MODE_EVENT, "continuous-time mode is entered from event mode");
+    if (status == STATUS_OK)
+        instance->mode = MODE_CONTINUOUS;
+    return status;
+}
+
+Status continuous_update_discrete_states(Instance *instance) {
+    Status status = check_mode(instance, MODE_EVENT, MODE_EVENT, "discrete states are updated in event mode");
+    return status == STATUS_OK ? update(instance, 1) : status;
+}
+
+Status continuous_complete_step(Instance *instance, int *event) {
+    double indicators[8];
+    size_t count = instance->continuous.indicators;
+    Status status = check_mode(instance, MODE_CONTINUOUS, MODE_CONTINUOUS,
+                               "integrator steps are completed in continuous-time mode");
+    if (status == STATUS_OK)
+        status = update(instance, 0);
+    *event = 0;
+    if (status != STATUS_OK || !count || count > sizeof indicators / sizeof *indicators)
+        return status;
+    status = continuous_get_indicators(instance, indicators, count);
+    for (size_t i = 0; status == STATUS_OK && i < count; i++)
+        *event |= indicators[i] < 0.0;
+    return status;
+}
+
+/* Inputs and state with the seed as their imaginary part; 0 where a known is neither. */
+static int seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed, Reason *why) {
+    const Continuous *continuous = &instance->continuous;
+    const double *u = instance->values + instance->ends[0];
+    for (size_t i = 0; i < instance->sizes.inputs; i++)
+        instance->complex_inputs[i] = u[i];
+    for (size_t i = 0; i < instance->states; i++)
+        continuous->complex_raw[i] = instance->x[i];
+    for (size_t i = 0; i < count; i++) {
+        double slope = FANFOLD_INFINITESIMAL * seed[i];
+        if (knowns[i] >= instance->ends[0] && knowns[i] < instance->ends[1]) {
+            size_t place = knowns[i] - instance->ends[0];
+            instance->complex_inputs[place] = complex_of(u[place], slope);
+        } else if (knowns[i] >= instance->ends[3] && knowns[i] - instance->ends[3] < continuous->count) {
+            size_t place = continuous->places[knowns[i] - instance->ends[3]];
+            continuous->complex_raw[place] = complex_of(instance->x[place], slope);
+        } else {
+            return refuse(why, "derivatives exist with respect to inputs and continuous states, not to value "
+                               "reference %lu", (unsigned long)knowns[i]);
+        }
+    }
+    return 1;
+}
+
+static int differentiate(Instance *instance, Reason *why) {
+    const Kernel *kernel = instance->kernel;
+    const Continuous *continuous = &instance->continuous;
+    memcpy(instance->complex_state, continuous->complex_raw, instance->states * sizeof(double complex));
+    if (kernel->complete_complex)
+        kernel->complete_complex(instance->self, instance->complex_state);
+    kernel->outputs_complex(instance->self, instance->complex_state, instance->complex_inputs,
+                            instance->complex_outputs);
+    return kernel->rates_complex(instance->self, continuous->complex_raw, instance->complex_state,
+                                 instance->complex_inputs, continuous->complex_rates, why);
+}
+
+Status continuous_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
+                             const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
+    Reason why = {""};
+    const size_t *ends = instance->ends, first_rate = ends[3] + instance->continuous.count;
+    if (instance->mode < MODE_EVENT)
+        return instance_fail(instance, STATUS_ERROR, "derivatives exist after the end of initialization mode");
+    for (size_t i = 0; i < unknown_count; i++)
+        if (!(unknowns[i] >= ends[1] && unknowns[i] < ends[2]) &&
+            !(unknowns[i] >= first_rate && unknowns[i] < ends[4]))
+            return instance_fail(instance, STATUS_ERROR,
+                                 "derivatives exist of ports' outputs and of rates only, not of value reference %lu",
+                                 (unsigned long)unknowns[i]);
+    if (!instance_ready(instance, &why) || !seeded(instance, knowns, known_count, seed, &why) ||
+        !differentiate(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    for (size_t i = 0; i < unknown_count; i++) {
+        double complex number = unknowns[i] < ends[2] ? instance->complex_outputs[unknowns[i] - ends[1]]
+                                                      : instance->continuous.complex_rates[unknowns[i] - first_rate];
+        result[i] = cimag(number) / FANFOLD_INFINITESIMAL;
+    }
+    return STATUS_OK;
+}

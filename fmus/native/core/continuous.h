@@ -1,0 +1,44 @@
+/* The continuous states of an instance: for model exchange, and as variables to look at in co-simulation too.
+
+   In model exchange the instance's state array holds them as the solver set them; equations see the completed
+   state. The values of states and rates stand behind the observations. */
+
+#ifndef FANFOLD_CONTINUOUS_H
+#define FANFOLD_CONTINUOUS_H
+
+#include "instance.h"
+
+/* Numbers of states and indicators; 0 and a sentence where the data are unusable. */
+int continuous_read(Instance *instance, Reason *why);
+/* Checks them against the equations. */
+int continuous_create(Instance *instance, Reason *why);
+/* Makes a new instance one for model exchange; 0, with the reason logged, when it cannot. */
+int continuous_use(Instance *instance);
+
+/* The state that equations are evaluated at. */
+const double *continuous_state(Instance *instance);
+/* Brings the values of states and rates up to date. */
+int continuous_show(Instance *instance, Reason *why);
+/* Sets one value between events. STATUS_WARNING for a discrete input that would change: it keeps its value until
+   event mode, because a solver looks ahead, and hosts then set inputs of times to come. */
+Status continuous_set_value(Instance *instance, uint32_t reference, double value);
+
+Status continuous_set_time(Instance *instance, double time);
+Status continuous_set_states(Instance *instance, const double *states, size_t count);
+Status continuous_get_states(Instance *instance, double *states, size_t count);
+Status continuous_get_nominals(Instance *instance, double *nominals, size_t count);
+/* STATUS_DISCARD where they are not finite. */
+Status continuous_get_rates(Instance *instance, double *rates, size_t count);
+Status continuous_get_indicators(Instance *instance, double *indicators, size_t count);
+
+Status continuous_enter_event_mode(Instance *instance);
+Status continuous_enter_continuous_time_mode(Instance *instance);
+Status continuous_update_discrete_states(Instance *instance);
+/* Ends a step of the solver; `event` tells whether an event was stepped over. */
+Status continuous_complete_step(Instance *instance, int *event);
+
+/* Derivative of outputs and rates along `seed` of inputs and states. */
+Status continuous_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
+                             const uint32_t *knowns, size_t known_count, const double *seed, double *result);
+
+#endif

@@ -1,0 +1,12 @@
+/* What is behind an fmi2Component. */
+
+#ifndef FANFOLD_FMI2_INSTANCE_H
+#define FANFOLD_FMI2_INSTANCE_H
+
+#include "fmi2.h"
+#include "instance.h"
+
+/* The instance; NULL for none. */
+Instance *fmi2_instance_of(fmi2Component component);
+
+#endif

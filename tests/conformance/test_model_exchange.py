@@ -1,0 +1,184 @@
+"""Native FMUs in model exchange: valid, equal to their components, integrated by others, safe to misuse.
+
+FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import subprocess
+import sys
+import zipfile
+from functools import cache
+from pathlib import Path
+
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from components import REGISTRY
+from components.hinge import Hinge
+from fmus import build_fmu, native_backend, native_library
+from tests.conformance import exchange, exchange_runs
+from tests.conformance.driver import start_of
+from tests.conformance.exchange import SUBJECTS
+from tests.conformance.sanitized import program
+from tests.conformance.test_native_robustness import damaged
+
+ROOT = Path(__file__).resolve().parents[2]
+HOST = Path(__file__).with_name("host_model_exchange.c")
+DAMAGED = 200
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
+
+
+@cache
+def path_of(subject):
+    component = SUBJECTS[subject]()
+    return str(build_fmu(component, subject, start=start_of(component), backend="native"))
+
+
+def findings(script, *arguments):
+    command = [sys.executable, str(Path(__file__).with_name(script)), *arguments]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
+    if run.returncode:
+        pytest.fail(f"ended with {run.returncode}: {run.stderr[-2000:]}")
+    return json.loads(run.stdout.splitlines()[-1])
+
+
+@cache
+def findings_of(subject):
+    return findings("exchange.py", f"{subject}={path_of(subject)}")
+
+
+@cache
+def findings_of_runs(folder):
+    return findings("exchange_runs.py", str(folder))
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("exchange")
+
+
+@pytest.mark.parametrize("check", exchange.CHECKS)
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_behaves(subject, check):
+    assert findings_of(subject)[check] == ""
+
+
+@pytest.mark.parametrize("run", exchange_runs.RUNS)
+def test_is_integrated_by_another_solver(run, folder):
+    assert findings_of_runs(folder)[run] == ""
+
+
+def test_a_monolithic_wing_moves_as_the_coupled_one(folder):
+    """Two bodies and a hinge as one system in SciPy, against Fanfold's master at 0.25 ms with mean wrenches."""
+    found = findings("exchange_wing.py", str(folder))
+    (monolithic,), (coupled,) = found.pop("latch_times")
+    assert abs(monolithic - coupled) < 1e-5
+    assert {name: error for name, error in found.items() if not error < 2e-3} == {}
+
+
+@pytest.mark.parametrize("kind", REGISTRY)
+def test_every_native_kind_is_a_subject(kind):
+    """Control: whatever has a kernel and a wrench of an instant is tested here."""
+    if native_backend(REGISTRY[kind].example()):
+        assert kind in {make().kind for make in SUBJECTS.values()}
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_the_description_is_valid(subject):
+    """No problem that FMPy knows; states and rates belong together, and no other value reference has moved."""
+    component, path = SUBJECTS[subject](), path_of(subject)
+    assert validate_fmu(path) == []
+    description = read_model_description(path)
+    assert description.modelExchange.modelIdentifier == description.coSimulation.modelIdentifier
+    n, nx = sum(layout.size for layout in component.layouts), len(component.continuous.places)
+    assert description.numberOfContinuousStates == nx
+    assert description.numberOfEventIndicators == component.continuous.indicators
+    assert [v.valueReference for v in description.modelVariables] == list(range(n + 2 * nx))
+    for i, unknown in enumerate(description.derivatives):
+        rate, state = unknown.variable, description.modelVariables[n + i]
+        assert (rate.valueReference, rate.derivative, rate.name) == (n + nx + i, state, f"der({state.name})")
+    listed = {unknown.variable.name for unknown in description.initialUnknowns}
+    assert {v.name for v in description.modelVariables[n:]} <= listed
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_what_is_not_listed_as_a_dependency_is_none(subject):
+    """Ports depend on what the structure says; heat moves nothing."""
+    component = SUBJECTS[subject]()
+    description = read_model_description(path_of(subject))
+    ports = {name for name in component.output_layout.scalar_names()}
+    for unknown in description.outputs:
+        names = {v.name for v in unknown.dependencies}
+        assert (names & set(component.input_layout.scalar_names()) != set()) == (
+            component.feedthrough or unknown.variable.name not in ports
+        )
+        if unknown.variable.name in ports:
+            assert not names & set(component.continuous.quadratures)
+
+
+def test_mean_wrenches_and_python_fmus_are_for_co_simulation_only():
+    """What they give is no function of an instant, or has no derivatives."""
+    for component, backend in ((Hinge(), "native"), (Hinge(wrench_mode="endpoint"), "python")):
+        description = read_model_description(str(build_fmu(component, "hinge", backend=backend)))
+        assert description.modelExchange is None
+        assert description.numberOfContinuousStates == 0
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory):
+    return program(HOST, tmp_path_factory.mktemp("host"))
+
+
+def told(host, cycles, component, token, *resources):
+    sizes = [layout.size for layout in component.layouts]
+    if component.continuous:
+        sizes += [len(component.continuous.places), component.continuous.indicators]
+    command = [host, cycles, *sizes, token, *resources]
+    run = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stdout + run.stderr[-3000:]
+    made, _, messages, _ = run.stdout.split()
+    return int(made), int(messages)
+
+
+def unpacked(path, folder):
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    return folder / "resources", read_model_description(str(path)).guid
+
+
+@pytest.mark.parametrize("subject", SUBJECTS)
+def test_is_driven_and_misused_without_a_fault(subject, host, tmp_path):
+    resources, token = unpacked(path_of(subject), tmp_path)
+    made, messages = told(host, 20, SUBJECTS[subject](), token, resources)
+    assert made == 20
+    assert messages >= 10 * made
+
+
+@pytest.mark.parametrize("subject", ["body", "hinge", "free_loop", "fixed_base"])
+def test_damaged_resources_give_a_sentence(subject, host, tmp_path):
+    resources, token = unpacked(path_of(subject), tmp_path / "sound")
+    content = (resources / "component.bin").read_bytes()
+    generator = random.Random(13)
+    folders = []
+    for k in range(DAMAGED):
+        folder = tmp_path / f"damaged{k}"
+        folder.mkdir()
+        (folder / "component.bin").write_bytes(damaged(content, generator))
+        folders.append(folder)
+    made, messages = told(host, 1, SUBJECTS[subject](), token, *folders)
+    assert made + messages >= DAMAGED
+    assert made < DAMAGED
+
+
+def test_an_fmu_of_mean_wrenches_cannot_be_instantiated(host, tmp_path):
+    component = Hinge()
+    resources, token = unpacked(build_fmu(component, "hinge"), tmp_path)
+    component.continuous = SUBJECTS["hinge"]().continuous
+    assert told(host, 1, component, token, resources) == (0, 1)
