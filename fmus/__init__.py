@@ -2,12 +2,13 @@
 
 from .build import build_fmu, cache_directory, native_backend
 from .check import check_fmu
-from .description import Backend, FmiVersion, model_description
+from .description import NATIVE_TOOL, Backend, FmiVersion, model_description
 from .description3 import model_description3
 from .native import library as native_library
 from .variables import start_values, value_references
 
 __all__ = [
+    "NATIVE_TOOL",
     "Backend",
     "FmiVersion",
     "build_fmu",

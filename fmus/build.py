@@ -41,6 +41,7 @@ from .description3 import model_description3, terminals
 from .native import library
 from .native_data import component_bytes
 from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
+from .sources import source_files
 from .variables import StartValue, start_values
 
 _COMPONENTS = Path(components.__file__).parent
@@ -76,28 +77,35 @@ def build_fmu(
     start: Mapping[str, StartValue] | None = None,
     backend: Backend | None = None,
     fmi: FmiVersion = "2.0",
+    with_sources: bool = False,
 ) -> Path:
     """Write `name`.fmu into `directory` and return its path; without a directory, the file in the cache.
 
     `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
-    native FMU where there is none, and FMI 3.0 of a PythonFMU. Without a `backend` it is native where possible.
-    Nothing is built when the cache holds an FMU of the same content.
+    native FMU where there is none, and FMI 3.0 or sources of a PythonFMU. Without a `backend` it is native where
+    possible. `with_sources` adds the C sources, for platforms that this one does not build for; no compiler is
+    needed then. Nothing is built when the cache holds an FMU of the same content.
     """
     starts = start_values(component, start or {})
-    backend = backend or ("native" if fmi == "3.0" or native_backend(component) else "python")
-    if fmi == "3.0" and backend == "python":
-        raise ComponentError("PythonFMUs are of FMI 2.0; FMI 3.0 needs the native back end")
+    only_native = fmi == "3.0" or with_sources
+    backend = backend or ("native" if only_native or native_backend(component) else "python")
+    if only_native and backend == "python":
+        raise ComponentError(
+            "PythonFMUs are of FMI 2.0 and have no C sources; FMI 3.0 and sources need the native back end"
+        )
+    code = source_files(name, fmi) if with_sources else {}
+    listed = [path.removeprefix("sources/") for path in code if path.endswith(".c")]
 
     def contents(guid: str, generated: datetime) -> dict[str, bytes]:
         if fmi == "3.0":
-            files = _native_files(component, name, starts, guid, platform_tuple)
+            files = _native_files(component, name, starts, guid, platform_tuple, code)
             description = model_description3(component, name, starts, guid, generated)
             if component.ports:
                 files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(component)
         else:
-            description = model_description(component, name, starts, guid, generated, backend)
+            description = model_description(component, name, starts, guid, generated, backend, listed)
             if backend == "native":
-                files = _native_files(component, name, starts, guid, platform)
+                files = _native_files(component, name, starts, guid, platform, code)
             else:
                 files = _python_files(component, name, starts)
         return {**files, "modelDescription.xml": description}
@@ -116,20 +124,23 @@ def build_fmu(
 
 
 def _native_files(
-    component: Component, name: str, starts: Sequence[float], guid: str, folder: str
+    component: Component,
+    name: str,
+    starts: Sequence[float],
+    guid: str,
+    folder: str,
+    code: Mapping[str, bytes],
 ) -> dict[str, bytes]:
-    """Library and data of a native FMU, by their path in it; the library's folder says which platform it is for."""
+    """Library, data and sources of a native FMU, by their path in it; the library's folder names its platform."""
     binary = library()
-    if binary is None:
+    if binary is None and not code:
         raise ComponentError(
-            "there is no native library here; install with a C compiler, or export PythonFMUs"
+            "there is no native library here; install with a C compiler, or export PythonFMUs or sources"
         )
     if component.native_data() is None:
         raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
-    return {
-        f"binaries/{folder}/{name}{binary.suffix}": binary.read_bytes(),
-        "resources/component.bin": component_bytes(component, starts, guid),
-    }
+    binaries = {} if binary is None else {f"binaries/{folder}/{name}{binary.suffix}": binary.read_bytes()}
+    return {**binaries, **code, "resources/component.bin": component_bytes(component, starts, guid)}
 
 
 def _python_files(component: Component, name: str, starts: Sequence[float]) -> dict[str, bytes]:

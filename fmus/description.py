@@ -20,7 +20,9 @@ Backend = Literal["native", "python"]
 FmiVersion = Literal["2.0", "3.0"]
 
 DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "1", "stepSize": "0.001"}
-_TOOLS: dict[Backend, str] = {"native": "Fanfold", "python": "Fanfold with PythonFMU"}
+NATIVE_TOOL = "Fanfold"
+"""Generation tool of native FMUs, which keep no state outside of their instances."""
+_TOOLS: dict[Backend, str] = {"native": NATIVE_TOOL, "python": "Fanfold with PythonFMU"}
 _STATE_CAPABILITIES = {
     "canHandleVariableCommunicationStepSize": "true",
     "canNotUseMemoryManagementFunctions": "true",
@@ -66,10 +68,12 @@ def model_description(
     guid: str,
     generated: datetime,
     backend: Backend = "python",
+    source_files: Sequence[str] = (),
 ) -> bytes:
     """The complete modelDescription.xml of a component as the FMU `name`.
 
-    `starts` are the start values of parameters and inputs, as `start_values` gives them.
+    `starts` are the start values of parameters and inputs, as `start_values` gives them; `source_files` the
+    names of C files that the FMU carries.
     """
     variables = list(scalars(component))
     root = Element(
@@ -88,6 +92,11 @@ def model_description(
     _add_structure(root, component, variables)
     if backend == "native":
         add_model_exchange(root, component, name)
+    for interface in (root.find("CoSimulation"), root.find("ModelExchange")):
+        if interface is not None and source_files:
+            listed = SubElement(interface, "SourceFiles")
+            for source in source_files:
+                SubElement(listed, "File", {"name": source})
     return xml_bytes(root)
 
 

@@ -110,9 +110,12 @@ def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | Non
         raise click.BadParameter(
             "no native library was built; install Fanfold again where there is a C compiler"
         )
-    if value is None and native_library() is None:
-        _warn("no native library was built at installation; PythonFMUs are used, which are slower")
     return value
+
+
+def _tell_of_python(backend: Backend | None) -> None:
+    if backend is None and native_library() is None:
+        _warn("no native library was built at installation; PythonFMUs are used, which are slower")
 
 
 @main.command("run")
@@ -147,6 +150,7 @@ def run_command(
     """Deploy SCENE, the name of a scene or a scene file, and write its result."""
     if with_verify and master != "implicit":
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
+    _tell_of_python(backend)
     loaded = load_scene(find_scene(scene))
     assembly = assemble(loaded, rigid, flexible, "mean" if master == "implicit" else "endpoint")
     settings = Settings(
@@ -285,6 +289,7 @@ def plot_command(result: Path, output: Path | None) -> None:
     "--fmi", type=click.Choice(["2.0", "3.0"]), default="2.0", show_default=True,
     help="Version of FMI; 3.0 needs the native back end.",
 )  # fmt: skip
+@click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
 @_backend
 def export_command(
     scene: str,
@@ -293,11 +298,14 @@ def export_command(
     output: Path,
     wrench_mode: WrenchMode,
     fmi: FmiVersion,
+    sources: bool,
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
+    if fmi == "2.0" and not sources:
+        _tell_of_python(backend)
     assembly = assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode)
-    for path in export(assembly, output, backend, fmi):
+    for path in export(assembly, output, backend, fmi, sources):
         click.echo(path)
 
 

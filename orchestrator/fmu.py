@@ -23,9 +23,11 @@ from fmpy.fmi2 import (
 )
 
 from components import Layout, Quantity
+from fmus import NATIVE_TOOL
 
 from .network import MOTION, WRENCH
 from .participant import ParticipantError, Vector
+from .shared_library import share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = ("latch_distance", "latched")
@@ -107,6 +109,8 @@ class FmuParticipant:
         self._write_arguments = _arguments(inputs, self.inputs)
         self._read_arguments = _arguments(coupled, self.outputs)
         self._observe_arguments = _arguments(observed, self._observations)
+        if description.generationTool == NATIVE_TOOL:
+            share_library(self._folder, description.coSimulation.modelIdentifier)
         self._fmu = FMU2Slave(
             guid=description.guid,
             modelIdentifier=description.coSimulation.modelIdentifier,

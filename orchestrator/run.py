@@ -75,7 +75,11 @@ class Outcome:
 
 
 def export(
-    assembly: Assembly, directory: Path, backend: Backend | None = None, fmi: FmiVersion = "2.0"
+    assembly: Assembly,
+    directory: Path,
+    backend: Backend | None = None,
+    fmi: FmiVersion = "2.0",
+    with_sources: bool = False,
 ) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
     directory.mkdir(parents=True, exist_ok=True)
@@ -83,7 +87,7 @@ def export(
     for part in assembly.parts:
         try:
             component = REGISTRY[part.kind](**part.structure)
-            paths.append(build_fmu(component, part.name, directory, part.start, backend, fmi))
+            paths.append(build_fmu(component, part.name, directory, part.start, backend, fmi, with_sources))
         except ComponentError as error:
             raise RunError(f"{assembly.name}: {part.name}: {error}") from None
     return paths

@@ -2,64 +2,40 @@
 
     python -m tests.benchmark.exudyn_panel
 
-prints how its latch time and latch torque peak converge to Fanfold's. Exudyn at its best, as measured: module
-without range checks, modes orthonormal and invariants ready, motor and latch inside the bushings (no user
-functions, two connectors), three mesh nodes a hinge, modified Newton, generalised-alpha, no files, sensors after
-latch-up only, a step size before the latch and one after it. The run stops a step before the latch angle,
-a secant iteration finds the instant, and the solver starts again with the latch in the bushings.
+prints how its latch time and latch torque peak converge to Fanfold's. The model and its solver are those of
+`exudyn_model`, with sensors after latch-up only, and a step size before the latch and one after it. The run stops
+a step before the latch angle, a secant iteration finds the instant, and the solver starts again with the latch
+in the bushings.
 """
 
 from __future__ import annotations
 
-import sys
-from math import pi, sqrt
+from math import pi
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from components._frames import skew
-from components.modal import ModalData
 from orchestrator.master import Settings
 from orchestrator.run import as_fmus
-from tests.benchmark.one_panel import (
-    AXIAL,
-    CROSS,
-    RADIAL,
-    SIDES,
-    UNTIL,
-    Subject,
-    Trial,
-    couple,
-    crest,
-    subjects,
+from tests.benchmark.exudyn_model import (
+    JOINT,
+    QUARTER,
+    WORLD,
+    Steps,
+    add_body,
+    add_bushing,
+    add_marker,
+    exudyn,
+    item,
+    pose,
+    quiet_settings,
 )
-from tests.benchmark.stability import JOINT_DAMPING, MOTOR_STIFFNESS, MOTOR_WIND_UP
+from tests.benchmark.one_panel import SIDES, UNTIL, Subject, Trial, couple, crest, subjects
+from tests.benchmark.stability import MOTOR_STIFFNESS, MOTOR_WIND_UP
 
-sys.exudynFast = getattr(sys, "exudynFast", True)  # type: ignore[attr-defined]
-try:
-    import exudyn
-    from exudyn import itemInterface as item
-except ImportError:
-    raise SystemExit("Exudyn is missing; install it with: pip install '.[benchmark]'") from None
-
-WORLD = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-"""Our world's axes -> those of the model here, whose x axis is along the hinge line."""
-JOINT = np.array([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-"""Axes of a joint at the base, in columns; z is the direction about which the panel opens."""
-QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-"""Turns the joint on the panel, so that its angle is the hinge angle minus pi/2 and never wraps."""
-ARM = 0.02
+POINTS = tuple(f"hl_{side}" for side in SIDES)
 ANGLE, RATE = exudyn.OutputVariableType.Rotation, exudyn.OutputVariableType.AngularVelocityLocal
-
-
-class Steps(NamedTuple):
-    """Numbers of the solver: step sizes before and after the latch (s), Newton's relative tolerance."""
-
-    free: float
-    latched: float
-    tolerance: float = 1e-5
-    spectral_radius: float = 0.9
 
 
 class Panel:
@@ -70,59 +46,23 @@ class Panel:
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
         ground = self.system.AddObject(item.ObjectGround())
-        markers = self._body(subject.data)
+        markers = self._body()
         self.bushings = [
             self._bushing(ground, marker, side) for side, marker in zip(SIDES, markers, strict=True)
         ]
         self.sensors = [[self._sensor(bushing, kind) for kind in (ANGLE, RATE)] for bushing in self.bushings]
         self.system.Assemble()
 
-    def _body(self, data: ModalData) -> list[Any]:
+    def _body(self) -> list[Any]:
         """The panel in its stowed pose; returns its markers on the hinge line."""
         turn = WORLD @ np.diag([-1.0, 1.0, -1.0])
-        center = turn @ data.center_of_mass
-        angles = exudyn.rigidBodyUtilities.RotationMatrix2RotXYZ(turn)
-        frame = self.system.AddNode(item.NodeRigidBodyRxyz(referenceCoordinates=[*center, *angles]))
-        arms = {
-            side: data.point_positions[data.point_names.index(f"hl_{side}")] - data.center_of_mass
-            for side in SIDES
-        }
-        if data.frequency.size:
-            body = self.system.AddObject(modal_body(self.system, frame, data))
-            return [
-                self.system.AddMarker(
-                    item.MarkerSuperElementRigid(
-                        bodyNumber=body,
-                        localHT=pose(WORLD.T @ JOINT @ QUARTER, np.zeros(3)),
-                        meshNodeNumbers=[3 * k, 3 * k + 1, 3 * k + 2],
-                        weightingFactors=[1.0 / 3.0] * 3,
-                    )
-                )
-                for k in range(len(SIDES))
-            ]
-        entries = [data.inertia[i] for i in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))]
-        body = self.system.AddObject(item.ObjectRigidBody(nodeNumber=frame, mass=data.mass, inertia=entries))
-        turned = WORLD.T @ JOINT @ QUARTER
-        return [
-            self.system.AddMarker(item.MarkerBodyRigid(bodyNumber=body, localHT=pose(turned, arm)))
-            for arm in arms.values()
-        ]
+        body = add_body(self.system, self.subject.data, turn, np.zeros(3), POINTS)
+        return [add_marker(self.system, body, point, JOINT @ QUARTER) for point in POINTS]
 
     def _bushing(self, ground: Any, marker: Any, side: str) -> Any:
         place = pose(JOINT, WORLD @ (0.0, SIDES[side], 0.0))
         on_ground = self.system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localHT=place))
-        axial = AXIAL if side == "left" else 0.0
-        stiffness = np.diag([RADIAL, RADIAL, axial, CROSS, CROSS, 0.0])
-        damping = JOINT_DAMPING * stiffness
-        stiffness[5, 5] = 0.5 * MOTOR_STIFFNESS
-        return self.system.AddObject(
-            item.ObjectConnectorRigidBodySpringDamper(
-                markerNumbers=[on_ground, marker],
-                stiffness=stiffness,
-                damping=damping,
-                offset=[0.0] * 5 + [MOTOR_WIND_UP - 0.5 * pi],
-            )
-        )
+        return add_bushing(self.system, on_ground, marker, side)
 
     def _sensor(self, bushing: Any, kind: Any) -> Any:
         return self.system.AddSensor(
@@ -158,70 +98,6 @@ class Panel:
         return turned[:, 0], np.abs(torque)
 
 
-def pose(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
-    """A homogeneous transformation."""
-    matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = rotation, position
-    return matrix
-
-
-def modal_body(system: Any, frame: int, data: ModalData) -> Any:
-    """Fanfold's modal data as a floating frame of reference: the same modes, damping and invariants.
-
-    Exudyn's terms are the invariants I5, I8 and I9 with other signs and order. Each hinge point becomes three
-    nodes of an imagined mesh around it, which move as its translation and rotation say; a marker of equal
-    weights on them is the point.
-    """
-    modes = data.frequency.size
-    modal = system.AddNode(
-        item.NodeGenericODE2(
-            numberOfODE2Coordinates=modes,
-            referenceCoordinates=[0.0] * modes,
-            initialCoordinates=[0.0] * modes,
-            initialCoordinates_t=[0.0] * modes,
-        )
-    )
-    around = [(ARM, 0.0, 0.0), (-0.5 * ARM, 0.0, sqrt(0.75) * ARM), (-0.5 * ARM, 0.0, -sqrt(0.75) * ARM)]
-    places, shapes = [], []
-    for side in SIDES:
-        i = data.point_names.index(f"hl_{side}")
-        for arm in around:
-            places.append(data.point_positions[i] - data.center_of_mass + arm)
-            shapes.append(data.translation[i] - skew(np.array(arm)) @ data.rotation[i])
-    matrix = exudyn.MatrixContainer
-    return item.ObjectFFRFreducedOrder(
-        nodeNumbers=[frame, modal],
-        massMatrixReduced=matrix(np.eye(modes)),
-        stiffnessMatrixReduced=matrix(np.diag(data.frequency**2)),
-        dampingMatrixReduced=matrix(np.diag(2.0 * data.damping_ratio * data.frequency)),
-        modeBasis=np.vstack(shapes),
-        referencePositions=np.concatenate(places),
-        mass=data.mass,
-        inertia=data.inertia,
-        centerOfMass=[0.0, 0.0, 0.0],
-        mPsiTildePsi=-data.invariant5.reshape(3 * modes, modes),
-        mPsiTildePsiTilde=-data.invariant9.transpose(0, 2, 1, 3).reshape(3 * modes, 3 * modes),
-        mPhitTPsi=np.zeros((3, modes)),
-        mPhitTPsiTilde=np.zeros((3, 3 * modes)),
-        mXRefTildePsi=np.zeros((3, modes)),
-        mXRefTildePsiTilde=-data.invariant8.transpose(1, 0, 2).reshape(3, 3 * modes),
-    )
-
-
-def quiet_settings(steps: Steps) -> Any:
-    """Settings of the solver: fast and silent."""
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = 0.0
-    settings.solution.sensors.active = False
-    integration = settings.timeIntegration
-    integration.verboseMode = 0
-    integration.adaptiveStep = False
-    integration.generalizedAlpha.spectralRadius = steps.spectral_radius
-    integration.newton.relativeTolerance = steps.tolerance
-    return settings
-
-
 def deploy(subject: Subject, steps: Steps, until: float = UNTIL) -> Trial:
     """One run; building and assembling the model is not timed."""
     panel = Panel(subject)
@@ -232,7 +108,7 @@ def deploy(subject: Subject, steps: Steps, until: float = UNTIL) -> Trial:
         panel.latch()
         settings.solution.sensors.active = True
         _solve(panel, settings, latch, until, steps.latched)
-    except ValueError:  # what a solver that fails raises
+    except exudyn.SolverError:
         return Trial(np.nan, np.nan, perf_counter() - start, 0)
     wall = perf_counter() - start
     count = round(latch / steps.free) + round((until - latch) / steps.latched)

