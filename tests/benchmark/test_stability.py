@@ -33,6 +33,12 @@ def test_the_implicit_master_never_diverges(panel, joint, latch, h):
     assert verdict.residual < 1e-3
 
 
+def test_absurd_trial_wrenches_are_no_solution():
+    """An undamped panel under a wall of a latch once left the iteration with wrenches of 1e50, and passed for solved."""
+    outcome = run(*panel_scene(panel_data(16), 1e5, 1e9, 0.0), 1.0, Settings(fixed_step=5e-3))
+    assert not judge(outcome, 1e-3).diverged, outcome.failure
+
+
 def test_a_resolved_latch_peak_is_accurate_and_the_baselines_diverge():
     """H w of 0.02: a scheme of second order errs by (H w)² / 12 or so; explicit steps do not hold the joint."""
     (cell,) = sweep_row(0, 1.0, 2e6, 2e3, (1e-3,), 60)
