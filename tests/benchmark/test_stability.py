@@ -34,7 +34,7 @@ def test_the_implicit_master_never_diverges(panel, joint, latch, h):
 
 
 def test_absurd_trial_wrenches_are_no_solution():
-    """An undamped panel under a wall of a latch once left the iteration with wrenches of 1e50, and passed for solved."""
+    """Undamped, under a latch like a wall: the iteration once went off to wrenches of 1e50 and passed for solved."""
     outcome = run(*panel_scene(panel_data(16), 1e5, 1e9, 0.0), 1.0, Settings(fixed_step=5e-3))
     assert not judge(outcome, 1e-3).diverged, outcome.failure
 
