@@ -55,11 +55,12 @@ class InertiaCoupling:
         i9 = data.invariant9 + data.invariant9.transpose(0, 1, 3, 2)
         i9 = 0.25 * (i9 + i9.transpose(1, 0, 2, 3))
         quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
-        self._gyroscopic = np.ascontiguousarray(data.invariant5.transpose(1, 2, 0).reshape(3 * m, m))
+        i5 = 0.5 * (data.invariant5 - data.invariant5.transpose(2, 1, 0))
+        self._gyroscopic = np.ascontiguousarray(i5.transpose(1, 2, 0).reshape(3 * m, m))
         self._tensors = np.ascontiguousarray(np.vstack([quadratic, self._gyroscopic]))
 
     def native_data(self) -> dict[str, ArrayLike]:
-        """What the kernel of `fmus/native/inertia.h` reads."""
+        """What the kernel of `fmus/native/inertia.h` reads; of the tensors, the triangles."""
         return {
             "inertia_varies": self.varies,
             "full_coupling": self.full,

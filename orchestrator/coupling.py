@@ -25,8 +25,8 @@ _SLOW = 0.15
 _DIVERGED = 50.0
 _STEEPEST = 0.9
 _ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-_EXCUSED = 1e4
-"""Largest correction (scaled) of wrenches that are near a solution; beyond it they are absurd."""
+_NEAR = 1e-2
+"""Largest relative correction of wrenches that are near a solution; beyond it they may be absurd."""
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
 
@@ -87,7 +87,7 @@ class Coupling:
         self.observations = np.zeros(sum(p.observation_layout.size for p in self._participants) + 1)
         self._engine: Engine | None = None
         if Engine.serves(network):
-            limits = Limits(_SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _EXCUSED, _MAX_ITERATIONS, _REFRESHED)
+            limits = Limits(_SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _NEAR, _MAX_ITERATIONS, _REFRESHED)
             shared = (self.wrenches, self._law, self._round_off, self.observations)
             self._engine = Engine(network, limits, *shared)
         else:
@@ -129,7 +129,7 @@ class Coupling:
         solution = self._attempt(iterate, time, h, guess)
         if not solution.converged:
             self.forget()
-            near = solution.correction <= _EXCUSED
+            near = self._is_near(solution.correction)
             again = self._attempt(iterate, time, h, self.wrenches.copy() if near else guess)
             solution = replace(again, iterations=solution.iterations + again.iterations)
         if self.persistent and not solution.converged:
@@ -164,7 +164,7 @@ class Coupling:
                 scale = self.tolerance.scale(self.wrenches + direction)
             correction = _broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
-            if size <= 1.0 or (size <= _EXCUSED and self._within_round_off(residual)):
+            if size <= 1.0 or (self._is_near(size) and self._within_round_off(residual)):
                 return Solution(True, iteration, size, 0)
             if size > _DIVERGED * last:
                 break
@@ -206,7 +206,7 @@ class Coupling:
             direction = self._direction(residual)
             scale = self.tolerance.scale(self.wrenches + direction)
             size = float(np.abs(direction / scale).max(initial=0.0))
-            converged = size <= 1.0 or (size <= _EXCUSED and self._within_round_off(residual))
+            converged = size <= 1.0 or (self._is_near(size) and self._within_round_off(residual))
             solution = Solution(converged, iteration, size, int(np.argmax(np.abs(direction / scale))))
             if converged:
                 break
@@ -236,8 +236,12 @@ class Coupling:
         residual: Vector = self._law - self.wrenches
         return residual if bool(np.all(np.isfinite(residual))) else None
 
+    def _is_near(self, correction: float) -> bool:
+        """Whether a scaled correction is small enough for the wrenches to be those of a solution nearby."""
+        return correction * self.tolerance.relative <= _NEAR
+
     def _within_round_off(self, residual: Vector) -> bool:
-        """Whether ports cannot agree better; with absurd trial wrenches they never could, hence `_EXCUSED`."""
+        """Whether ports cannot agree better; with absurd trial wrenches they never could, hence `_is_near`."""
         return bool(np.all(np.abs(residual) <= self._round_off))
 
     def _refresh(self, time: float, h: float, *, probe: bool) -> None:

@@ -60,7 +60,7 @@ class Limits(Structure):
         ("diverged", c_double),
         ("steepest", c_double),
         ("round_off", c_double),
-        ("excused", c_double),
+        ("near", c_double),
         ("most", c_size_t),
         ("refreshed", c_size_t * 3),
     )

@@ -213,7 +213,7 @@ static inline const real *gyroscopic_at(Body *body, const real *eta, const Work 
 #ifndef FANFOLD_COMPLEX
     if (recalled(&body->at_start, eta, n)) return body->at_start.b;
 #endif
-    rows_combined(body->coupling.gyroscopic, n, 3 * n, eta, work->coupling.b, work->coupling.split);
+    gyroscopic_of(&body->coupling, eta, work->coupling.b, &work->coupling);
     return work->coupling.b;
 }
 
@@ -295,10 +295,9 @@ static inline void couple(const Body *body, Vector3 omega, const Work *work, rea
         return;
     }
     if (coupling->full) {
-        rows_combined(coupling->quadratic, n, 6 * n, work->eta_mean, work->coupling.quadratic,
-                      work->coupling.split);
-        rows_combined_twice(coupling->gyroscopic, n, 3 * n, work->eta_mean, work->rate_mean, work->coupling.b,
-                            work->coupling.b_rate, work->coupling.split);
+        quadratic_at(coupling, work->eta_mean, &work->coupling);
+        gyroscopic_of(coupling, work->eta_mean, work->coupling.b, &work->coupling);
+        gyroscopic_of(coupling, work->rate_mean, work->coupling.b_rate, &work->coupling);
     }
     inertia_at(coupling, work->eta_mean, &work->coupling, inertia);
     coupling_forces(coupling, omega, &work->coupling, work->force, work->drag);
@@ -324,8 +323,8 @@ static inline Vector3 angular_velocity(Body *body, Vector3 momentum, const Work 
     size_t n = body->padded_modes;
     real inertia[6] = {0.0};
     if (coupling->full) {
-        rows_combined(coupling->quadratic, n, 6 * n, work->eta, work->coupling.quadratic, work->coupling.split);
-        rows_combined(coupling->gyroscopic, n, 3 * n, work->eta, work->coupling.b, work->coupling.split);
+        quadratic_at(coupling, work->eta, &work->coupling);
+        gyroscopic_of(coupling, work->eta, work->coupling.b, &work->coupling);
         remember(end_of(body), work->eta, work->coupling.b, n);
     }
     if (coupling->varies) inertia_at(coupling, work->eta, &work->coupling, inertia);
@@ -603,7 +602,7 @@ static int remembered_allocate(Remembered *remembered, size_t bytes, Memory *mem
 static int allocate_all(Body *body, Memory *memory, Reason *why) {
     size_t n = body->padded_modes, l = body->coordinates, mode = (n + 1) * sizeof(double);
     size_t numbers = WORK_BY_MODE * n + WORK_BY_PORT * l + WORK_OF_COUPLING * n + WORK_SPLIT(n, l) + 1;
-    size_t square = body->coupling.full ? n * n * sizeof(double) : 1;
+    size_t triangle = body->coupling.full ? triangle_size(n) * sizeof(double) : 1;
     InertiaCoupling *coupling = &body->coupling;
     body->damping_ratio = allocate(memory, mode);
     body->arms = allocate(memory, (l + 1) * sizeof(double));
@@ -611,8 +610,8 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->shapes_by_port = allocate(memory, 2 * l * mode);
     body->shapes_by_mode = allocate(memory, 2 * l * mode);
     coupling->slope = allocate(memory, 6 * mode);
-    coupling->quadratic = allocate(memory, 6 * square);
-    coupling->gyroscopic = allocate(memory, 3 * square);
+    coupling->quadratic = allocate(memory, 6 * triangle);
+    coupling->gyroscopic = allocate(memory, 3 * triangle);
     body->work = allocate(memory, numbers * sizeof(double));
     body->work_complex = allocate(memory, numbers * sizeof(double complex));
     if (!body->damping_ratio || !body->arms || !body->port_orientation || !body->shapes_by_port ||
@@ -666,14 +665,6 @@ static int read_ports(Body *body, const Data *data, Reason *why) {
            read_shapes(body, data, "rotation", body->coordinates, why);
 }
 
-/* `parts` stacked matrices (modes, modes) as one padded row a column, so that a product combines rows. */
-static void transpose(const double *stacked, size_t parts, size_t m, double *rows) {
-    size_t n = padded(m);
-    for (size_t part = 0; part < parts; part++)
-        for (size_t j = 0; j < m; j++)
-            for (size_t k = 0; k < m; k++) rows[k * parts * n + part * n + j] = stacked[(part * m + j) * m + k];
-}
-
 static int read_level(Body *body, const Data *data, Reason *why) {
     double varies = 0.0, full = 0.0;
     if (!copy_array(data, "inertia_varies", 1, &varies, why) || !copy_array(data, "full_coupling", 1, &full, why))
@@ -694,8 +685,8 @@ static int read_coupling(Body *body, const Data *data, Reason *why) {
     if (!coupling->full) return 1;
     const double *tensors = finite_array(data, "tensors", 9 * m * m, why);
     if (!tensors) return 0;
-    transpose(tensors, 6, m, coupling->quadratic);
-    transpose(tensors + 6 * m * m, 3, m, coupling->gyroscopic);
+    triangles_pack(tensors, 6, 1.0, m, coupling->quadratic);
+    triangles_pack(tensors + 6 * m * m, 3, -1.0, m, coupling->gyroscopic);
     return 1;
 }
 

@@ -2,95 +2,17 @@
 
        J(eta) = I7 - (I8_j + I8_j^T) eta_j - I9_jk eta_j eta_k        B(eta) = I5_j eta_j
 
-   Symmetric matrices are held as (xx, yy, zz, xy, xz, yz). The tensors are stored mode by mode, each mode's
-   rows one after the other and padded, so that a product is a combination of long contiguous rows. */
+   Symmetric matrices are held as (xx, yy, zz, xy, xz, yz). Of I9, symmetric in its modes, and of I5, which is
+   antisymmetric, only the triangle is kept: a chain of bodies has to stay in the cache. */
 
 #ifndef FANFOLD_INERTIA_H
 #define FANFOLD_INERTIA_H
 
 #include <stddef.h>
 
+#include "body_products.h"
 #include "frames.h"
 #include "real.h"
-
-/* Vectors have a multiple of this length, their surplus elements 0. */
-#define FANFOLD_LANES 4
-
-/* Loops that pay it are compiled for processors with fused multiply-add as well; glibc chooses at load time. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
-#define FANFOLD_VECTORISED __attribute__((target_clones("fma", "default")))
-#else
-#define FANFOLD_VECTORISED
-#endif
-
-static inline size_t padded(size_t count) { return (count + FANFOLD_LANES - 1) / FANFOLD_LANES * FANFOLD_LANES; }
-
-/* out = sum of weight[k] times row k, for two sets of weights that share the rows; `count` rows of `length`
-   numbers, both multiples of FANFOLD_LANES. */
-FANFOLD_VECTORISED static void rows_combined_twice_double(const double *restrict rows, size_t count,
-                                                          size_t length, const double *restrict weight,
-                                                          const double *restrict other, double *restrict out,
-                                                          double *restrict other_out) {
-    for (size_t i = 0; i < length; i++) out[i] = other_out[i] = 0.0;
-    for (size_t k = 0; k < count; k += FANFOLD_LANES) {
-        const double *row = rows + k * length;
-        double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
-        double v0 = other[k], v1 = other[k + 1], v2 = other[k + 2], v3 = other[k + 3];
-        for (size_t i = 0; i < length; i++) {
-            double r0 = row[i], r1 = row[length + i], r2 = row[2 * length + i], r3 = row[3 * length + i];
-            out[i] += w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
-            other_out[i] += v0 * r0 + v1 * r1 + v2 * r2 + v3 * r3;
-        }
-    }
-}
-
-#ifdef FANFOLD_COMPLEX
-
-/* Values and slopes are two sets of weights; `split` holds 2 (count + length) doubles. */
-static inline void rows_combined(const double *rows, size_t count, size_t length, const real *weight, real *out,
-                                 double *split) {
-    double *value = split, *slope = value + count, *value_out = slope + count, *slope_out = value_out + length;
-    for (size_t k = 0; k < count; k++) {
-        value[k] = creal(weight[k]);
-        slope[k] = cimag(weight[k]);
-    }
-    rows_combined_twice_double(rows, count, length, value, slope, value_out, slope_out);
-    for (size_t i = 0; i < length; i++) out[i] = complex_of(value_out[i], slope_out[i]);
-}
-
-static inline void rows_combined_twice(const double *rows, size_t count, size_t length, const real *weight,
-                                       const real *other, real *out, real *other_out, double *split) {
-    rows_combined(rows, count, length, weight, out, split);
-    rows_combined(rows, count, length, other, other_out, split);
-}
-
-#else
-
-/* The same for one set of weights. */
-FANFOLD_VECTORISED static void rows_combined_double(const double *restrict rows, size_t count, size_t length,
-                                                    const double *restrict weight, double *restrict out) {
-    for (size_t i = 0; i < length; i++) out[i] = 0.0;
-    for (size_t k = 0; k < count; k += FANFOLD_LANES) {
-        const double *row = rows + k * length;
-        double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
-        for (size_t i = 0; i < length; i++)
-            out[i] += w0 * row[i] + w1 * row[length + i] + w2 * row[2 * length + i] + w3 * row[3 * length + i];
-    }
-}
-
-static inline void rows_combined(const double *rows, size_t count, size_t length, const real *weight, real *out,
-                                 double *split) {
-    (void)split;
-    rows_combined_double(rows, count, length, weight, out);
-}
-
-static inline void rows_combined_twice(const double *rows, size_t count, size_t length, const real *weight,
-                                       const real *other, real *out, real *other_out, double *split) {
-    (void)split;
-    rows_combined_twice_double(rows, count, length, weight, other, out, other_out);
-}
-
-#endif
 
 /* Scalar product in independent partial sums, which a compiler may keep in one register. */
 static inline real dot_product(const real *a, const real *b, size_t count) {
@@ -106,8 +28,8 @@ typedef struct {
     size_t modes;
     double inertia[6], inverse[9];
     double *slope;      /* 6 rows of modes */
-    double *quadratic;  /* modes rows of 6 modes */
-    double *gyroscopic; /* modes rows of 3 modes */
+    double *quadratic;  /* 6 triangles */
+    double *gyroscopic; /* 3 triangles */
 } InertiaCoupling;
 
 /* Working memory of a coupling: `quadratic` 6 modes, `b` and `b_rate` 3 modes each. */
@@ -115,6 +37,16 @@ typedef struct {
     real *quadratic, *b, *b_rate;
     double *split;
 } CouplingScratch;
+
+/* The six products of I9 with eta, and B. */
+static inline void quadratic_at(const InertiaCoupling *coupling, const real *eta, const CouplingScratch *scratch) {
+    triangles_combined(coupling->quadratic, 6, 1.0, coupling->modes, eta, scratch->quadratic, scratch->split);
+}
+
+static inline void gyroscopic_of(const InertiaCoupling *coupling, const real *eta, real *b,
+                                 const CouplingScratch *scratch) {
+    triangles_combined(coupling->gyroscopic, 3, -1.0, coupling->modes, eta, b, scratch->split);
+}
 
 /* J - B B^T at eta, from the products `scratch` holds at the full level, at a level that varies. */
 FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const real *eta,

@@ -31,7 +31,7 @@ typedef struct {
 
 /* Numbers of the iteration, see orchestrator/coupling.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, excused;
+    double slow, diverged, steepest, round_off, near;
     size_t most, refreshed[3];
 } Limits;
 
@@ -277,7 +277,8 @@ static int correct(Network *n) {
     scaled_direction(n, step);
     update(n, step);
     n->correction = largest_of(step, n->size, &n->worst_row);
-    if (n->correction <= 1.0 || (n->correction <= n->limits.excused && within_round_off(n))) return CONVERGED;
+    const int near = n->correction * n->tolerance.relative <= n->limits.near;
+    if (n->correction <= 1.0 || (near && within_round_off(n))) return CONVERGED;
     if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {

@@ -12,20 +12,6 @@
 
 #include "fmi2.h"
 
-fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, fmi2Boolean,
-                              fmi2Boolean);
-void fmi2FreeInstance(fmi2Component);
-fmi2Status fmi2EnterInitializationMode(fmi2Component);
-fmi2Status fmi2ExitInitializationMode(fmi2Component);
-fmi2Status fmi2GetReal(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
-fmi2Status fmi2SetReal(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
-fmi2Status fmi2GetFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status fmi2SetFMUstate(fmi2Component, fmi2FMUstate);
-fmi2Status fmi2FreeFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], size_t, const fmi2ValueReference[],
-                                        size_t, const fmi2Real[], fmi2Real[]);
-fmi2Status fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
-
 typedef struct {
     fmi2Component fmu;
     size_t inputs, outputs;

@@ -12,36 +12,6 @@
 
 #include "fmi2.h"
 
-fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *, fmi2Boolean,
-                              fmi2Boolean);
-void fmi2FreeInstance(fmi2Component);
-fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real);
-fmi2Status fmi2EnterInitializationMode(fmi2Component);
-fmi2Status fmi2ExitInitializationMode(fmi2Component);
-fmi2Status fmi2Terminate(fmi2Component);
-fmi2Status fmi2Reset(fmi2Component);
-fmi2Status fmi2GetReal(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
-fmi2Status fmi2SetReal(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
-fmi2Status fmi2GetFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status fmi2SetFMUstate(fmi2Component, fmi2FMUstate);
-fmi2Status fmi2FreeFMUstate(fmi2Component, fmi2FMUstate *);
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, size_t *);
-fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], size_t, const fmi2ValueReference[],
-                                        size_t, const fmi2Real[], fmi2Real[]);
-fmi2Status fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
-fmi2Status fmi2EnterEventMode(fmi2Component);
-fmi2Status fmi2NewDiscreteStates(fmi2Component, fmi2EventInfo *);
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component);
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component, fmi2Boolean, fmi2Boolean *, fmi2Boolean *);
-fmi2Status fmi2SetTime(fmi2Component, fmi2Real);
-fmi2Status fmi2SetContinuousStates(fmi2Component, const fmi2Real[], size_t);
-fmi2Status fmi2GetDerivatives(fmi2Component, fmi2Real[], size_t);
-fmi2Status fmi2GetEventIndicators(fmi2Component, fmi2Real[], size_t);
-fmi2Status fmi2GetContinuousStates(fmi2Component, fmi2Real[], size_t);
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real[], size_t);
-
 static int messages;
 
 static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,

@@ -46,4 +46,36 @@ typedef struct {
 #define FMI2_EXPORT
 #endif
 
+/* The functions that hosts call; the remaining ones of the standard are defined in fmi2.c. */
+FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, const
+    fmi2CallbackFunctions *, fmi2Boolean, fmi2Boolean);
+FMI2_EXPORT void fmi2FreeInstance(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean,
+    fmi2Real);
+FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2Terminate(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
+FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component, const fmi2ValueReference[], size_t, const fmi2Real[]);
+FMI2_EXPORT fmi2Status fmi2GetFMUstate(fmi2Component, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status fmi2SetFMUstate(fmi2Component, fmi2FMUstate);
+FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, size_t *);
+FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2Byte[], size_t);
+FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
+FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], size_t, const
+    fmi2ValueReference[], size_t, const fmi2Real[], fmi2Real[]);
+FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+FMI2_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component, fmi2EventInfo *);
+FMI2_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component);
+FMI2_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component, fmi2Boolean, fmi2Boolean *, fmi2Boolean *);
+FMI2_EXPORT fmi2Status fmi2SetTime(fmi2Component, fmi2Real);
+FMI2_EXPORT fmi2Status fmi2SetContinuousStates(fmi2Component, const fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status fmi2GetDerivatives(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status fmi2GetEventIndicators(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status fmi2GetContinuousStates(fmi2Component, fmi2Real[], size_t);
+FMI2_EXPORT fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component, fmi2Real[], size_t);
+
 #endif
