@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "layout.h"
 #include "real.h"
 
 /* More than any component has; what damaged data may ask for stays small. */
@@ -102,7 +103,7 @@ Status continuous_set_value(Instance *instance, uint32_t reference, double value
         instance->values[reference] = value;
         return STATUS_OK;
     }
-    instance_scalar_name(instance, reference, name, sizeof name);
+    layout_scalar_name(instance, reference, name, sizeof name);
     if (reference < instance->ends[0])
         return instance_fail(instance, STATUS_ERROR, "%s changes in event mode only", name);
     return instance_fail(instance, STATUS_WARNING, "%s changes in event mode only; it stays %g", name,

@@ -9,9 +9,8 @@
 #include <string.h>
 
 #include "continuous.h"
+#include "layout.h"
 #include "real.h"
-
-static const char *const GROUPS[4] = {"parameter", "input", "output", "observation"};
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...) {
     char sentence[768];
@@ -23,162 +22,6 @@ Status instance_fail(Instance *instance, Status status, const char *format, ...)
     if (instance->logger)
         instance->logger(instance->host, status, sentence);
     return status;
-}
-
-/* The declared variable that holds the scalar at a position of a group; 0 where there is none. */
-static int variable_at(const Instance *instance, int group, size_t position, Variable *variable) {
-    for (size_t i = 0; i < instance->data.count; i++)
-        if (data_variable(&instance->data, i, GROUPS[group], variable) && position >= variable->offset &&
-            position - variable->offset < variable->size)
-            return 1;
-    return 0;
-}
-
-/* Name of the scalar at a position of a group, with its index where the variable has several. */
-static void scalar_name(const Instance *instance, int group, size_t position, char *name, size_t size) {
-    Variable variable;
-    if (!variable_at(instance, group, position, &variable))
-        snprintf(name, size, "%s %lu", GROUPS[group], (unsigned long)position);
-    else if (variable.size == 1)
-        snprintf(name, size, "%s", variable.name);
-    else
-        snprintf(name, size, "%s[%lu]", variable.name, (unsigned long)(position - variable.offset + 1));
-}
-
-void instance_scalar_name(const Instance *instance, uint32_t reference, char *name, size_t size) {
-    int group = reference >= instance->ends[0];
-    scalar_name(instance, group, reference - (group ? instance->ends[0] : 0), name, size);
-}
-
-/* Unit of the parameter at a position; empty where it is not known. */
-static const char *unit_of(const Instance *instance, size_t position) {
-    Variable variable;
-    char entry[200];
-    if (!variable_at(instance, 0, position, &variable))
-        return "";
-    snprintf(entry, sizeof entry, "unit:%s", variable.name);
-    const char *unit = data_text(&instance->data, entry);
-    return unit ? unit : "";
-}
-
-/* Sizes, ranges and start values; every declared variable must lie within its group. */
-static int read_layout(Instance *instance, Reason *why) {
-    const Data *data = &instance->data;
-    const double *counts = data_array(data, "sizes", 4, why);
-    const double *feedthrough = data_array(data, "feedthrough", 1, why);
-    if (!counts || !feedthrough)
-        return 0;
-    size_t total = 0;
-    for (int group = 0; group < 4; group++) {
-        if (!(counts[group] >= 0.0 && counts[group] < 1e7 && floor(counts[group]) == counts[group]))
-            return refuse(why, "the component's data declare %g scalars of a kind", counts[group]);
-        total += (size_t)counts[group];
-        instance->ends[group] = total;
-    }
-    if (!continuous_read(instance, why))
-        return 0;
-    total += 2 * instance->continuous.count;
-    instance->ends[4] = total;
-    instance->feedthrough = feedthrough[0] != 0.0;
-    instance->sizes = (Sizes){(size_t)counts[0], (size_t)counts[1], (size_t)counts[2], (size_t)counts[3]};
-    instance->start = data_array(data, "start", instance->ends[1], why);
-    if (!instance->start)
-        return 0;
-    instance->values = allocate(&instance->memory, (total + 1) * sizeof(double));
-    instance->minimum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
-    instance->maximum = allocate(&instance->memory, (instance->sizes.parameters + 1) * sizeof(double));
-    instance->tunable = allocate(&instance->memory, instance->ends[1] + 1);
-    if (!instance->values || !instance->minimum || !instance->maximum || !instance->tunable)
-        return refuse(why, "no memory for %lu values", (unsigned long)total);
-    Variable variable;
-    for (int group = 0; group < 4; group++) {
-        size_t size = instance->ends[group] - (group ? instance->ends[group - 1] : 0);
-        for (size_t i = 0; i < data->count; i++) {
-            if (!data_variable(data, i, GROUPS[group], &variable))
-                continue;
-            if (variable.offset > size || variable.size > size - variable.offset)
-                return refuse(why, "%s %.100s lies outside of what is declared", GROUPS[group], variable.name);
-            for (size_t k = variable.offset; group < 2 && k < variable.offset + variable.size; k++) {
-                instance->tunable[k + (group ? instance->ends[0] : 0)] = (unsigned char)variable.tunable;
-                if (group)
-                    continue;
-                instance->minimum[k] = variable.minimum;
-                instance->maximum[k] = variable.maximum;
-            }
-        }
-    }
-    return 1;
-}
-
-static int find_kernel(Instance *instance, Reason *why) {
-    const char *kind = data_text(&instance->data, "kind");
-    for (size_t i = 0; kind && i < kernel_count; i++)
-        if (strcmp(kind, kernels[i]->kind) == 0)
-            instance->kernel = kernels[i];
-    if (!instance->kernel)
-        return refuse(why, "this binary knows no component %.100s", kind ? kind : "without a kind");
-    return 1;
-}
-
-static int make_state(Instance *instance, Reason *why) {
-    Memory *memory = &instance->memory;
-    instance->self =
-        instance->kernel->create(&instance->data, &instance->sizes, memory, &instance->states, why);
-    if (!instance->self)
-        return 0;
-    instance->x = allocate(memory, (instance->states + 1) * sizeof(double));
-    instance->before = allocate(memory, (instance->states + 1) * sizeof(double));
-    instance->complex_inputs = allocate(memory, (instance->sizes.inputs + 1) * sizeof(double complex));
-    instance->complex_state = allocate(memory, (instance->states + 1) * sizeof(double complex));
-    instance->complex_outputs = allocate(memory, (instance->sizes.outputs + 1) * sizeof(double complex));
-    if (!instance->x || !instance->before || !instance->complex_inputs || !instance->complex_state ||
-        !instance->complex_outputs)
-        return refuse(why, "no memory for %lu states", (unsigned long)instance->states);
-    return continuous_create(instance, why);
-}
-
-static int check_token(const Instance *instance, const char *token, Reason *why) {
-    const char *own = data_text(&instance->data, "token");
-    if (!own || strlen(own) < 16)
-        return refuse(why, "the component's data have no instantiation token");
-    if (!token || strcmp(own, token) != 0)
-        return refuse(why, "the model description has the token %.80s, the resources have %.80s; they do not "
-                           "belong together", token ? token : "(none)", own);
-    return 1;
-}
-
-Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host) {
-    Instance *instance = calloc(1, sizeof *instance);
-    if (!instance)
-        return NULL;
-    instance->logger = logger;
-    instance->host = host;
-    Reason why = {""};
-    char *own_name = allocate(&instance->memory, strlen(name) + 1);
-    size_t length = strlen(resources);
-    char *path = allocate(&instance->memory, length + 20);
-    instance->name = own_name ? strcpy(own_name, name) : "";
-    int done = own_name && path;
-    if (done) {
-        const char *separator = length && (resources[length - 1] == '/' || resources[length - 1] == '\\') ? "" : "/";
-        snprintf(path, length + 20, "%s%scomponent.bin", resources, separator);
-        done = data_read(&instance->data, path, &instance->memory, &why) && check_token(instance, token, &why) &&
-               find_kernel(instance, &why) && read_layout(instance, &why) && make_state(instance, &why);
-    }
-    if (!done) {
-        instance_fail(instance, STATUS_ERROR, "%s", why.text[0] ? why.text : "no memory");
-        instance_free(instance);
-        return NULL;
-    }
-    instance_reset(instance);
-    return instance;
-}
-
-void instance_free(Instance *instance) {
-    if (!instance)
-        return;
-    release(&instance->memory);
-    free(instance);
 }
 
 Status instance_reset(Instance *instance) {
@@ -206,26 +49,10 @@ Status instance_enter_initialization(Instance *instance, double start_time) {
     return STATUS_OK;
 }
 
-static int ranges_hold(const Instance *instance, Reason *why) {
-    char name[200];
-    for (size_t i = 0; i < instance->sizes.parameters; i++) {
-        double value = instance->values[i];
-        if (isfinite(value) && value >= instance->minimum[i] && value <= instance->maximum[i])
-            continue;
-        scalar_name(instance, 0, i, name, sizeof name);
-        if (!isfinite(value))
-            return refuse(why, "%s is %g; it must be a finite number", name, value);
-        int low = value < instance->minimum[i];
-        return refuse(why, "%s = %g %.40s; it must be at %s %g", name, value, unit_of(instance, i),
-                      low ? "least" : "most", low ? instance->minimum[i] : instance->maximum[i]);
-    }
-    return 1;
-}
-
 static int prepare(Instance *instance, Reason *why) {
     if (!instance->prepared)
         instance->prepared =
-            ranges_hold(instance, why) && instance->kernel->prepare(instance->self, instance->values, why);
+            layout_ranges_hold(instance, why) && instance->kernel->prepare(instance->self, instance->values, why);
     return instance->prepared;
 }
 
@@ -248,7 +75,7 @@ static int inputs_finite(const Instance *instance, Reason *why) {
     char name[200];
     if (all_finite(inputs_of(instance), instance->sizes.inputs, &bad))
         return 1;
-    scalar_name(instance, 1, bad, name, sizeof name);
+    layout_scalar_name(instance, (uint32_t)(instance->ends[0] + bad), name, sizeof name);
     return refuse(why, "input %s is %g; it must be a finite number", name, inputs_of(instance)[bad]);
 }
 
@@ -309,12 +136,11 @@ static Status settable(Instance *instance, uint32_t reference) {
         return instance_fail(instance, STATUS_ERROR, "value reference %lu is that of a continuous state or its rate; "
                              "it cannot be set", (unsigned long)reference);
     if (reference >= instance->ends[1]) {
-        int group = reference >= instance->ends[2] ? 3 : 2;
-        scalar_name(instance, group, reference - instance->ends[group - 1], name, sizeof name);
+        layout_scalar_name(instance, reference, name, sizeof name);
         return instance_fail(instance, STATUS_ERROR, "%s is an output; it cannot be set", name);
     }
     if (instance->mode >= MODE_STEP && reference < instance->ends[0] && !instance->tunable[reference]) {
-        scalar_name(instance, 0, reference, name, sizeof name);
+        layout_scalar_name(instance, reference, name, sizeof name);
         return instance_fail(instance, STATUS_ERROR, "%s is fixed; it cannot be set after initialization", name);
     }
     return STATUS_OK;
@@ -501,99 +327,4 @@ Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t 
     for (size_t i = 0; i < unknown_count; i++)
         result[i] = cimag(instance->complex_outputs[unknowns[i] - instance->ends[1]]) / FANFOLD_INFINITESIMAL;
     return STATUS_OK;
-}
-
-/* What makes two instances' states interchangeable: the content of their resources. */
-static void write_owner(const Instance *instance, char *owner) {
-    const char *token = data_text(&instance->data, "token");
-    memcpy(owner, token + strlen(token) - 16, 16);
-}
-
-Status instance_save(Instance *instance, SavedState **state) {
-    size_t known = instance->ends[1];
-    SavedState *saved = *state;
-    if (saved && (saved->known != known || saved->states != instance->states))
-        return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
-    if (!saved) {
-        saved = malloc(sizeof *saved + (known + instance->states) * sizeof(double));
-        if (!saved)
-            return instance_fail(instance, STATUS_ERROR, "no memory to save the state");
-        write_owner(instance, saved->owner);
-        saved->known = known;
-        saved->states = instance->states;
-        *state = saved;
-    }
-    saved->time = instance->time;
-    saved->mode = instance->mode;
-    saved->has_state = instance->has_state;
-    saved->event_due = instance->event_due;
-    memcpy(saved->numbers, instance->values, known * sizeof(double));
-    if (instance->has_state)
-        memcpy(saved->numbers + known, instance->x, instance->states * sizeof(double));
-    else
-        memset(saved->numbers + known, 0, instance->states * sizeof(double));
-    return STATUS_OK;
-}
-
-Status instance_restore(Instance *instance, const SavedState *state) {
-    char owner[16];
-    write_owner(instance, owner);
-    if (!state || state->known != instance->ends[1] || state->states != instance->states ||
-        memcmp(state->owner, owner, sizeof owner) != 0)
-        return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
-    if (state->mode == (instance->continuous.used ? MODE_STEP : MODE_CONTINUOUS))
-        return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");
-    if (memcmp(instance->values, state->numbers, instance->ends[0] * sizeof(double)) != 0)
-        instance->prepared = 0;
-    memcpy(instance->values, state->numbers, state->known * sizeof(double));
-    memcpy(instance->x, state->numbers + state->known, state->states * sizeof(double));
-    instance->time = state->time;
-    instance->mode = (Mode)state->mode;
-    instance->has_state = state->has_state;
-    instance->event_due = state->event_due;
-    instance->stepped = instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
-    return STATUS_OK;
-}
-
-void instance_forget(SavedState *state) { free(state); }
-
-#define HEADER (16 + 6 * sizeof(double))
-
-size_t instance_serialized_size(const SavedState *state) {
-    return HEADER + (state->known + state->states) * sizeof(double);
-}
-
-void instance_serialize(const SavedState *state, unsigned char *bytes) {
-    double header[6] = {state->time,           state->mode,          state->has_state,
-                        (double)state->known, (double)state->states, state->event_due};
-    memcpy(bytes, state->owner, 16);
-    memcpy(bytes + 16, header, sizeof header);
-    memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
-}
-
-SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
-    double header[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-    size_t count = 0;
-    if (size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
-        memcpy(header, bytes + 16, sizeof header);
-        count = (size - HEADER) / sizeof(double);
-        int known_mode = header[1] >= 0.0 && header[1] <= MODE_TERMINATED && header[1] == floor(header[1]);
-        if (!known_mode || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
-            count = 0;
-    }
-    SavedState *state = malloc(sizeof *state + (count + 1) * sizeof(double));
-    if (!state)
-        return NULL;
-    memset(state, 0, sizeof *state);
-    if (count) {
-        memcpy(state->owner, bytes, 16);
-        state->time = header[0];
-        state->mode = (int)header[1];
-        state->has_state = header[2] != 0.0;
-        state->known = (size_t)header[3];
-        state->states = (size_t)header[4];
-        state->event_due = header[5] != 0.0;
-        memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
-    }
-    return state;
 }

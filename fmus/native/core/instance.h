@@ -76,8 +76,6 @@ void instance_free(Instance *instance);
 Status instance_fail(Instance *instance, Status status, const char *format, ...);
 /* Whether there are a state, checked parameters and finite inputs, so that equations can be evaluated. */
 int instance_ready(Instance *instance, Reason *why);
-/* Name of the parameter or input with a value reference. */
-void instance_scalar_name(const Instance *instance, uint32_t reference, char *name, size_t size);
 
 Status instance_enter_initialization(Instance *instance, double start_time);
 Status instance_exit_initialization(Instance *instance);

@@ -1,0 +1,79 @@
+/* Making an instance from resources that are not trusted. */
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "continuous.h"
+#include "layout.h"
+
+static int find_kernel(Instance *instance, Reason *why) {
+    const char *kind = data_text(&instance->data, "kind");
+    for (size_t i = 0; kind && i < kernel_count; i++)
+        if (strcmp(kind, kernels[i]->kind) == 0)
+            instance->kernel = kernels[i];
+    if (!instance->kernel)
+        return refuse(why, "this binary knows no component %.100s", kind ? kind : "without a kind");
+    return 1;
+}
+
+static int make_state(Instance *instance, Reason *why) {
+    Memory *memory = &instance->memory;
+    instance->self =
+        instance->kernel->create(&instance->data, &instance->sizes, memory, &instance->states, why);
+    if (!instance->self)
+        return 0;
+    instance->x = allocate(memory, (instance->states + 1) * sizeof(double));
+    instance->before = allocate(memory, (instance->states + 1) * sizeof(double));
+    instance->complex_inputs = allocate(memory, (instance->sizes.inputs + 1) * sizeof(double complex));
+    instance->complex_state = allocate(memory, (instance->states + 1) * sizeof(double complex));
+    instance->complex_outputs = allocate(memory, (instance->sizes.outputs + 1) * sizeof(double complex));
+    if (!instance->x || !instance->before || !instance->complex_inputs || !instance->complex_state ||
+        !instance->complex_outputs)
+        return refuse(why, "no memory for %lu states", (unsigned long)instance->states);
+    return continuous_create(instance, why);
+}
+
+static int check_token(const Instance *instance, const char *token, Reason *why) {
+    const char *own = data_text(&instance->data, "token");
+    if (!own || strlen(own) < 16)
+        return refuse(why, "the component's data have no instantiation token");
+    if (!token || strcmp(own, token) != 0)
+        return refuse(why, "the model description has the token %.80s, the resources have %.80s; they do not "
+                           "belong together", token ? token : "(none)", own);
+    return 1;
+}
+
+Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host) {
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance)
+        return NULL;
+    instance->logger = logger;
+    instance->host = host;
+    Reason why = {""};
+    char *own_name = allocate(&instance->memory, strlen(name) + 1);
+    size_t length = strlen(resources);
+    char *path = allocate(&instance->memory, length + 20);
+    instance->name = own_name ? strcpy(own_name, name) : "";
+    int done = own_name && path;
+    if (done) {
+        const char *separator = length && (resources[length - 1] == '/' || resources[length - 1] == '\\') ? "" : "/";
+        snprintf(path, length + 20, "%s%scomponent.bin", resources, separator);
+        done = data_read(&instance->data, path, &instance->memory, &why) && check_token(instance, token, &why) &&
+               find_kernel(instance, &why) && layout_read(instance, &why) && make_state(instance, &why);
+    }
+    if (!done) {
+        instance_fail(instance, STATUS_ERROR, "%s", why.text[0] ? why.text : "no memory");
+        instance_free(instance);
+        return NULL;
+    }
+    instance_reset(instance);
+    return instance;
+}
+
+void instance_free(Instance *instance) {
+    if (!instance)
+        return;
+    release(&instance->memory);
+    free(instance);
+}

@@ -1,0 +1,103 @@
+/* Saving, restoring and serialising the state of an instance. */
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "continuous.h"
+#include "instance.h"
+
+/* What makes two instances' states interchangeable: the content of their resources. */
+static void write_owner(const Instance *instance, char *owner) {
+    const char *token = data_text(&instance->data, "token");
+    memcpy(owner, token + strlen(token) - 16, 16);
+}
+
+Status instance_save(Instance *instance, SavedState **state) {
+    size_t known = instance->ends[1];
+    SavedState *saved = *state;
+    if (saved && (saved->known != known || saved->states != instance->states))
+        return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
+    if (!saved) {
+        saved = malloc(sizeof *saved + (known + instance->states) * sizeof(double));
+        if (!saved)
+            return instance_fail(instance, STATUS_ERROR, "no memory to save the state");
+        write_owner(instance, saved->owner);
+        saved->known = known;
+        saved->states = instance->states;
+        *state = saved;
+    }
+    saved->time = instance->time;
+    saved->mode = instance->mode;
+    saved->has_state = instance->has_state;
+    saved->event_due = instance->event_due;
+    memcpy(saved->numbers, instance->values, known * sizeof(double));
+    if (instance->has_state)
+        memcpy(saved->numbers + known, instance->x, instance->states * sizeof(double));
+    else
+        memset(saved->numbers + known, 0, instance->states * sizeof(double));
+    return STATUS_OK;
+}
+
+Status instance_restore(Instance *instance, const SavedState *state) {
+    char owner[16];
+    write_owner(instance, owner);
+    if (!state || state->known != instance->ends[1] || state->states != instance->states ||
+        memcmp(state->owner, owner, sizeof owner) != 0)
+        return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
+    if (state->mode == (instance->continuous.used ? MODE_STEP : MODE_CONTINUOUS))
+        return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");
+    if (memcmp(instance->values, state->numbers, instance->ends[0] * sizeof(double)) != 0)
+        instance->prepared = 0;
+    memcpy(instance->values, state->numbers, state->known * sizeof(double));
+    memcpy(instance->x, state->numbers + state->known, state->states * sizeof(double));
+    instance->time = state->time;
+    instance->mode = (Mode)state->mode;
+    instance->has_state = state->has_state;
+    instance->event_due = state->event_due;
+    instance->stepped = instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
+    return STATUS_OK;
+}
+
+void instance_forget(SavedState *state) { free(state); }
+
+#define HEADER (16 + 6 * sizeof(double))
+
+size_t instance_serialized_size(const SavedState *state) {
+    return HEADER + (state->known + state->states) * sizeof(double);
+}
+
+void instance_serialize(const SavedState *state, unsigned char *bytes) {
+    double header[6] = {state->time,           state->mode,          state->has_state,
+                        (double)state->known, (double)state->states, state->event_due};
+    memcpy(bytes, state->owner, 16);
+    memcpy(bytes + 16, header, sizeof header);
+    memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
+}
+
+SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
+    double header[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    size_t count = 0;
+    if (size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
+        memcpy(header, bytes + 16, sizeof header);
+        count = (size - HEADER) / sizeof(double);
+        int known_mode = header[1] >= 0.0 && header[1] <= MODE_TERMINATED && header[1] == floor(header[1]);
+        if (!known_mode || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
+            count = 0;
+    }
+    SavedState *state = malloc(sizeof *state + (count + 1) * sizeof(double));
+    if (!state)
+        return NULL;
+    memset(state, 0, sizeof *state);
+    if (count) {
+        memcpy(state->owner, bytes, 16);
+        state->time = header[0];
+        state->mode = (int)header[1];
+        state->has_state = header[2] != 0.0;
+        state->known = (size_t)header[3];
+        state->states = (size_t)header[4];
+        state->event_due = header[5] != 0.0;
+        memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
+    }
+    return state;
+}
