@@ -23,7 +23,6 @@ from fmus import Backend, FmiVersion, check_fmu, native_library
 
 from .assembly import Assembly
 from .master import Settings
-from .plots import plot_all
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
 from .scene import SceneError, assemble, find_scene, list_scenes, load_scene
@@ -84,7 +83,7 @@ class _Number(click.FloatRange):
 
 
 def _names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
-    return frozenset(name for name in value.split(",") if name)
+    return frozenset(name.strip() for name in value.split(",") if name.strip())
 
 
 def _fidelity(command: Callable[..., None]) -> Callable[..., None]:
@@ -271,6 +270,8 @@ def _verification_table(verified: list[Verified]) -> Table:
 @click.option("--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures.")
 def plot_command(result: Path, output: Path | None) -> None:
     """Draw the pictures of RESULT."""
+    from .plots import plot_all  # matplotlib takes its time, which no other command needs
+
     for path in plot_all(Result.open(result), output or result.with_suffix("")):
         click.echo(path)
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import monotonic
@@ -102,6 +103,8 @@ class ResultWriter:
         hinge_lines: Sequence[HingeLine],
     ) -> None:
         self.path = Path(path)
+        if self.path.is_symlink():  # its target is what is meant
+            self.path = self.path.resolve()
         width = sum(sum(group.sizes) for group in groups)
         self._buffer = np.zeros((_ROWS, width + 1))
         self._rows = [row[:-1] for row in self._buffer]
@@ -130,7 +133,11 @@ class ResultWriter:
         self._file.create_dataset("hinge_lines", data=lines, dtype=_TEXT)
 
     def _spare_other_files(self) -> None:
-        """Refuse to replace what cannot be an earlier result, such as a scene given as output by mistake."""
+        """Refuse to replace what cannot be an earlier result, such as a scene or a device given as output."""
+        if self.path.exists() and not self.path.is_file():
+            raise ResultError(
+                f"{self.path}: this is not a file that a result can be written to; name another"
+            )
         if self.path.is_file() and self.path.stat().st_size:
             with self.path.open("rb") as file:
                 if file.read(len(_SIGNATURE)) != _SIGNATURE:
@@ -215,7 +222,8 @@ class ResultWriter:
             self.flush()
             self._file.attrs.modify("complete", complete)
         finally:
-            self._file.close()
+            with suppress(*_HDF5_ERRORS):  # a full disk was told of by the flush before
+                self._file.close()
 
     def __enter__(self) -> Self:
         return self

@@ -9,6 +9,7 @@ the build hook runs before anything is installed.
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -61,11 +62,11 @@ def suffix() -> str:
     return {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
-def compiler() -> str | None:
-    """Path of the C compiler: CC where it is set, else cc, gcc or clang; None where there is none."""
-    chosen = os.environ.get("CC")
-    found = (shutil.which(name) for name in ([chosen] if chosen else ["cc", "gcc", "clang"]))
-    return next(filter(None, found), None)
+def compiler() -> list[str] | None:
+    """The C compiler: what CC says, with its arguments, else cc, gcc or clang; None where there is none."""
+    chosen = shlex.split(os.environ.get("CC", ""))
+    commands = [chosen] if chosen else [["cc"], ["gcc"], ["clang"]]
+    return next((command for command in commands if shutil.which(command[0])), None)
 
 
 def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FLAGS) -> None:
@@ -76,10 +77,13 @@ def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FL
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / target.name
-        command = [found, *flags, "-shared", *map(str, names), "-o", str(made), "-lm"]
-        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        command = [*found, *flags, "-shared", *map(str, names), "-o", str(made), "-lm"]
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, check=False)
+        except OSError as error:
+            raise CompileError(f"{found[0]} cannot be run: {error}") from None
         if run.returncode:
-            raise CompileError(f"{' '.join(command[:1])} failed: {run.stderr.strip()[-2000:]}")
+            raise CompileError(f"{found[0]} failed: {run.stderr.strip()[-2000:]}")
         os.replace(made, target)
 
 

@@ -27,15 +27,15 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
         }
         for name, make in libraries.items():
             target = root / (name + build.suffix())
-            target.unlink(missing_ok=True)
+            target.unlink(missing_ok=True)  # one of other sources must not pass for this one
             try:
                 make(target)
             except build.CompileError as error:
-                self.app.display_warning(f"no native library: {error}; Fanfold will use PythonFMUs")
-                return
+                self.app.display_warning(f"{target.name} was not built: {error}; Fanfold will run without it")
+                continue
             build_data["artifacts"].append(f"/{name}{build.suffix()}")
-        build_data["pure_python"] = False
-        build_data["infer_tag"] = True
+            build_data["pure_python"] = False
+            build_data["infer_tag"] = True
 
 
 def _module(path: Path) -> ModuleType:

@@ -295,7 +295,10 @@ static int proceed(Network *n, int ready) {
         n->iteration++;
         if (!sweep(n)) return REFUSED;
         for (size_t i = 0; i < n->size; i++) n->residual[i] = n->law[i] - n->wrenches[i];
-        if (!isfinite(largest_of(n->residual, n->size, &n->worst_row))) return NOT_FINITE;
+        if (!isfinite(largest_of(n->residual, n->size, &n->worst_row))) {
+            n->correction = INFINITY;
+            return NOT_FINITE;
+        }
         if (!ready) return WANTS_MATRICES;
         const int status = correct(n);
         if (status != GOES_ON) return status;

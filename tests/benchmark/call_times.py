@@ -40,7 +40,7 @@ def build(folder: Path) -> Path:
         (folder / name).write_text(text, encoding="utf-8")
     program = folder / "program"
     subprocess.run(
-        [str(compiler()), *FLAGS, *map(str, folder.glob("*.c")), "-o", str(program), "-lm"], check=True
+        [*(compiler() or ()), *FLAGS, *map(str, folder.glob("*.c")), "-o", str(program), "-lm"], check=True
     )
     return program
 

@@ -96,6 +96,7 @@ static void drive(fmi2Component fmu, const Layout *layout) {
         expect(fmi2DeSerializeFMUstate(fmu, bytes, length, &copy), fmi2OK, "deserialize a part");
         if (length < size)
             expect(fmi2SetFMUstate(fmu, copy), fmi2Error, "restore of a part");
+        expect(fmi2FreeFMUstate(fmu, &copy), fmi2OK, "free a part");
     }
     expect(fmi2DeSerializeFMUstate(fmu, bytes, size, &copy), fmi2OK, "deserialize");
     expect(fmi2SetFMUstate(fmu, copy), fmi2OK, "restore");

@@ -104,6 +104,7 @@ static void drive(fmi3Instance fmu, uint32_t scalars) {
     for (size_t length = 0; length < size; length += 1 + size / 50) {
         expect(fmi3DeserializeFMUState(fmu, bytes, length, &copy), fmi3OK, "deserialize a part");
         expect(fmi3SetFMUState(fmu, copy), fmi3Error, "restore of a part");
+        expect(fmi3FreeFMUState(fmu, &copy), fmi3OK, "free a part");
     }
     expect(fmi3DeserializeFMUState(fmu, bytes, size, &copy), fmi3OK, "deserialize");
     expect(fmi3SetFMUState(fmu, copy), fmi3OK, "restore");

@@ -17,7 +17,7 @@ def program(host, folder):
         (folder / name).write_text(text, encoding="utf-8")
     flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
     made = folder / host.stem
-    command = [compiler(), *flags, *SANITIZERS, *map(str, folder.glob("*.c")), "-o", str(made), "-lm"]
+    command = [*compiler(), *flags, *SANITIZERS, *map(str, folder.glob("*.c")), "-o", str(made), "-lm"]
     run = subprocess.run(command, capture_output=True, text=True)
     if "cannot find" in run.stderr and "san" in run.stderr:
         pytest.skip("the compiler has no sanitizers")

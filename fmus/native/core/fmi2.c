@@ -14,9 +14,8 @@
 /* An instance and the host it reports to. */
 typedef struct {
     Instance *instance;
-    const fmi2CallbackFunctions *callbacks;
+    fmi2CallbackFunctions callbacks;
     char *name;
-    fmi2Boolean stop_time_defined;
 } Slave;
 
 static const char *category_of(Status status) {
@@ -39,10 +38,10 @@ static void double_percent_signs(const char *sentence, char *message, size_t siz
 static void log_to_host(void *host, Status status, const char *sentence) {
     const Slave *slave = host;
     char message[1600];
-    if (!slave->callbacks || !slave->callbacks->logger)
+    if (!slave->callbacks.logger)
         return;
     double_percent_signs(sentence, message, sizeof message);
-    slave->callbacks->logger(slave->callbacks->componentEnvironment, slave->name, (fmi2Status)status,
+    slave->callbacks.logger(slave->callbacks.componentEnvironment, slave->name, (fmi2Status)status,
                              category_of(status), message);
 }
 
@@ -71,7 +70,8 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (!slave)
         return NULL;
     name = name ? name : "";
-    slave->callbacks = callbacks;
+    if (callbacks)
+        slave->callbacks = *callbacks;
     slave->name = malloc(strlen(name) + 1);
     if (slave->name)
         strcpy(slave->name, name);
@@ -213,7 +213,6 @@ FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fm
                                                fmi2FMUstate *state) {
     if (!component)
         return fmi2Error;
-    instance_forget(*state);
     *state = instance_deserialize((const unsigned char *)bytes, size);
     return *state ? fmi2OK : fmi2Error;
 }

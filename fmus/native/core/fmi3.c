@@ -251,7 +251,6 @@ FMI3_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3
                                                fmi3FMUState *state) {
     if (!instance)
         return fmi3Error;
-    instance_forget(*state);
     *state = instance_deserialize(bytes, size);
     return *state ? fmi3OK : fmi3Error;
 }

@@ -219,11 +219,14 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
 
 Status instance_step(Instance *instance, double time, double h) {
     Reason why = {""};
-    instance->time = time;
+    double before = instance->time;
+    instance->time = time; /* for what is said of a failure */
     if (instance->mode != MODE_STEP)
         return instance_fail(instance, STATUS_ERROR, instance->continuous.used
                                  ? "this instance is for model exchange; a solver outside makes the steps"
                                  : "a step before the end of initialization mode");
+    if (!isfinite(time))
+        return instance_fail(instance, STATUS_ERROR, "the communication point is %g s; it must be a finite number", time);
     if (!(h > 0.0 && isfinite(h)))
         return instance_fail(instance, STATUS_DISCARD, "the communication step size is %g s; it must be positive", h);
     double *next = instance->before;
@@ -231,7 +234,9 @@ Status instance_step(Instance *instance, double time, double h) {
         !instance->kernel->step(instance->self, instance->x, inputs_of(instance), h, next, &why) ||
         !state_finite(instance, next, &why)) {
         instance->stepped = 0;
-        return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+        instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+        instance->time = before;
+        return STATUS_DISCARD;
     }
     instance->before = instance->x;
     instance->x = next;

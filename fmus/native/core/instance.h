@@ -63,7 +63,7 @@ typedef struct {
 typedef struct {
     char owner[16];
     double time;
-    int mode, has_state, event_due;
+    int mode, has_state, event_due, exchange;
     size_t known, states;
     double numbers[];
 } SavedState;

@@ -31,6 +31,7 @@ Status instance_save(Instance *instance, SavedState **state) {
     saved->mode = instance->mode;
     saved->has_state = instance->has_state;
     saved->event_due = instance->event_due;
+    saved->exchange = instance->continuous.used;
     memcpy(saved->numbers, instance->values, known * sizeof(double));
     if (instance->has_state)
         memcpy(saved->numbers + known, instance->x, instance->states * sizeof(double));
@@ -45,7 +46,7 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     if (!state || state->known != instance->ends[1] || state->states != instance->states ||
         memcmp(state->owner, owner, sizeof owner) != 0)
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
-    if (state->mode == (instance->continuous.used ? MODE_STEP : MODE_CONTINUOUS))
+    if (state->exchange != instance->continuous.used)
         return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");
     if (memcmp(instance->values, state->numbers, instance->ends[0] * sizeof(double)) != 0)
         instance->prepared = 0;
@@ -61,22 +62,23 @@ Status instance_restore(Instance *instance, const SavedState *state) {
 
 void instance_forget(SavedState *state) { free(state); }
 
-#define HEADER (16 + 6 * sizeof(double))
+#define NUMBERS_BEFORE 7
+#define HEADER (16 + NUMBERS_BEFORE * sizeof(double))
 
 size_t instance_serialized_size(const SavedState *state) {
     return HEADER + (state->known + state->states) * sizeof(double);
 }
 
 void instance_serialize(const SavedState *state, unsigned char *bytes) {
-    double header[6] = {state->time,           state->mode,          state->has_state,
-                        (double)state->known, (double)state->states, state->event_due};
+    double header[NUMBERS_BEFORE] = {state->time,           state->mode,      state->has_state, (double)state->known,
+                                     (double)state->states, state->event_due, state->exchange};
     memcpy(bytes, state->owner, 16);
     memcpy(bytes + 16, header, sizeof header);
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
 }
 
 SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
-    double header[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    double header[NUMBERS_BEFORE] = {0.0};
     size_t count = 0;
     if (size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
         memcpy(header, bytes + 16, sizeof header);
@@ -97,6 +99,7 @@ SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
         state->known = (size_t)header[3];
         state->states = (size_t)header[4];
         state->event_due = header[5] != 0.0;
+        state->exchange = header[6] != 0.0;
         memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     }
     return state;
