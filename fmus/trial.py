@@ -38,7 +38,7 @@ class _Trial(ABC):
         }
 
     def run(self) -> None:
-        """Two steps with the default start values, a state saved and restored, every output read."""
+        """Two steps with the default start values, a state saved and restored, every variable read."""
         self.instantiate()
         self.doing = "initialized with its default start values"
         self.initialize()
@@ -52,9 +52,9 @@ class _Trial(ABC):
         self.doing = "stepped a second time"
         self.fmu.doStep(h, h)
         self.doing = "read"
-        bad = [f"{name} is {value}" for name, value in self.outputs() if not math.isfinite(value)]
+        bad = [f"{name} is {value}" for name, value in self.values() if not math.isfinite(value)]
         if bad:
-            self.log.append(f"after two steps output {bad[0]}")
+            self.log.append(f"after two steps {bad[0]}")
             raise ValueError
         self.doing = "ended"
         self.fmu.terminate()
@@ -73,15 +73,15 @@ class _Trial(ABC):
         """Save the state, restore it from bytes where that is offered, and as it is."""
 
     @abstractmethod
-    def outputs(self) -> list[tuple[str, float]]:
-        """Name and value of every scalar of every output."""
+    def values(self) -> list[tuple[str, float]]:
+        """Causality and name, and value, of every scalar of every variable."""
 
     def _note(self, status: int, message: bytes | None) -> None:
         if status:
             self.log.append((message or b"").decode(errors="replace"))
 
     def _variables(self, kind: str) -> list[Any]:
-        return [v for v in self.description.modelVariables if v.causality == "output" and v.type == kind]
+        return [v for v in self.description.modelVariables if v.type == kind]
 
 
 class _Trial2(_Trial):
@@ -111,10 +111,10 @@ class _Trial2(_Trial):
         self.fmu.setFMUstate(state)
         self.fmu.freeFMUstate(state)
 
-    def outputs(self) -> list[tuple[str, float]]:
+    def values(self) -> list[tuple[str, float]]:
         variables = self._variables("Real")
         values = self.fmu.getReal([v.valueReference for v in variables]) if variables else []
-        return [(v.name, value) for v, value in zip(variables, values, strict=True)]
+        return [(f"{v.causality} {v.name}", value) for v, value in zip(variables, values, strict=True)]
 
 
 class _Trial3(_Trial):
@@ -137,11 +137,11 @@ class _Trial3(_Trial):
         self.fmu.setFMUState(state)
         self.fmu.freeFMUState(state)
 
-    def outputs(self) -> list[tuple[str, float]]:
+    def values(self) -> list[tuple[str, float]]:
         found: list[tuple[str, float]] = []
         for v in self._variables("Float64"):
             values = self.fmu.getFloat64([v.valueReference], nValues=math.prod(v.shape))
-            found.extend((v.name, value) for value in values)
+            found.extend((f"{v.causality} {v.name}", value) for value in values)
         return found
 
 

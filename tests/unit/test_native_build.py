@@ -54,6 +54,14 @@ def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):
         compile_library(tmp_path / "fanfold.so")
 
 
+def test_the_compiler_may_have_arguments(monkeypatch):
+    if compiler() is None:
+        pytest.skip("no C compiler here")
+    command = " ".join(compiler())
+    monkeypatch.setenv("CC", f"{command} -DCHOSEN")
+    assert compiler() == [*command.split(), "-DCHOSEN"]
+
+
 def test_what_a_compiler_refuses_is_told(monkeypatch, tmp_path):
     if compiler() is None:
         pytest.skip("no C compiler here")

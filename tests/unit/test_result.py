@@ -1,5 +1,6 @@
 """Results: what is written can be read back, an interrupted run too, and errors are sentences."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -208,3 +209,22 @@ def test_synthetic_deployment_writes_every_signal(tmp_path):
         for variable, (unit, values) in variables.items():
             assert result.unit(name, variable) == unit
             np.testing.assert_array_equal(result.signal(name, variable), values)
+
+
+def test_devices_and_pipes_are_no_results(tmp_path):
+    """Bad input: what is there and is no file stays what it is."""
+    pipe = tmp_path / "pipe.h5"
+    os.mkfifo(pipe)
+    with pytest.raises(ResultError, match="not a file that a result can be written to"):
+        ResultWriter(pipe, GROUPS, {}, {}, ())
+    assert pipe.is_fifo()
+
+
+def test_a_link_is_written_through(tmp_path):
+    """The file that a symbolic link points to holds the result."""
+    link, target = tmp_path / "link.h5", tmp_path / "target.h5"
+    link.symlink_to(target)
+    with ResultWriter(link, GROUPS, {}, {}, ()) as writer:
+        writer.append(0.0, [np.zeros(4), np.zeros(1)])
+    assert link.is_symlink()
+    assert Result.open(target).complete
