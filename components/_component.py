@@ -20,6 +20,8 @@
    A component that an outer solver may integrate also gives its `continuous` states and, where they differ
    from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
 4. Give `example()`: a small instance that the tests over the registry run.
+5. For native FMUs write the same equations once more in C, one file beside `fmus/native/kernel.h`, which says
+   how, and give `native_data()`; without them the component is exported as a PythonFMU.
 
 Nothing else is to be edited: the FMU builder, the conformance tests, `fanfold list` and the component table
 of the README iterate over `REGISTRY`.
