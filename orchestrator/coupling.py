@@ -27,6 +27,8 @@ _STEEPEST = 0.9
 _ROUND_OFF = 8.0 * float(np.finfo(float).eps)
 _NEAR = 1e-2
 """Largest relative correction of wrenches that are near a solution; beyond it they may be absurd."""
+_CREDIBLE = 1e12
+"""Largest residual over wrench at a solution; stiff joints leave up to 1e5, matrices of an absurd motion 1e30."""
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
 
@@ -87,7 +89,9 @@ class Coupling:
         self.observations = np.zeros(sum(p.observation_layout.size for p in self._participants) + 1)
         self._engine: Engine | None = None
         if Engine.serves(network):
-            limits = Limits(_SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _NEAR, _MAX_ITERATIONS, _REFRESHED)
+            limits = Limits(
+                _SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _NEAR, _CREDIBLE, _MAX_ITERATIONS, _REFRESHED
+            )
             shared = (self.wrenches, self._law, self._round_off, self.observations)
             self._engine = Engine(network, limits, *shared)
         else:
@@ -164,9 +168,9 @@ class Coupling:
                 scale = self.tolerance.scale(self.wrenches + direction)
             correction = _broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
-            if size <= 1.0 or (self._is_near(size) and self._within_round_off(residual)):
+            if self._settled(size, residual):
                 return Solution(True, iteration, size, 0)
-            if size > _DIVERGED * last:
+            if size > _DIVERGED * last or size <= 1.0:
                 break
             if size > _SLOW * last and iteration in _REFRESHED:
                 self._refresh(time, h, probe=iteration > _REFRESHED[0])
@@ -206,7 +210,7 @@ class Coupling:
             direction = self._direction(residual)
             scale = self.tolerance.scale(self.wrenches + direction)
             size = float(np.abs(direction / scale).max(initial=0.0))
-            converged = size <= 1.0 or (self._is_near(size) and self._within_round_off(residual))
+            converged = self._settled(size, residual)
             solution = Solution(converged, iteration, size, int(np.argmax(np.abs(direction / scale))))
             if converged:
                 break
@@ -240,9 +244,16 @@ class Coupling:
         """Whether a scaled correction is small enough for the wrenches to be those of a solution nearby."""
         return correction * self.tolerance.relative <= _NEAR
 
-    def _within_round_off(self, residual: Vector) -> bool:
-        """Whether ports cannot agree better; with absurd trial wrenches they never could, hence `_is_near`."""
-        return bool(np.all(np.abs(residual) <= self._round_off))
+    def _settled(self, correction: float, residual: Vector) -> bool:
+        """Whether the scaled correction is small, or ports cannot agree better for the rounding of their poses.
+
+        A correction says nothing of a motion gone astray, whose matrices make any residual small, nor does
+        rounding of absurd trial wrenches.
+        """
+        if correction <= 1.0:
+            wrench = 1.0 + float(np.abs(self.wrenches).max(initial=0.0))
+            return float(np.abs(residual).max(initial=0.0)) <= _CREDIBLE * wrench
+        return self._is_near(correction) and bool(np.all(np.abs(residual) <= self._round_off))
 
     def _refresh(self, time: float, h: float, *, probe: bool) -> None:
         """Turn the probed matrices to the present orientations, or probe the connections anew."""

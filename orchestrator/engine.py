@@ -61,6 +61,7 @@ class Limits(Structure):
         ("steepest", c_double),
         ("round_off", c_double),
         ("near", c_double),
+        ("credible", c_double),
         ("most", c_size_t),
         ("refreshed", c_size_t * 3),
     )

@@ -31,7 +31,7 @@ typedef struct {
 
 /* Numbers of the iteration, see orchestrator/coupling.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, near;
+    double slow, diverged, steepest, round_off, near, credible;
     size_t most, refreshed[3];
 } Limits;
 
@@ -255,6 +255,13 @@ static int within_round_off(const Network *n) {
     return 1;
 }
 
+/* Whether wrenches like these can leave this residual; matrices of a motion gone astray correct nothing. */
+static int is_credible(const Network *n) {
+    size_t row;
+    const double wrench = 1.0 + largest_of(n->wrenches, n->size, &row);
+    return largest_of(n->residual, n->size, &row) <= n->limits.credible * wrench;
+}
+
 /* Keep the step and take it. */
 static int apply(Network *n, const double *step) {
     n->last = n->correction;
@@ -277,8 +284,9 @@ static int correct(Network *n) {
     scaled_direction(n, step);
     update(n, step);
     n->correction = largest_of(step, n->size, &n->worst_row);
+    if (n->correction <= 1.0) return is_credible(n) ? CONVERGED : NOT_CONVERGED;
     const int near = n->correction * n->tolerance.relative <= n->limits.near;
-    if (n->correction <= 1.0 || (near && within_round_off(n))) return CONVERGED;
+    if (near && within_round_off(n)) return CONVERGED;
     if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {

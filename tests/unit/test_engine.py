@@ -113,7 +113,9 @@ class Wired:
 
     def engine(self):
         sizes = (self.size, self.size, self.size, 1)
-        return Engine(self, Limits(0.1, 10.0, 0.9, 1e-15, 1e-2, 5, (2, 3, 4)), *(np.zeros(n) for n in sizes))
+        return Engine(
+            self, Limits(0.1, 10.0, 0.9, 1e-15, 1e-2, 1e12, 5, (2, 3, 4)), *(np.zeros(n) for n in sizes)
+        )
 
 
 def chain(length):
