@@ -44,7 +44,12 @@ Vector = NDArray[np.float64]
 KINETIC_ENERGY = "kinetic_energy"
 POTENTIAL_ENERGY = "potential_energy"
 DISSIPATED_ENERGY = "dissipated_energy"
-"""Observations (J) that the energy balance of a scene adds up; dissipation is never found by difference."""
+SUPPLIED_ENERGY = "supplied_energy"
+"""Observations (J) that the energy balance of a scene adds up; dissipation is never found by difference.
+
+Kinetic, potential and dissipated energy change together by what is supplied from outside, such as the work of
+a drive.
+"""
 
 
 class ComponentError(Exception):

@@ -76,10 +76,8 @@ typedef struct {
     void (*update)(void *self, const double *x, const double *u, int at_event, double *x_next);
 } Kernel;
 
-/* Every component of this binary; the build writes the list from the equations files there are. */
+/* Every component of this binary; the build writes the list, and declares it, from the equations files there are. */
 extern const Kernel *const kernels[];
 extern const size_t kernel_count;
-
-extern const Kernel body_kernel, hinge_kernel, ccl_kernel, damper_kernel, fixed_base_kernel;
 
 #endif
