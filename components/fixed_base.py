@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._component import Component, ContinuousStates, Port, Quantity, Vector
-from ._frames import sum_of_moments
+from ._frames import normalized, sum_of_moments
 from ._midstep import extrapolated
 
 _HISTORY = 6
@@ -18,8 +18,8 @@ _HISTORY = 6
 class FixedBase(Component):
     """Ports that never move, and the loads they carry.
 
-    ports: one mapping per port with `name` and `position` (3, m, world axes). The interface load is the
-    sum of all wrenches about `reference` (3, m).
+    ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
+    (quaternion). The interface load is the sum of all wrenches about `reference` (3, m).
     """
 
     kind = "fixed_base"
@@ -41,7 +41,9 @@ class FixedBase(Component):
         self.continuous = ContinuousStates((), (), (), ())
         self._y = np.zeros((len(ports), 13))
         self._y[:, 0:3] = self._positions
-        self._y[:, 3] = 1.0
+        for pose, port in zip(self._y, ports, strict=True):
+            turn = port.get("orientation", (1.0, 0.0, 0.0, 0.0))
+            pose[3:7] = normalized((turn[0], turn[1], turn[2], turn[3]))
 
     def prepare(self, p: Vector) -> None:
         """Nothing to prepare."""
@@ -80,11 +82,10 @@ class FixedBase(Component):
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/fixed_base.c` reads."""
-        return {"positions": self._positions, "arms": self._arms}
+        return {"positions": self._positions, "arms": self._arms, "orientations": self._y[:, 3:7]}
 
     @classmethod
     def example(cls) -> FixedBase:
-        """Two ports."""
-        return cls(
-            [{"name": "hinge", "position": (0.0, 0.0, 0.0)}, {"name": "pulley", "position": (0.0, 0.6, 0.0)}],
-        )
+        """Two ports, one of them turned."""
+        pulley = {"name": "pulley", "position": (0.0, 0.6, 0.0), "orientation": (0.6, 0.0, 0.8, 0.0)}
+        return cls([{"name": "hinge", "position": (0.0, 0.0, 0.0)}, pulley])

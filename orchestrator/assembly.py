@@ -47,10 +47,11 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A scene at one fidelity, ready to become FMUs or in-process components."""
+    """A scene at one fidelity, ready to become FMUs or in-process components; `flexible` names modal bodies."""
 
     name: str
-    scene_text: str
+    scene_tree: Mapping[str, Any]
+    flexible: tuple[str, ...]
     parts: tuple[Part, ...]
     links: tuple[Link, ...]
     hinge_lines: tuple[HingeLine, ...]

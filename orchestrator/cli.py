@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from math import isfinite
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 from time import perf_counter
 from typing import Any
 
@@ -21,11 +22,13 @@ from rich.table import Table
 from components import REGISTRY
 from fmus import Backend, FmiVersion, check_fmu, native_library
 
+from . import analysis
 from .assembly import Assembly
+from .cli_options import Number, backend_option, fidelity_options, scene_layers
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
-from .scene import SceneError, assemble, find_scene, list_scenes, load_scene
+from .scene import SceneError, assemble, find_scene, list_scenes, load_scene, scene_variants
 from .scene_connections import WrenchMode
 from .summary import headline_table
 from .verify import Verified, verify
@@ -60,56 +63,17 @@ def main() -> None:
 @main.command("list")
 def list_command() -> None:
     """Scenes that come with Fanfold, and the components they are made of."""
-    scenes = Table("scene", "description", "bodies")
+    scenes = Table("scene", "description", "bodies", "variants")
     for name in list_scenes():
         scene = load_scene(find_scene(name))
         bodies = ", ".join(body.name for body in scene.bodies)
-        scenes.add_row(name, scene.header.description, bodies)
+        scenes.add_row(name, scene.header.description, bodies, ", ".join(scene_variants(find_scene(name))))
     kinds = Table("component", "what it is")
     for kind, component in sorted(REGISTRY.items()):
         kinds.add_row(kind, (component.__doc__ or "").strip().splitlines()[0])
     console = Console()
     console.print(scenes)
     console.print(kinds)
-
-
-class _Number(click.FloatRange):
-    """A number in a range; "nan" and "inf" are none."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """The number, or click's own refusal."""
-        number = super().convert(value, param, ctx)
-        return number if isfinite(number) else self.fail(f"{value} is not a finite number.", param, ctx)
-
-
-def _names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
-    return frozenset(name.strip() for name in value.split(",") if name.strip())
-
-
-def _fidelity(command: Callable[..., None]) -> Callable[..., None]:
-    """The two fidelity options, for every command that assembles a scene."""
-    for option, other in (("--flexible", "modal"), ("--rigid", "rigid")):
-        text = f"Bodies to be {other}, by name with commas between, or all."
-        command = click.option(option, default="", callback=_names, metavar="NAMES", help=text)(command)
-    return command
-
-
-def _backend(command: Callable[..., None]) -> Callable[..., None]:
-    """The option that chooses the back end of the FMUs."""
-    return click.option(
-        "--backend",
-        type=click.Choice(["native", "python"]),
-        callback=_offered_backend,
-        help="Native FMUs, or PythonFMUs; native by default where a C compiler built them at installation.",
-    )(command)
-
-
-def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | None) -> Backend | None:
-    if value == "native" and native_library() is None:
-        raise click.BadParameter(
-            "no native library was built; install Fanfold again where there is a C compiler"
-        )
-    return value
 
 
 def _tell_of_python(backend: Backend | None) -> None:
@@ -119,12 +83,13 @@ def _tell_of_python(backend: Backend | None) -> None:
 
 @main.command("run")
 @click.argument("scene")
-@_fidelity
-@_backend
-@click.option("--tolerance", type=_Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
-@click.option("--until", type=_Number(min=0.0, min_open=True), help="End time in seconds.")
+@scene_layers
+@fidelity_options
+@backend_option
+@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
+@click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
-@click.option("--step", type=_Number(min=1e-7), help="Fixed communication step size in seconds.")
+@click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
 @click.option(
     "--master",
     type=click.Choice(["implicit", "jacobi", "gauss-seidel"]),
@@ -135,6 +100,8 @@ def _tell_of_python(backend: Backend | None) -> None:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def run_command(
     scene: str,
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
     rigid: frozenset[str],
     flexible: frozenset[str],
     tolerance: float | None,
@@ -150,21 +117,37 @@ def run_command(
     if with_verify and master != "implicit":
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
     _tell_of_python(backend)
-    loaded = load_scene(find_scene(scene))
-    assembly = assemble(loaded, rigid, flexible, "mean" if master == "implicit" else "endpoint")
-    settings = Settings(
-        tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
-    )
-    path = output or Path(f"{assembly.name}.h5")
+    file = find_scene(scene)
     load = partial(as_fmus, backend=backend)
-    end = until or assembly.until
-    with _progress(assembly, end) as watch:
-        outcome = run(assembly, path, settings, end, master, watch, _warn, load)
-    verified = None
-    if with_verify:
+    for phase, layers in _phases(file, variants, settings):
+        loaded = load_scene(file, layers, settings)
+        assembly = assemble(loaded, rigid, flexible, "mean" if master == "implicit" else "endpoint")
+        numbers = Settings(
+            tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
+        )
+        path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *layers, "h5")))
+        end = until or assembly.until
         with _progress(assembly, end) as watch:
-            verified = verify(assembly, outcome, settings, end, watch, load)
-    _report(outcome, verified, as_json)
+            outcome = run(assembly, path, numbers, end, master, watch, _warn, load)
+        verified = None
+        if with_verify:
+            with _progress(assembly, end) as watch:
+                verified = verify(assembly, outcome, numbers, end, watch, load)
+        _report(outcome, verified, as_json)
+
+
+def _phases(
+    file: Path, variants: tuple[str, ...], settings: Sequence[str]
+) -> list[tuple[str, tuple[str, ...]]]:
+    """Name and variants of every phase to run; a scene without phases, or asked for one of them, has one."""
+    phases = load_scene(file, variants, settings).header.phases
+    if not phases or set(phases) & set(variants):
+        return [("", variants)]
+    return [(phase, (*variants, phase)) for phase in phases]
+
+
+def _phase_path(path: Path, phase: str) -> Path:
+    return path.with_suffix(f".{phase}{path.suffix}") if phase else path
 
 
 def _warn(sentence: str) -> None:
@@ -278,7 +261,8 @@ def plot_command(result: Path, output: Path | None) -> None:
 
 @main.command("export")
 @click.argument("scene")
-@_fidelity
+@scene_layers
+@fidelity_options
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder."
 )
@@ -291,9 +275,11 @@ def plot_command(result: Path, output: Path | None) -> None:
     help="Version of FMI; 3.0 needs the native back end.",
 )  # fmt: skip
 @click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
-@_backend
+@backend_option
 def export_command(
     scene: str,
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
     rigid: frozenset[str],
     flexible: frozenset[str],
     output: Path,
@@ -305,9 +291,31 @@ def export_command(
     """Write every component of SCENE as an FMU."""
     if fmi == "2.0" and not sources:
         _tell_of_python(backend)
-    assembly = assemble(load_scene(find_scene(scene)), rigid, flexible, wrench_mode)
+    assembly = assemble(load_scene(find_scene(scene), variants, settings), rigid, flexible, wrench_mode)
     for path in export(assembly, output, backend, fmi, sources):
         click.echo(path)
+
+
+class _Analyses(click.Group):
+    """Every module of `orchestrator.analysis` is one analysis; only the one asked for is imported."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the analyses."""
+        found = (module.name for module in iter_modules(analysis.__path__))
+        return sorted(name.replace("_", "-") for name in found if not name.startswith("_"))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of an analysis."""
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        module = import_module(f"{analysis.__name__}.{cmd_name.replace('-', '_')}")
+        command: click.Command = module.command
+        return command
+
+
+@main.group("analyse", cls=_Analyses)
+def analyse_group() -> None:
+    """Analyses of a scene or of a result."""
 
 
 @main.command("check")

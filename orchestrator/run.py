@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
@@ -193,8 +194,13 @@ def _scene_group() -> SignalGroup:
 
 
 def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict[str, str]:
-    """Scene text, versions and the digest of every FMU file."""
-    found = {"scene": assembly.name, "scene_text": assembly.scene_text, "python": platform.python_version()}
+    """The scene with its layers merged, flexible bodies, versions and the digest of every FMU file."""
+    found = {
+        "scene": assembly.name,
+        "scene_tree": json.dumps(assembly.scene_tree),
+        "flexible": json.dumps(assembly.flexible),
+        "python": platform.python_version(),
+    }
     found.update({name: version(name) for name in _PACKAGES})
     for participant in participants:
         if isinstance(participant, FmuParticipant):

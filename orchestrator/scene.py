@@ -1,211 +1,37 @@
-"""A TOML file -> a checked scene -> an assembly at one fidelity."""
+"""A checked scene -> an assembly at one fidelity."""
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Mapping
-from importlib.resources import files
-from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-from pydantic import ValidationError
-from pydantic_core import ErrorDetails
+import numpy as np
 
 from components import ComponentError
-from components._frames import Vector3
+from components._frames import add
 from components.modal import ModalData
 
-from . import scene_check
 from .assembly import Assembly, Geometry, Link, Part
 from .port_starts import with_port_starts
-from .scene_bodies import (
-    Attachment,
-    attachments,
-    base_model,
-    body_model,
-    body_points,
-    scene_points,
-    start_poses,
-)
-from .scene_connections import (
-    WrenchMode,
-    assembly_line,
-    damper_part,
-    hinge_parts,
-    line_latch,
-    loop_part,
-)
-from .scene_schema import (
-    Base,
-    Body,
-    Ccl,
-    Damper,
-    Friction,
-    Header,
-    HingeLine,
-    Joint,
-    Scene,
-    SceneError,
-    Table,
-)
+from .scene_bodies import StartPose, attachments, base_model, body_model, scene_points, start_poses
+from .scene_body_tables import Body
+from .scene_components import connection_part
+from .scene_connections import WrenchMode, assembly_line, damper_part, hinge_parts, line_latch, loop_part
+from .scene_pieces import Piece, held_bodies, joined_geometry, joined_model, pieces
+from .scene_reader import find_scene, list_scenes, load_scene, read_scene, scene_variants
+from .scene_schema import Scene
+from .scene_table import SceneError
 
-__all__ = ["Scene", "SceneError", "assemble", "find_scene", "list_scenes", "load_scene"]
-
-T = TypeVar("T", bound=Table)
-
-_TABLES = {"scene", "base", "joint", "friction"}
-_ARRAYS = {"body", "hinge_line", "ccl", "damper"}
-
-
-def _scene_folder() -> Path:
-    return Path(str(files(__package__))) / "scenes"
-
-
-def list_scenes() -> tuple[str, ...]:
-    """Names of the scenes that come with Fanfold."""
-    return tuple(sorted(path.stem for path in _scene_folder().glob("*.toml")))
-
-
-def find_scene(name_or_path: str) -> Path:
-    """The file of a named scene or at a path; SceneError if there is neither."""
-    for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
-        if path.is_file():
-            return path
-    known = ", ".join(list_scenes())
-    raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
-
-
-def load_scene(path: Path) -> Scene:
-    """Read and check a scene file; SceneError with everything that is wrong with it."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        raw = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise SceneError(
-            [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
-        ) from None
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        raise SceneError([f"{path.name}: {error}"]) from None
-    reader = _Reader(raw)
-    scene = reader.scene(path.name, text)
-    if scene is None or reader.problems:
-        raise SceneError([f"{path.name}: {problem}" for problem in reader.problems])
-    return scene
-
-
-class _Reader:
-    """Checks every table on its own, then what can be checked between those that are sound."""
-
-    def __init__(self, raw: Mapping[str, Any]) -> None:
-        self.raw = raw
-        known = ", ".join(sorted(_TABLES | _ARRAYS))
-        self.problems = [
-            f"{key}: is not a known table; tables are {known}" for key in raw if key not in _TABLES | _ARRAYS
-        ]
-
-    def scene(self, file: str, text: str) -> Scene | None:
-        """The scene; None, or problems, if something is wrong."""
-        header, base = self._table("scene", Header), self._table("base", Base)
-        joint, friction = self._table("joint", Joint), self._table("friction", Friction)
-        bodies, lines = self._tables("body", Body), self._tables("hinge_line", HingeLine)
-        loops, dampers = self._tables("ccl", Ccl), self._tables("damper", Damper)
-        self._check_references(base, bodies, lines, loops, dampers)
-        if self.problems or header is None or base is None or joint is None or friction is None:
-            return None
-        scene = Scene(file, text, header, base, joint, friction, bodies, lines, loops, dampers)
-        points = scene_points(scene)
-        self.problems += scene_check.open_hinges(scene, points, start_poses(scene, points))
-        return scene
-
-    def _table(self, key: str, model: type[T]) -> T | None:
-        raw = self.raw.get(key, {})
-        if key in ("scene", "base") and key not in self.raw:
-            self.problems.append(f"{key}: is missing")
-            return None
-        return self._validated(model, raw, key)
-
-    def _tables(self, key: str, model: type[T]) -> tuple[T, ...]:
-        entries = self.raw.get(key, [])
-        if not isinstance(entries, list):
-            self.problems.append(f"{key}: is one table; write it as [[{key}]], because there can be several")
-            return ()
-        found = [self._validated(model, raw, _entry(key, raw, i)) for i, raw in enumerate(entries)]
-        return tuple(table for table in found if table is not None)
-
-    def _validated(self, model: type[T], raw: object, key: str) -> T | None:
-        try:
-            return model.model_validate(raw)
-        except ValidationError as error:
-            self.problems += [f"{_key(key, raw, e['loc'])}: {_sentence(e)}" for e in error.errors()]
-            return None
-
-    def _names(self, key: str) -> list[str]:
-        """Names of all entries, sound or not."""
-        entries = self.raw.get(key, [])
-        named = [e.get("name") for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
-        return [name for name in named if isinstance(name, str)]
-
-    def _check_references(
-        self,
-        base: Base | None,
-        bodies: tuple[Body, ...],
-        lines: tuple[HingeLine, ...],
-        loops: tuple[Ccl, ...],
-        dampers: tuple[Damper, ...],
-    ) -> None:
-        named = [("base", base.name)] if base else []
-        named += [(key, name) for key in ("body", "hinge_line", "ccl", "damper") for name in self._names(key)]
-        named += [(f"hinge_line.{line.name}.hinges", hinge.name) for line in lines for hinge in line.hinges]
-        self.problems += scene_check.repeated_names((f"{key}.{name}", name) for key, name in named)
-        found = list(attachments(lines, loops, dampers))
-        points: dict[str, Mapping[str, Vector3] | None] = dict.fromkeys(self._names("body"))
-        points |= {body.name: self._points(body) for body in bodies}
-        if base is None:
-            return
-        self.problems += scene_check.unknown_places(found, {base.name: base.points, **points})
-        self.problems += scene_check.repeated_ports(found, lines)
-        if len(lines) == len(self.raw.get("hinge_line", [])):
-            self.problems += scene_check.unknown_hinges(dampers, lines)
-            self.problems += scene_check.broken_tree(base.name, self._names("body"), lines)
-
-    def _points(self, body: Body) -> Mapping[str, Vector3] | None:
-        try:
-            return body_points(body)
-        except ComponentError as error:
-            self.problems.append(f"body.{body.name}.catalogue: {error}")
-            return None
-
-
-def _entry(key: str, raw: object, position: int) -> str:
-    """Key of an entry of an array: by its name if it has one."""
-    name = raw.get("name") if isinstance(raw, dict) else None
-    return f"{key}.{name}" if isinstance(name, str) else f"{key}[{position + 1}]"
-
-
-def _key(key: str, raw: object, location: tuple[int | str, ...]) -> str:
-    """Dotted key of a place inside a table."""
-    for step in location:
-        if isinstance(step, int):
-            raw = raw[step] if isinstance(raw, list) and step < len(raw) else None
-            key = _entry(key, raw, step)
-        else:
-            raw = raw.get(step) if isinstance(raw, dict) else None
-            key = f"{key}.{step}"
-    return key
-
-
-def _sentence(error: ErrorDetails) -> str:
-    """What a validation error means to the author of the file."""
-    context = error.get("ctx", {})
-    if error["type"] == "missing":
-        return "is missing"
-    if error["type"] == "extra_forbidden":
-        return "is not a known key"
-    if error["type"] == "value_error":
-        return str(context["error"])
-    if error["type"] == "literal_error":
-        return f"is {error['input']!r}; it must be {context['expected']}"
-    return f"is {error['input']!r}; {error['msg'][0].lower()}{error['msg'][1:]}"
+__all__ = [
+    "Scene",
+    "SceneError",
+    "assemble",
+    "find_scene",
+    "list_scenes",
+    "load_scene",
+    "read_scene",
+    "scene_variants",
+]
 
 
 def choose_fidelity(scene: Scene, rigid: Collection[str], flexible: Collection[str]) -> dict[str, bool]:
@@ -237,34 +63,52 @@ def assemble(
     wrench_mode: WrenchMode = "mean",
 ) -> Assembly:
     """Parts, links and hinge lines of a scene at the given fidelity; SceneError for impossible fidelities."""
-    is_flexible = choose_fidelity(scene, rigid, flexible)
+    held = held_bodies(scene)
+    chosen = choose_fidelity(scene, rigid, flexible)
+    is_flexible = {name: chosen[name] and name not in held for name in chosen}
     models = {body.name: _model(scene, body, is_flexible[body.name]) for body in scene.bodies}
-    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers))
-    latches = [line_latch(scene, line, is_flexible, wrench_mode) for line in scene.hinge_lines]
-    parts = [_base_part(scene, found), *_body_parts(scene, models, found)]
-    for line, latch in zip(scene.hinge_lines, latches, strict=True):
-        parts += hinge_parts(scene, line, latch, is_flexible, wrench_mode)
-    parts += [loop_part(loop, wrench_mode) for loop in scene.loops]
-    parts += [damper_part(scene, damper, wrench_mode) for damper in scene.dampers]
-    header = scene.header
-    links = tuple(Link((a.body, a.connection), (a.connection, a.port)) for a in found)
+    poses = start_poses(scene, scene_points(scene))
+    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
+    parts_of_bodies: list[Part] = []
+    links: list[Link] = []
+    geometry: dict[str, Geometry] = {}
+    for piece in pieces(scene, found, poses).values():
+        part, shown = _piece_part(scene, piece, models, poses)
+        parts_of_bodies.append(part)
+        links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
+        geometry |= {piece.root: shown} if len(shown.positions) else {}
+    parts = parts_of_bodies + _connection_parts(scene, is_flexible, wrench_mode)
+    linked = {link.connection[0] for link in links}
+    header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
     return Assembly(
         name=header.name,
-        scene_text=scene.text,
-        parts=with_port_starts(parts, links),
-        links=links,
-        hinge_lines=tuple(map(assembly_line, scene.hinge_lines, latches)),
+        scene_tree=scene.tree,
+        flexible=tuple(name for name, modal in is_flexible.items() if modal),
+        parts=with_port_starts(
+            [part for part in parts if part in parts_of_bodies or part.name in linked], links
+        ),
+        links=tuple(links),
+        hinge_lines=tuple(
+            assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode)) for line in lines
+        ),
         base=scene.base.name,
         until=header.until,
         tolerance=header.tolerance,
         largest_step=header.largest_step,
         preload=header.preload,
-        geometry={
-            name: Geometry(data.display_positions, data.display_shapes, data.display_faces)
-            for name, data in models.items()
-            if len(data.display_positions)
-        },
+        geometry=geometry,
     )
+
+
+def _connection_parts(scene: Scene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
+    """Every connection of the scene, those of held lines included."""
+    parts: list[Part] = []
+    for line in scene.hinge_lines:
+        latch = line_latch(scene, line, is_flexible, mode)
+        parts += hinge_parts(scene, line, latch, is_flexible, mode)
+    parts += [loop_part(loop, mode) for loop in scene.loops]
+    parts += [damper_part(scene, damper, mode) for damper in scene.dampers]
+    return parts + [connection_part(connection, mode) for connection in scene.connections]
 
 
 def _model(scene: Scene, body: Body, flexible: bool) -> ModalData:
@@ -274,47 +118,46 @@ def _model(scene: Scene, body: Body, flexible: bool) -> ModalData:
         raise SceneError([f"{scene.file}: body.{body.name}: {error}"]) from None
 
 
-def _ports(body: str, found: list[Attachment]) -> list[dict[str, Any]]:
-    """One port for every connection of a body, named after it."""
-    return [
-        {"name": port.connection, "point": port.point, "offset": port.offset}
-        for port in found
-        if port.body == body
+def _piece_part(
+    scene: Scene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
+) -> tuple[Part, Geometry]:
+    """A body or joined piece, at rest where it starts, and what a picture of it needs."""
+    base = base_model(scene.base)
+    own = {name: models[name] for name in piece.bodies if name in models}
+    if piece.root == scene.base.name:
+        if base is None:
+            return _fixed_part(scene, piece, poses), _geometry(*joined_geometry(piece, own))
+        own = {scene.base.name: base, **own}
+    model = joined_model(piece, own) if piece.is_joined else own[piece.root]
+    ports = [
+        {"name": s.name, "point": s.point, "offset": s.offset, "orientation": s.orientation}
+        for s in piece.sites
     ]
+    bodies = {body.name: body for body in scene.bodies}
+    structure: dict[str, Any] = {"modal": model.to_arrays(), "ports": ports}
+    pose = poses[piece.root]
+    start: dict[str, Any] = {
+        "initial_position": pose.position,
+        "initial_orientation": pose.orientation,
+        "gravity": scene.header.gravity,
+    }
+    if piece.root in bodies:
+        structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
+        start["damping_scale"] = bodies[piece.root].damping_scale
+    shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
+    return Part(piece.root, "body", structure, start), shown
 
 
-def _base_part(scene: Scene, found: list[Attachment]) -> Part:
-    """The spacecraft as ground, or as a rigid body with the same ports."""
-    base, model, ports = scene.base, base_model(scene.base), _ports(scene.base.name, found)
-    if model is not None:
-        return Part(base.name, "body", {"modal": model.to_arrays(), "ports": ports}, {})
-    fixed = [
-        {
-            "name": port["name"],
-            "position": tuple(a + b for a, b in zip(base.points[port["point"]], port["offset"], strict=True)),
-        }
-        for port in ports
-    ]
-    return Part(base.name, "fixed_base", {"ports": fixed}, {})
+def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
+    return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _body_parts(scene: Scene, models: Mapping[str, ModalData], found: list[Attachment]) -> list[Part]:
-    """Bodies in their stowed poses, at rest."""
-    poses = start_poses(scene, scene_points(scene))
-    return [
-        Part(
-            body.name,
-            "body",
-            {
-                "modal": models[body.name].to_arrays(),
-                "ports": _ports(body.name, found),
-                "inertia_coupling": body.inertia_coupling,
-            },
-            {
-                "initial_position": poses[body.name].position,
-                "initial_orientation": poses[body.name].orientation,
-                "damping_scale": body.damping_scale,
-            },
-        )
-        for body in scene.bodies
-    ]
+def _fixed_part(scene: Scene, piece: Piece, poses: Mapping[str, StartPose]) -> Part:
+    """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
+    points = scene_points(scene)
+    ports = []
+    for site in piece.sites:
+        body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
+        at = piece.poses[body].place(points[body][point])
+        ports.append({"name": site.name, "position": add(at, site.offset), "orientation": site.orientation})
+    return Part(piece.root, "fixed_base", {"ports": ports}, {})

@@ -10,7 +10,10 @@ from components import ComponentError, catalogue
 from components._frames import Quaternion, Vector3, add, exponential, multiply, rotate, scaled, subtract
 from components.modal import ModalData
 
-from .scene_schema import Base, Body, Ccl, Damper, HingeLine, Scene, Seat
+from .scene_body_tables import Base, Body
+from .scene_connection_tables import Ccl, Connection, Damper, Seat
+from .scene_line_tables import HingeLine
+from .scene_schema import Scene
 
 _TWIN = "_rigid"
 
@@ -86,7 +89,10 @@ def scene_points(scene: Scene) -> dict[str, Mapping[str, Vector3]]:
 
 
 def attachments(
-    lines: Iterable[HingeLine], loops: Iterable[Ccl], dampers: Iterable[Damper]
+    lines: Iterable[HingeLine],
+    loops: Iterable[Ccl],
+    dampers: Iterable[Damper],
+    connections: Iterable[Connection],
 ) -> Iterator[Attachment]:
     """Every port of every connection; a damper sits where its hinge does, if there is that hinge."""
     at_hinge: dict[str, tuple[Seat, Seat]] = {}
@@ -106,6 +112,9 @@ def attachments(
     for damper in dampers:
         for port, seat in zip(("inboard", "outboard"), at_hinge.get(damper.hinge, ()), strict=False):
             yield _attachment(f"damper.{damper.name}", damper.name, port, seat)
+    for connection in connections:
+        for port, seat in connection.ports.items():
+            yield _attachment(f"connection.{connection.name}.ports", connection.name, port, seat)
 
 
 def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
@@ -113,7 +122,7 @@ def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
 
 
 def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
-    """Stowed poses along the tree of hinge lines from the base, whose frame is the world's.
+    """Poses at the start along the tree of hinge lines from the base, whose frame is the world's.
 
     All frames are parallel where every hinge angle is its aligned angle.
     """
@@ -123,7 +132,7 @@ def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> di
         waiting = [line for line in waiting if line not in ready]
         for line in ready:
             inner, hinge = poses[line.inboard], line.hinges[0]
-            turn = exponential(scaled(line.stowed_angle - line.aligned_angle, line.axis))
+            turn = exponential(scaled(line.initial_angle - line.aligned_angle, line.axis))
             orientation = multiply(inner.orientation, turn)
             arm = rotate(orientation, points[line.outboard][hinge.outboard])
             hinge_position = inner.place(points[line.inboard][hinge.inboard])

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from components._frames import Vector3, norm, subtract
 
 from .scene_bodies import Attachment, StartPose
-from .scene_schema import Damper, HingeLine, Scene
+from .scene_connection_tables import Damper
+from .scene_line_tables import HingeLine
+from .scene_schema import Scene
 
 _HINGE_GAP = 1e-3
 """m; how far apart the points of a hinge may be when stowed."""

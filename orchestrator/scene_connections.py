@@ -10,7 +10,9 @@ from components._frames import Vector3
 
 from .assembly import HingeLine as AssemblyHingeLine
 from .assembly import Part
-from .scene_schema import Ccl, Damper, Friction, Hinge, HingeLine, Joint, Latch, Scene
+from .scene_connection_tables import Ccl, Damper
+from .scene_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch
+from .scene_schema import Scene
 
 WrenchMode = Literal["mean", "endpoint"]
 
@@ -19,11 +21,12 @@ _NEGLIGIBLE = 1e-3
 
 
 class LatchSetting(NamedTuple):
-    """How a line latches: kind, and totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad)."""
+    """How a line latches: kind, totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad), measured curve."""
 
-    kind: Literal["none", "spring", "kinematic"]
+    kind: Literal["none", "spring", "table", "kinematic"]
     stiffness: float
     damping: float
+    measured: MeasuredLatch | None = None
 
 
 def latch_setting(
@@ -31,9 +34,9 @@ def latch_setting(
 ) -> LatchSetting:
     """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
 
-    Where both neighbours are modelled with their compliance the latch is kinematic; otherwise it is a spring
-    with the compliance that the models lack, by equation 2.7. Explicit hosts cannot lock: there a kinematic
-    latch is a spring of the whole line.
+    The spring has the compliance that the bodies' models lack, by equation 2.7; where they lack none the latch is
+    kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
+    Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line.
     """
     if latch is None:
         return LatchSetting("none", 0.0, 0.0)
@@ -43,13 +46,16 @@ def latch_setting(
     )
     modelled = sum(1.0 / stiffness for stiffness, has_it in sides if has_it and stiffness is not None)
     missing = 1.0 / latch.stiffness - modelled
-    both = inboard_has_compliance and outboard_has_compliance
-    if both or missing * latch.stiffness < _NEGLIGIBLE:
-        if mode == "mean":
-            return LatchSetting("kinematic", 0.0, 0.0)
-        missing = 1.0 / latch.stiffness
-    stiffness = 1.0 / missing
+    locks = latch.kind == "kinematic" or (
+        latch.kind == "by_fidelity" and missing * latch.stiffness < _NEGLIGIBLE
+    )
+    if locks and mode == "mean":
+        return LatchSetting("kinematic", 0.0, 0.0)
+    stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
     damping = 2.0 * latch.damping_ratio * sqrt(stiffness * latch.effective_inertia)
+    only_hinges = inboard_has_compliance and outboard_has_compliance and latch.kind == "by_fidelity"
+    if latch.measured is not None and only_hinges:
+        return LatchSetting("table", stiffness, damping, latch.measured)
     return LatchSetting("spring", stiffness, damping)
 
 
@@ -75,7 +81,7 @@ def hinge_parts(
     beside_flexible = flexible.get(line.inboard, False) or flexible.get(line.outboard, False)
     start: dict[str, float | Vector3] = {
         "aligned_angle": line.aligned_angle,
-        "stowed_angle": line.stowed_angle,
+        "stowed_angle": line.initial_angle,
         "latch_angle": line.deployed_angle,
         "latch_stiffness": share * latch.stiffness,
         "latch_damping": share * latch.damping,
@@ -84,11 +90,18 @@ def hinge_parts(
         **_motor(line, share),
         **_friction(scene.friction, beside_flexible),
     }
-    structure = {"axis": line.axis, "latch": latch.kind, "wrench_mode": mode}
+    structure = {"axis": line.axis, "latch": latch.kind, "wrench_mode": mode, **_measured(latch, share)}
     return tuple(
         Part(hinge.name, "hinge", structure | _harness(line, hinge), start | _bushing(scene.joint, hinge))
         for hinge in line.hinges
     )
+
+
+def _measured(latch: LatchSetting, share: float) -> dict[str, tuple[float, ...]]:
+    if latch.measured is None:
+        return {}
+    torque = tuple(share * value for value in latch.measured.torque)
+    return {"latch_deflection": latch.measured.deflection, "latch_torque": torque}
 
 
 def _motor(line: HingeLine, share: float) -> dict[str, float]:

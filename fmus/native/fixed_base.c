@@ -15,6 +15,7 @@ typedef struct {
     size_t ports, impulse;
     double *positions; /* 3 a port, world axes */
     double *arms;      /* the same from the reference point */
+    double *orientations; /* 4 a port */
 } FixedBase;
 
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
@@ -51,9 +52,9 @@ void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y)
     const FixedBase *base = self;
     (void)x, (void)u;
     for (size_t k = 0; k < base->ports; k++, y += MOTION) {
-        for (size_t i = 0; i < MOTION; i++) y[i] = 0.0;
         for (size_t i = 0; i < 3; i++) y[i] = base->positions[3 * k + i];
-        y[3] = 1.0;
+        for (size_t i = 0; i < 4; i++) y[3 + i] = base->orientations[4 * k + i];
+        for (size_t i = 7; i < MOTION; i++) y[i] = 0.0;
     }
 }
 
@@ -74,27 +75,33 @@ int fixed_base_step_complex(void *self, const double *x, const double complex *u
                             double complex *x_next, Reason *why);
 void fixed_base_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
 
+/* A copy of an array of the data whose numbers must be finite; NULL and a sentence otherwise. */
+static double *copied(const Data *data, const char *name, size_t count, Memory *memory, Reason *why) {
+    const double *given = data_array(data, name, count, why);
+    if (!given) return NULL;
+    double *copy = allocate(memory, (count + 1) * sizeof(double));
+    if (!copy) refuse(why, "no memory for a base's %s", name);
+    for (size_t i = 0; copy && i < count; i++) {
+        if (!isfinite(given[i])) {
+            refuse(why, "the base's data have a port with %s that are not finite", name);
+            return NULL;
+        }
+        copy[i] = given[i];
+    }
+    return copy;
+}
+
 static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason *why) {
     size_t count = 0;
-    const double *positions = data_any(data, "positions", &count, why);
-    if (!positions) return 0;
+    if (!data_any(data, "positions", &count, why)) return 0;
     if (count % 3 != 0 || count / 3 > MOST_PORTS)
         return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, %d ports at most",
                       (unsigned long)count, MOST_PORTS);
-    const double *arms = data_array(data, "arms", count, why);
-    if (!arms) return 0;
     base->ports = count / 3;
-    base->positions = allocate(memory, (count + 1) * sizeof(double));
-    base->arms = allocate(memory, (count + 1) * sizeof(double));
-    if (!base->positions || !base->arms)
-        return refuse(why, "no memory for a base of %lu ports", (unsigned long)base->ports);
-    for (size_t i = 0; i < count; i++) {
-        if (!isfinite(positions[i]) || !isfinite(arms[i]))
-            return refuse(why, "the base's data have a port position that is not finite");
-        base->positions[i] = positions[i];
-        base->arms[i] = arms[i];
-    }
-    return 1;
+    base->positions = copied(data, "positions", count, memory, why);
+    base->arms = base->positions ? copied(data, "arms", count, memory, why) : NULL;
+    base->orientations = base->arms ? copied(data, "orientations", 4 * base->ports, memory, why) : NULL;
+    return base->orientations != NULL;
 }
 
 static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {

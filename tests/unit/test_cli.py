@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -82,7 +83,7 @@ def test_run_shows_numbers_and_writes_the_result():
     found = Result.open("two_panels.h5")
     assert found.complete
     assert found.time[-1] == pytest.approx(0.05)
-    assert found.provenance["scene_text"] == TWO_PANELS
+    assert json.loads(found.provenance["scene_tree"]) == tomllib.loads(TWO_PANELS)
     assert len(found.provenance["fmu.root"]) == 64
 
 

@@ -1,0 +1,1 @@
+"""Analyses of scenes and results; each module is one analysis with its command."""

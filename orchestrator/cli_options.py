@@ -1,0 +1,68 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+from typing import Any
+
+import click
+
+from fmus import Backend, native_library
+
+
+class Number(click.FloatRange):
+    """A number in a range; "nan" and "inf" are none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The number, or click's own refusal."""
+        number = super().convert(value, param, ctx)
+        return number if isfinite(number) else self.fail(f"{value} is not a finite number.", param, ctx)
+
+
+def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[str, ...]:
+    """Names with commas between, in their order."""
+    return tuple(name.strip() for name in value.split(",") if name.strip())
+
+
+def names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
+    """Names with commas between, as a set."""
+    return frozenset(name.strip() for name in value.split(",") if name.strip())
+
+
+def scene_layers(command: Callable[..., None]) -> Callable[..., None]:
+    """The options that lay variants and single settings over a scene."""
+    command = click.option(
+        "--set", "settings", multiple=True, metavar="KEY=VALUE",
+        help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5; repeatable.",
+    )(command)  # fmt: skip
+    text = "Variants of the scene, with commas between, in order."
+    return click.option(
+        "--variant", "variants", default="", callback=ordered_names, metavar="NAMES", help=text
+    )(command)
+
+
+def fidelity_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The two fidelity options, for every command that assembles a scene."""
+    for option, other in (("--flexible", "modal"), ("--rigid", "rigid")):
+        text = f"Bodies to be {other}, by name with commas between, or all."
+        command = click.option(option, default="", callback=names, metavar="NAMES", help=text)(command)
+    return command
+
+
+def backend_option(command: Callable[..., None]) -> Callable[..., None]:
+    """The option that chooses the back end of the FMUs."""
+    return click.option(
+        "--backend",
+        type=click.Choice(["native", "python"]),
+        callback=_offered_backend,
+        help="Native FMUs, or PythonFMUs; native by default where a C compiler built them at installation.",
+    )(command)
+
+
+def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | None) -> Backend | None:
+    if value == "native" and native_library() is None:
+        raise click.BadParameter(
+            "no native library was built; install Fanfold again where there is a C compiler"
+        )
+    return value

@@ -1,0 +1,134 @@
+"""Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
+
+Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
+name away. Everything else replaces what was there.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+from .scene_table import SceneError
+
+Tree = dict[str, Any]
+
+_EXTENDS, _VARIANT, _REMOVE = "extends", "variant", "remove"
+
+
+def read_layers(
+    path: Path, find: Callable[[str], Path], variants: Sequence[str] = (), settings: Sequence[str] = ()
+) -> Tree:
+    """The tree of a scene file with variants and settings ("key.key=value") laid over it, in order.
+
+    find: the file that a name after `extends` means. SceneError where a layer is missing or cannot be read.
+    """
+    tree = _with_extended(path, find, ())
+    known = tree.pop(_VARIANT, {})
+    if not isinstance(known, dict) or not all(isinstance(layer, dict) for layer in known.values()):
+        raise SceneError([f"{path.name}: variant: give a table [variant.NAME] for each variant"])
+    unknown = [name for name in variants if name not in known]
+    if unknown:
+        names = ", ".join(known) or "none"
+        raise SceneError(
+            [f"{path.name}: there is no variant {name!r}; variants are {names}" for name in unknown]
+        )
+    for name in variants:
+        tree = merged(tree, known[name])
+    for setting in settings:
+        tree = merged(tree, _setting(path.name, setting, tree))
+    return tree
+
+
+def variant_names(path: Path, find: Callable[[str], Path]) -> tuple[str, ...]:
+    """Names of the variants of a scene file, in its order."""
+    known = _with_extended(path, find, ()).get(_VARIANT, {})
+    return tuple(known) if isinstance(known, dict) else ()
+
+
+def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, ...]) -> Tree:
+    """The tree of a file merged over the one that it extends."""
+    if path in within:
+        raise SceneError(
+            [f"{path.name}: extends: {' -> '.join(p.name for p in (*within, path))} is a circle"]
+        )
+    tree = _read(path)
+    if _EXTENDS not in tree:
+        return tree
+    name = tree.pop(_EXTENDS)
+    if not isinstance(name, str):
+        raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
+    beside = path.parent / name
+    below = beside if beside.is_file() else find(name)
+    return merged(_with_extended(below, find, (*within, path)), tree)
+
+
+def _read(path: Path) -> Tree:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
+        ) from None
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise SceneError([f"{path.name}: {error}"]) from None
+
+
+def merged(below: Tree, above: Tree) -> Tree:
+    """A new tree: `above` laid over `below`."""
+    tree = deepcopy(below)
+    for key, value in above.items():
+        old = tree.get(key)
+        if isinstance(old, dict) and isinstance(value, dict):
+            tree[key] = merged(old, value)
+        elif _is_named(old) and _is_named(value):
+            tree[key] = _merged_entries(old, value)
+        else:
+            tree[key] = deepcopy(value)
+    return tree
+
+
+def _is_named(value: object) -> bool:
+    """Whether a value is an array of tables that have names."""
+    return isinstance(value, list) and all(isinstance(entry, dict) and "name" in entry for entry in value)
+
+
+def _merged_entries(below: Any, above: Any) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
+    entries = {entry["name"]: entry for entry in below}
+    for entry in above:
+        if entry.get(_REMOVE) is True:
+            entries.pop(entry["name"], None)
+        else:
+            entries[entry["name"]] = merged(entries.get(entry["name"], {}), entry)
+    return list(entries.values())
+
+
+def _setting(file: str, setting: str, tree: Tree) -> Tree:
+    """A layer that holds one value: body.panel.fixed_interface_modes=5."""
+    key, equals, text = setting.partition("=")
+    steps = [step.strip() for step in key.split(".")]
+    if not equals or not all(steps):
+        raise SceneError([f"{file}: the setting {setting!r} is not of the form table.key=value"])
+    try:
+        value: Any = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    return _nested(file, setting, steps, value, tree)
+
+
+def _nested(file: str, setting: str, steps: Sequence[str], value: object, tree: object) -> Tree:
+    """The value under its steps; a step into an array of tables is the name of an entry."""
+    step, rest = steps[0], steps[1:]
+    if not rest:
+        return {step: value}
+    inner = tree.get(step) if isinstance(tree, dict) else None
+    if not (isinstance(inner, list) and inner and _is_named(inner)):
+        return {step: _nested(file, setting, rest, value, inner)}
+    entry = next((entry for entry in inner if entry["name"] == rest[0]), None)
+    if entry is None or len(rest) == 1:
+        known = ", ".join(str(entry["name"]) for entry in inner)
+        raise SceneError([f"{file}: the setting {setting!r} needs a key of one of {step}: {known}"])
+    return {step: [{"name": rest[0], **_nested(file, setting, rest[1:], value, entry)}]}
