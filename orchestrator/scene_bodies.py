@@ -11,9 +11,10 @@ from components._frames import Quaternion, Vector3, add, exponential, multiply, 
 from components.modal import ModalData
 
 from .scene_body_tables import Base, Body
-from .scene_connection_tables import Ccl, Connection, Damper, Seat
+from .scene_connection_tables import Ccl, Connection, Damper
 from .scene_line_tables import HingeLine
 from .scene_schema import Scene
+from .scene_table import Seat
 
 _TWIN = "_rigid"
 
@@ -54,15 +55,18 @@ def body_model(body: Body, flexible: bool) -> ModalData:
         rigid = body.rigid
         return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points)
     entry = str(body.catalogue)
+    masses = tuple((attached.point, attached.mass) for attached in body.attached_masses)
     if not flexible:
-        return _catalogue_model(entry, None)
-    data = _catalogue_model(entry, body.fixed_interface_modes)
+        return _catalogue_model(entry, None, masses)
+    data = _catalogue_model(entry, body.fixed_interface_modes, masses)
     data = data.switch_off(body.modes_off, body.frequencies_off)
     return data if body.damping_ratio is None else data.with_damping(body.damping_ratio)
 
 
 @lru_cache(maxsize=32)
-def _catalogue_model(entry: str, fixed_interface_modes: int | None) -> ModalData:
+def _catalogue_model(
+    entry: str, fixed_interface_modes: int | None, masses: tuple[tuple[str, float], ...]
+) -> ModalData:
     """Model of a catalogue entry, its rigid twin where no number of modes is given.
 
     An entry is a function `entry(fixed_interface_modes)` of the catalogue that has a twin `entry_rigid()`.
@@ -71,10 +75,10 @@ def _catalogue_model(entry: str, fixed_interface_modes: int | None) -> ModalData
     if entry not in known:
         raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(known)}")
     if fixed_interface_modes is None:
-        rigid: Callable[[], ModalData] = getattr(catalogue, entry + _TWIN)
-        return rigid()
-    flexible: Callable[[int], ModalData] = getattr(catalogue, entry)
-    return flexible(fixed_interface_modes)
+        rigid: Callable[[tuple[tuple[str, float], ...]], ModalData] = getattr(catalogue, entry + _TWIN)
+        return rigid(masses)
+    flexible: Callable[[int, tuple[tuple[str, float], ...]], ModalData] = getattr(catalogue, entry)
+    return flexible(fixed_interface_modes, masses)
 
 
 def body_points(body: Body) -> Mapping[str, Vector3]:
@@ -122,7 +126,7 @@ def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
 
 
 def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
-    """Poses at the start along the tree of hinge lines from the base, whose frame is the world's.
+    """Poses at the start along the tree of hinge lines from the base, whose frame is the world's, then placed bodies.
 
     All frames are parallel where every hinge angle is its aligned angle.
     """
@@ -137,4 +141,8 @@ def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> di
             arm = rotate(orientation, points[line.outboard][hinge.outboard])
             hinge_position = inner.place(points[line.inboard][hinge.inboard])
             poses[line.outboard] = StartPose(subtract(hinge_position, arm), orientation)
+    for body in scene.bodies:
+        if body.place is not None:
+            origin = poses[body.place.body].place(points[body.place.body][body.place.point])
+            poses[body.name] = StartPose(add(origin, body.place.offset), (1.0, 0.0, 0.0, 0.0))
     return poses

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from components.body import CouplingLevel
 
-from .scene_table import ORIGIN, Inertia, Name, Table
+from .scene_table import ORIGIN, Inertia, Name, Seat, Table
 from .units import Frequency, Mass, Position, Ratio
 
 Fidelity = Literal["rigid", "flexible"]
@@ -44,9 +44,14 @@ class AttachedMass(Table):
 
 
 class Body(Table):
-    """[[body]]: an entry of the catalogue, or a rigid body; options of its flexible model."""
+    """[[body]]: an entry of the catalogue, or a rigid body; options of its flexible model.
+
+    place: where the origin of a body that no hinge line carries starts, its offset in world axes, the body's axes
+    being those of the world.
+    """
 
     name: Name
+    place: Seat | None = None
     catalogue: str | None = None
     rigid: RigidBody | None = None
     fidelity: Fidelity | None = None

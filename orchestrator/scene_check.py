@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 from components._frames import Vector3, norm, subtract
 
 from .scene_bodies import Attachment, StartPose
+from .scene_body_tables import Body
 from .scene_connection_tables import Damper
 from .scene_line_tables import HingeLine
 from .scene_schema import Scene
@@ -61,8 +62,26 @@ def unknown_hinges(dampers: Iterable[Damper], lines: Iterable[HingeLine]) -> Ite
             yield f"damper.{damper.name}.hinge: there is no hinge {damper.hinge!r}; hinges are {known}"
 
 
-def broken_tree(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -> Iterator[str]:
-    """Bodies that are not the outboard end of exactly one chain of hinge lines from the base."""
+def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3] | None]) -> Iterator[str]:
+    """Placed bodies whose place is not a known point of the base or of a body that hinge lines carry."""
+    listed = list(bodies)
+    placed = {body.name for body in listed if body.place is not None}
+    for body in listed:
+        if body.place is None:
+            continue
+        key, at = f"body.{body.name}.place", body.place
+        known = points.get(at.body)
+        if at.body not in points or at.body in placed:
+            carried = ", ".join(name for name in points if name not in placed)
+            yield f"{key}.body: {at.body!r} is no body that hinge lines carry; those are {carried}"
+        elif known is not None and at.point not in known:
+            yield f"{key}.point: {at.body} has no point {at.point!r}; its points are {', '.join(known)}"
+
+
+def broken_tree(
+    base: str, bodies: Iterable[str], lines: Iterable[HingeLine], placed: Collection[str] = ()
+) -> Iterator[str]:
+    """Bodies that are not the outboard end of exactly one chain of hinge lines from the base, nor placed."""
     inboard_of: dict[str, str] = {}
     for line in lines:
         if line.outboard == base:
@@ -71,7 +90,12 @@ def broken_tree(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) ->
             yield f"hinge_line.{line.name}.outboard: {line.outboard} is that of another line already"
         else:
             inboard_of[line.outboard] = line.inboard
+    for body in placed:
+        if body in inboard_of:
+            yield f"body.{body}.place: hinge lines carry this body, so its place follows from them; leave it out"
     for body in bodies:
+        if body in placed:
+            continue
         path = [body]
         while (inner := inboard_of.get(path[-1])) is not None and inner not in path:
             path.append(inner)

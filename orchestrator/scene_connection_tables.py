@@ -6,16 +6,8 @@ from typing import Any
 
 from pydantic import Field
 
-from .scene_table import ORIGIN, Y_AXIS, Axis, Name, Table
-from .units import Damping, Force, Length, PeakRate, Position, Stiffness, TurningDamping
-
-
-class Seat(Table):
-    """Where something sits on a body: a point and a rigid arm from it."""
-
-    body: str
-    point: str
-    offset: Position = ORIGIN
+from .scene_table import Y_AXIS, Axis, Name, Seat, Table
+from .units import Damping, Force, Length, PeakRate, Stiffness, TurningDamping
 
 
 class Pulley(Seat):

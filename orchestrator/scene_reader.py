@@ -142,10 +142,12 @@ class _Reader:
         if base is None:
             return
         self.problems += scene_check.unknown_places(found, {base.name: base.points, **points})
+        self.problems += scene_check.misplaced(bodies, {base.name: base.points, **points})
         self.problems += scene_check.repeated_ports(found, lines)
         if len(lines) == len(self.raw.get("hinge_line", [])):
             self.problems += scene_check.unknown_hinges(dampers, lines)
-            self.problems += scene_check.broken_tree(base.name, self._names("body"), lines)
+            placed = [body.name for body in bodies if body.place is not None]
+            self.problems += scene_check.broken_tree(base.name, self._names("body"), lines, placed)
 
     def _points(self, body: Body) -> Mapping[str, Vector3] | None:
         try:

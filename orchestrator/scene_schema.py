@@ -9,14 +9,14 @@ from typing import Any
 from .scene_body_tables import Base, Body
 from .scene_connection_tables import Ccl, Connection, Damper
 from .scene_line_tables import Friction, HingeLine, Joint
-from .scene_table import ORIGIN, Name, Table
+from .scene_table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
 
 
 class Header(Table):
     """[scene]: what to run; `phases` are variants that run one after the other, each from its own start."""
 
-    name: Name
+    name: SceneName
     description: str = ""
     until: Duration
     tolerance: PositiveRatio = 1e-4

@@ -12,7 +12,7 @@ from components._frames import Vector3
 from components.body import Body as BodyComponent
 from components.modal import ModalData
 
-from .units import to_si
+from .units import Position, to_si
 
 Tensor = tuple[Vector3, Vector3, Vector3]
 
@@ -34,6 +34,12 @@ class SceneError(Exception):
 def _identifier(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z]\w*", value):
         raise ValueError(f"is {value!r}; a name starts with a letter and has only letters, digits and _")
+    return value
+
+
+def _scene_name(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][\w-]*", value):
+        raise ValueError(f"is {value!r}; a name starts with a letter and has only letters, digits, _ and -")
     return value
 
 
@@ -64,6 +70,7 @@ def _physical(value: Tensor) -> Tensor:
 
 
 Name = Annotated[str, AfterValidator(_identifier)]
+SceneName = Annotated[str, AfterValidator(_scene_name)]
 Axis = Annotated[Vector3, BeforeValidator(_axis)]
 Inertia = Annotated[Tensor, BeforeValidator(_tensor), AfterValidator(_physical)]
 Y_AXIS: Vector3 = (0.0, 1.0, 0.0)
@@ -74,3 +81,11 @@ class Table(BaseModel):
     """A table of the file: frozen, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Seat(Table):
+    """Where something sits on a body: a point and a rigid arm from it."""
+
+    body: str
+    point: str
+    offset: Position = ORIGIN
