@@ -1,5 +1,7 @@
-"""Bodies of the AMOS-3 wing from its data file, flexible and as rigid twins, with a cache of reductions.
+"""Bodies of solar-array wings from data files, flexible and as rigid twins, with a cache of reductions.
 
+An entry is a function `entry(fixed_interface_modes, masses)` with a twin `entry_rigid(masses)`; `masses` are
+point masses in kg at named points of the body, such as brackets.
 Frames: x outboard, y along the hinge lines, z normal; origin in the middle of the body's inboard hinge line.
 A rigid twin has the same points as the flexible body and the mass properties of the data sheet.
 """
@@ -10,209 +12,171 @@ import hashlib
 import json
 import os
 import tempfile
-import tomllib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from importlib.resources import files
-from math import hypot, sqrt
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
+from ._catalogue_amos3 import AMOS3
+from ._catalogue_arabsat import ARABSAT
+from ._catalogue_bepicolombo import BEPICOLOMBO
+from ._catalogue_body import (
+    CatalogueBody,
+    PointMasses,
+    rigid_with_masses,
+    symmetric_rigid_body,
+    with_masses,
+)
+from ._catalogue_data import catalogue_data
+from ._catalogue_panel import WORKBENCH, workbench_bare_model
 from ._component import ComponentError
-from .beam_frame import BeamSection, Member, beam_frame, tube_section
 from .modal import ModalData
-from .panel import HingeArm, Panel, Plate, panel_model
 from .reduction import FiniteElementModel, craig_bampton
+
+BODIES: Mapping[str, CatalogueBody] = {**WORKBENCH, **AMOS3, **BEPICOLOMBO, **ARABSAT}
+"""Finite elements, attachment points and nodes of every entry."""
 
 _SOURCES = ("_component.py", "_frames.py", "modal.py", "reduction.py", "panel.py", "beam_frame.py")
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, BadZipFile, ComponentError)
 
 
-def values(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Numbers of a data table whose entries are `{value, unit, source}`, sub-tables included."""
-    return {k: v["value"] if "value" in v else values(v) for k, v in table.items()}
+def finite_elements(entry: str, masses: PointMasses = ()) -> FiniteElementModel:
+    """Finite elements of an entry with point masses fixed to its points."""
+    if entry not in BODIES:
+        raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(BODIES)}")
+    return with_masses(BODIES[entry].build(), masses)
 
 
-def amos3_data() -> dict[str, Any]:
-    """Catalogue values of the AMOS-3 wing, SI."""
-    text = (files(__package__) / "data" / "amos3.toml").read_text(encoding="utf-8")
-    return values(tomllib.loads(text))
+def workbench_panel(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """Workbench panel with two attachment points; 10 fixed-interface modes make 16 flexible ones."""
+    return _flexible("workbench_panel", fixed_interface_modes, masses)
 
 
-def _panel(hinge_lines: Mapping[str, Literal["inboard", "outboard"]], point_mass: float) -> Panel:
-    """Panel of the data file with two arms on each named hinge line and a node in the plate's middle."""
-    data = amos3_data()
-    plate, arm = data["plate"], data["arm"]
-    arms = tuple(
-        HingeArm(
-            name=f"{line}_{side}",
-            y=sign * arm["y"],
-            edge=edge,
-            length=arm["length"],
-            section=BeamSection(*(arm[k] for k in ("axial", "bending_y", "bending_z", "torsion"))),
-            point_mass=point_mass,
-            patch=arm["patch"],
-        )
-        for line, edge in hinge_lines.items()
-        for side, sign in (("left", 1.0), ("right", -1.0))
-    )
-    return Panel(
-        plate=Plate(
-            plate["length"],
-            plate["width"],
-            plate["areal_mass"],
-            tuple(plate["bending"]),
-            tuple(plate["membrane"]),
-        ),
-        arms=arms,
-        nodes={"center": (arm["length"] + 0.5 * plate["length"], 0.0)},
-        plate_start=arm["length"],
-    )
+def workbench_panel_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of the workbench panel, which the data sheet gives without the hardware on the hinge line."""
+    return _rigid_twin("workbench_panel", masses, workbench_bare_model)
 
 
-def workbench_panel_model() -> FiniteElementModel:
-    """Finite elements of the workbench panel: points "left", "right" on the hinge line and "center"."""
-    panel = _panel({"hl": "inboard"}, amos3_data()["arm"]["point_mass_workbench"])
-    return panel_model(panel)
+def amos3_yoke(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """AMOS-3 yoke with three attachment points; 10 fixed-interface modes make 22 flexible ones."""
+    return _flexible("amos3_yoke", fixed_interface_modes, masses)
 
 
-def amos3_panel1_model() -> FiniteElementModel:
-    """Finite elements of panel 1: hinge line 2 inboard, hinge line 3 outboard, node "center"."""
-    lines: dict[str, Literal["inboard", "outboard"]] = {"hl2": "inboard", "hl3": "outboard"}
-    return panel_model(_panel(lines, amos3_data()["arm"]["point_mass_flight"]))
+def amos3_panel1(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """AMOS-3 panel 1 with four attachment points; 10 fixed-interface modes make 28 flexible ones."""
+    return _flexible("amos3_panel1", fixed_interface_modes, masses)
 
 
-def amos3_panel2_model() -> FiniteElementModel:
-    """Finite elements of panel 2: hinge line 3 inboard, node "center"."""
-    return panel_model(_panel({"hl3": "inboard"}, amos3_data()["arm"]["point_mass_flight"]))
+def amos3_panel2(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """AMOS-3 panel 2 with two attachment points; 10 fixed-interface modes make 16 flexible ones."""
+    return _flexible("amos3_panel2", fixed_interface_modes, masses)
 
 
-def amos3_yoke_model() -> FiniteElementModel:
-    """Finite elements of the yoke: an A of three equal tubes, apex "hl1", feet "hl2_left" and "hl2_right".
-
-    Node "guide" is the middle of the left leg. What is not tube is spread evenly along a stretch of both
-    legs; the stretch follows from mass, centre of mass and inertia, see `_loaded_stretch`.
-    """
-    yoke = amos3_data()["yoke"]
-    tube = tube_section(
-        yoke["tube_diameter"],
-        yoke["tube_wall"],
-        yoke["youngs_modulus"],
-        yoke["shear_modulus"],
-        yoke["density"],
-    )
-    length, foot = yoke["length"], yoke["foot_y"]
-    low, high, line_mass = _loaded_stretch(yoke, tube)
-    joints: dict[str, tuple[float, float, float]] = {"hl1": (0.0, 0.0, 0.0)}
-    members = []
-    for side, sign in (("left", 1.0), ("right", -1.0)):
-        middle = "guide" if side == "left" else "middle_right"
-        names = ("hl1", f"low_{side}", middle, f"high_{side}", f"hl2_{side}")
-        for name, x in zip(names[1:], (low, 0.5 * length, high, length), strict=True):
-            joints[name] = (x, sign * foot * x / length, 0.0)
-        loads = (0.0, line_mass, line_mass, 0.0)
-        for k, load in enumerate(loads):
-            members.append(Member(names[k], names[k + 1], tube, 4, load))
-    members.append(Member("hl2_left", "hl2_right", tube, 10))
-    return beam_frame(joints, members, points=("hl1", "hl2_left", "hl2_right", "guide"))
+def amos3_yoke_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of the AMOS-3 yoke."""
+    return rigid_with_masses(_on_sheet(_rigid_twin("amos3_yoke"), "yoke"), masses)
 
 
-def _loaded_stretch(yoke: Mapping[str, float], tube: BeamSection) -> tuple[float, float, float]:
-    """Ends (x, m) of the stretch of both legs with the non-structural mass, and that mass per m of leg.
-
-    An even load of mean x and half-length h has the second moment m (x² + h²/3); mass, first and second
-    moment of what the tubes lack give m, x and h. A tube of polar radius of gyration r adds, about y,
-    r²/2 (1 + n²) per mass, n being the x component of the in-plane normal.
-    """
-    leg = hypot(yoke["length"], yoke["foot_y"])
-    legs, bar = 2.0 * leg * tube.line_mass, 2.0 * yoke["foot_y"] * tube.line_mass
-    length, center = yoke["length"], yoke["center_of_mass"]
-    around_leg, around_bar = (
-        0.5 * tube.gyration_radius**2 * (1.0 + n**2) for n in (yoke["foot_y"] / leg, 1.0)
-    )
-    mass = yoke["mass"] - legs - bar
-    first = yoke["mass"] * center - 0.5 * length * legs - length * bar
-    second = yoke["inertia"] + yoke["mass"] * center**2
-    second -= legs * (length**2 / 3.0 + around_leg) + bar * (length**2 + around_bar) + mass * around_leg
-    middle, spread = first / mass, second / mass - (first / mass) ** 2
-    half = sqrt(3.0 * spread) if spread > 0.0 else -1.0
-    if not 0.0 <= half <= min(middle, length - middle):
-        raise ComponentError("the yoke's tubes leave no even spread with its centre of mass and inertia")
-    return middle - half, middle + half, mass / (4.0 * half * leg / length)
+def amos3_panel1_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of AMOS-3 panel 1."""
+    return rigid_with_masses(_on_sheet(_rigid_twin("amos3_panel1"), "panel1"), masses)
 
 
-def workbench_panel(fixed_interface_modes: int = 10) -> ModalData:
-    """Workbench panel, attachment points "hl_left" and "hl_right"; 10 fixed-interface modes make 16."""
-    return _reduced(workbench_panel_model, ("hl_left", "hl_right"), ("center",), fixed_interface_modes)
+def amos3_panel2_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of AMOS-3 panel 2."""
+    return rigid_with_masses(_on_sheet(_rigid_twin("amos3_panel2"), "panel2"), masses)
 
 
-def amos3_yoke(fixed_interface_modes: int = 10) -> ModalData:
-    """Yoke with three attachment points; 10 fixed-interface modes make 22 flexible ones."""
-    points = ("hl1", "hl2_left", "hl2_right")
-    return _reduced(amos3_yoke_model, points, ("guide",), fixed_interface_modes)
+def bepicolombo_inboard(fixed_interface_modes: int = 5, masses: PointMasses = ()) -> ModalData:
+    """BepiColombo yoke and inboard panel, four attachment points; 5 fixed-interface modes make 23."""
+    return _flexible("bepicolombo_inboard", fixed_interface_modes, masses)
 
 
-def amos3_panel1(fixed_interface_modes: int = 10) -> ModalData:
-    """Panel 1 with four attachment points; 10 fixed-interface modes make 28 flexible ones."""
-    points = ("hl2_left", "hl2_right", "hl3_left", "hl3_right")
-    return _reduced(amos3_panel1_model, points, ("center",), fixed_interface_modes)
+def bepicolombo_outboard(fixed_interface_modes: int = 5, masses: PointMasses = ()) -> ModalData:
+    """BepiColombo outboard panel with two attachment points; 5 fixed-interface modes make 11."""
+    return _flexible("bepicolombo_outboard", fixed_interface_modes, masses)
 
 
-def amos3_panel2(fixed_interface_modes: int = 10) -> ModalData:
-    """Panel 2 with two attachment points; 10 fixed-interface modes make 16 flexible ones."""
-    return _reduced(amos3_panel2_model, ("hl3_left", "hl3_right"), ("center",), fixed_interface_modes)
+def bepicolombo_inboard_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of the BepiColombo yoke and inboard panel."""
+    return _rigid_twin("bepicolombo_inboard", masses)
 
 
-def amos3_yoke_rigid() -> ModalData:
-    """Rigid twin of the yoke."""
-    return _rigid_twin(amos3_yoke(0), "yoke")
+def bepicolombo_outboard_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of the BepiColombo outboard panel."""
+    return _rigid_twin("bepicolombo_outboard", masses)
 
 
-def amos3_panel1_rigid() -> ModalData:
-    """Rigid twin of panel 1."""
-    return _rigid_twin(amos3_panel1(0), "panel1")
+def arabsat_yoke(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """ARABSAT yoke with three attachment points; 10 fixed-interface modes make 22 flexible ones."""
+    return _flexible("arabsat_yoke", fixed_interface_modes, masses)
 
 
-def amos3_panel2_rigid() -> ModalData:
-    """Rigid twin of panel 2."""
-    return _rigid_twin(amos3_panel2(0), "panel2")
+def arabsat_panel(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """ARABSAT panels 1 to 4 with four attachment points; 10 fixed-interface modes make 28 flexible ones."""
+    return _flexible("arabsat_panel", fixed_interface_modes, masses)
 
 
-def _rigid_twin(flexible: ModalData, name: str) -> ModalData:
-    """Mass, centre of mass and inertia about y of the data sheet, the rest of the flexible body.
+def arabsat_panel_tip(fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
+    """ARABSAT panel 5 with two attachment points; 10 fixed-interface modes make 16 flexible ones."""
+    return _flexible("arabsat_panel_tip", fixed_interface_modes, masses)
+
+
+def arabsat_yoke_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of the ARABSAT yoke."""
+    return _rigid_twin("arabsat_yoke", masses)
+
+
+def arabsat_panel_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of ARABSAT panels 1 to 4."""
+    return _rigid_twin("arabsat_panel", masses)
+
+
+def arabsat_panel_tip_rigid(masses: PointMasses = ()) -> ModalData:
+    """Rigid twin of ARABSAT panel 5."""
+    return _rigid_twin("arabsat_panel_tip", masses)
+
+
+def _flexible(entry: str, fixed_interface_modes: int, masses: PointMasses) -> ModalData:
+    """Reduced body, from the cache if it is there."""
+    body = BODIES[entry]
+
+    def reduced() -> ModalData:
+        model = finite_elements(entry, masses)
+        return craig_bampton(model, body.attachment_points, fixed_interface_modes, body.nodes)
+
+    added = [(point, float(mass)) for point, mass in masses]
+    return cached(reduced, {"body": entry, "modes": fixed_interface_modes, "masses": added})
+
+
+def _rigid_twin(
+    entry: str, masses: PointMasses = (), build: Callable[[], FiniteElementModel] | None = None
+) -> ModalData:
+    """Rigid body with the mass properties of finite elements, the entry's own unless others are given."""
+    body = BODIES[entry]
+    model = build or body.build
+    rigid = cached(lambda: symmetric_rigid_body(model(), body.points), {"rigid": entry})
+    return rigid_with_masses(rigid, masses)
+
+
+def _on_sheet(body: ModalData, name: str) -> ModalData:
+    """Mass, centre of mass and inertia about y of the AMOS-3 data sheet, the rest of the body.
 
     The inertia about z changes as much as that about y, as the perpendicular-axis theorem wants it.
     """
-    sheet = amos3_data()[name]
-    about_x, about_y, about_z = np.diag(flexible.inertia)
-    return ModalData.rigid(
-        sheet["mass"],
-        (sheet["center_of_mass"], 0.0, 0.0),
-        np.diag([about_x, sheet["inertia"], about_z + sheet["inertia"] - about_y]),
-        dict(zip(flexible.point_names, flexible.point_positions, strict=True)),
-        flexible.display_positions,
-        flexible.display_faces,
+    sheet = catalogue_data("amos3")[name]
+    about_x, about_y, about_z = np.diag(body.inertia)
+    return replace(
+        body,
+        mass=sheet["mass"],
+        center_of_mass=np.array((sheet["center_of_mass"], 0.0, 0.0)),
+        inertia=np.diag((about_x, sheet["inertia"], about_z + sheet["inertia"] - about_y)),
     )
-
-
-def _reduced(
-    build: Callable[[], FiniteElementModel],
-    attachment_points: tuple[str, ...],
-    nodes: tuple[str, ...],
-    fixed_interface_modes: int,
-) -> ModalData:
-    """Reduced body, from the cache if it is there."""
-    key = {
-        "body": build.__name__,
-        "data": amos3_data(),
-        "attachment_points": attachment_points,
-        "nodes": nodes,
-        "modes": fixed_interface_modes,
-    }
-    return cached(lambda: craig_bampton(build(), attachment_points, fixed_interface_modes, nodes), key)
 
 
 def cache_directory() -> Path:
@@ -224,7 +188,7 @@ def cache_directory() -> Path:
 
 
 def cached(build: Callable[[], ModalData], key: Mapping[str, Any]) -> ModalData:
-    """What `build` returns, kept in a file named by the content of `key` and of the sources that build it.
+    """What `build` returns, kept in a file named by the content of `key` and of all that builds bodies.
 
     A file that cannot be read is built again; a directory that cannot be written to costs only the time.
     """
@@ -238,10 +202,15 @@ def cached(build: Callable[[], ModalData], key: Mapping[str, Any]) -> ModalData:
 
 
 def _digest(key: Mapping[str, Any]) -> str:
-    """Hash of the key and of the source files that turn it into modal data."""
+    """Hash of the key and of the sources and data that turn it into modal data."""
     content = hashlib.sha256(json.dumps(key, sort_keys=True).encode())
-    for name in (*_SOURCES, Path(__file__).name):
-        content.update((files(__package__) / name).read_bytes())
+    package = files(__package__)
+    own = [file.name for file in package.iterdir() if file.name.startswith("_catalogue_")]
+    for name in (*_SOURCES, *sorted(own), Path(__file__).name):
+        content.update((package / name).read_bytes())
+    tables = [file for file in (package / "data").iterdir() if file.name.endswith(".toml")]
+    for data in sorted(tables, key=lambda file: file.name):
+        content.update(data.read_bytes())
     return content.hexdigest()[:24]
 
 

@@ -5,19 +5,11 @@ import pytest
 
 from components._component import ComponentError
 from components.beam_frame import BeamSection, Member, beam_frame, tube_section
-from components.catalogue import amos3_data, amos3_yoke, amos3_yoke_model, amos3_yoke_rigid
 from components.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
 
 CLAMPED_CLAMPED = np.array([22.3733, 61.6728, 120.903])
 CLAMPED_FREE = np.array([3.51602, 22.0345, 61.6972])
 SECTION = BeamSection(1e9, 1000.0, 3000.0, 700.0, 1.3, 1e-4)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _own_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
 
 
 def slanted_beam(elements=20, section=SECTION):
@@ -103,30 +95,3 @@ def test_member_between_unknown_joints():
     """The message says which member."""
     with pytest.raises(ComponentError, match="'a' to 'c'"):
         beam_frame({"a": (0, 0, 0), "b": (1, 0, 0)}, [Member("a", "c", SECTION)])
-
-
-def test_yoke_has_the_mass_properties_of_its_sheet():
-    """Data sheet: 1.80 kg, centre of mass 0.475 m, 0.1354 kg m2 about it, flexible and rigid."""
-    for body in (amos3_yoke_model(), amos3_yoke_rigid()):
-        assert body.mass == pytest.approx(1.80)
-        np.testing.assert_allclose(body.center_of_mass, [0.475, 0.0, 0.0], atol=1e-12)
-        assert body.inertia[1, 1] == pytest.approx(0.1354)
-
-
-def test_yoke_counts_and_points():
-    """B18 (thesis, 3.4.2.4): 10 + 18 - 6 = 22 flexible modes; the rigid twin has the same points."""
-    flexible, rigid = amos3_yoke(), amos3_yoke_rigid()
-    assert flexible.frequency.size == 22
-    assert flexible.point_names == rigid.point_names == ("hl1", "hl2_left", "hl2_right", "guide")
-    np.testing.assert_array_equal(flexible.point_positions, rigid.point_positions)
-    np.testing.assert_allclose(flexible.point_positions[1], [0.95, 0.565, 0.0])
-
-
-def test_yoke_legs_between_clamped_ends():
-    """Closed form: a leg without its load is a clamped beam, an upper bound; all loaded, a lower one."""
-    yoke = amos3_data()["yoke"]
-    tube = tube_section(0.030, 0.0015, yoke["youngs_modulus"], yoke["shear_modulus"], yoke["density"])
-    leg = np.hypot(0.95, 0.565)
-    first = fixed_interface_frequencies(amos3_yoke_model(), ["hl1", "hl2_left", "hl2_right"], 1)[0]
-    bounds = [22.3733 * np.sqrt(tube.bending_y / m) / leg**2 for m in (tube.line_mass + 0.78, tube.line_mass)]
-    assert bounds[0] < first < bounds[1]
