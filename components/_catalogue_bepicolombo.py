@@ -1,11 +1,15 @@
-"""Finite elements of the BepiColombo MPO wing: inboard panel with its yoke, outboard panel."""
+"""Finite elements of the BepiColombo MPO wing: inboard panel with its yoke, outboard panel.
+
+Arms on hinge line 2 are rigid: the measured latch torque of that line holds the compliance of the fittings
+(Bagnoli 2007, section 3.4.1.3 and equation 2.7).
+"""
 
 from __future__ import annotations
 
 from ._catalogue_body import CatalogueBody
 from ._catalogue_data import catalogue_data
 from ._catalogue_joined import joined
-from ._catalogue_panel import SIDES, hinge_arms, plate, workbench_plate_panel
+from ._catalogue_panel import SIDES, hinge_arms, hinged_panel, plate, rigid_arm
 from ._catalogue_yoke import parallel_yoke, yoke_tube
 from .panel import HingeArm, Panel, panel_model
 from .reduction import FiniteElementModel
@@ -27,7 +31,7 @@ def inboard_model() -> FiniteElementModel:
     center = yoke["length"] + 0.5 * sheet.length
     panel = Panel(
         plate=sheet,
-        arms=(*seats, *hinge_arms(arm, {"hl2": "outboard"}, 0.0)),
+        arms=(*seats, *hinge_arms(rigid_arm(arm), {"hl2": "outboard"}, 0.0)),
         nodes={"center": (center, 0.0), "hold_down": (data["hold_down"]["x"], 0.0)},
         plate_start=yoke["length"],
     )
@@ -35,8 +39,10 @@ def inboard_model() -> FiniteElementModel:
 
 
 def outboard_model() -> FiniteElementModel:
-    """The workbench panel with hinge line 2 inboard, node "center"; the hinges' hardware is all on this side."""
-    return workbench_plate_panel({"hl2": "inboard"}, catalogue_data("workbench")["hardware"]["point_mass"])
+    """The workbench plate with hinge line 2 inboard, node "center"; the hinges' hardware is all on this side."""
+    data = catalogue_data("workbench")
+    hardware = data["hardware"]["point_mass"]
+    return hinged_panel(data["plate"], rigid_arm(data["arm"]), {"hl2": "inboard"}, hardware)
 
 
 BEPICOLOMBO = {

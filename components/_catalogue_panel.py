@@ -25,9 +25,21 @@ def plate(data: Mapping[str, Any]) -> Plate:
     )
 
 
+_ARM_STIFFNESSES = ("axial", "bending_y", "bending_z", "torsion")
+
+
+def rigid_arm(arm: Mapping[str, float]) -> dict[str, float]:
+    """The arm without its stiffnesses, for wings whose latches hold the compliance of the hinge fittings."""
+    return {name: value for name, value in arm.items() if name not in _ARM_STIFFNESSES}
+
+
 def hinge_arms(arm: Mapping[str, float], lines: HingeLines, point_mass: float) -> tuple[HingeArm, ...]:
-    """Arms at both sides of every named hinge line with a mass (kg) at each attachment point."""
-    section = BeamSection(*(arm[k] for k in ("axial", "bending_y", "bending_z", "torsion")))
+    """Arms at both sides of every named hinge line with a mass (kg) at each attachment point.
+
+    An arm without stiffnesses is a rigid link.
+    """
+    flexible = set(_ARM_STIFFNESSES) <= arm.keys()
+    section = BeamSection(*(arm[k] for k in _ARM_STIFFNESSES)) if flexible else None
     return tuple(
         HingeArm(f"{line}_{side}", sign * arm["y"], edge, arm["length"], section, point_mass, arm["patch"])
         for line, edge in lines.items()

@@ -69,15 +69,15 @@ def _catalogue_model(
 ) -> ModalData:
     """Model of a catalogue entry, its rigid twin where no number of modes is given.
 
-    An entry is a function `entry(fixed_interface_modes)` of the catalogue that has a twin `entry_rigid()`.
+    An entry is a function `entry(fixed_interface_modes, masses)` of the catalogue with a twin `entry_rigid(masses)`.
     """
     known = [name.removesuffix(_TWIN) for name in vars(catalogue) if name.endswith(_TWIN)]
     if entry not in known:
         raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(known)}")
     if fixed_interface_modes is None:
-        rigid: Callable[[tuple[tuple[str, float], ...]], ModalData] = getattr(catalogue, entry + _TWIN)
+        rigid: Callable[..., ModalData] = getattr(catalogue, entry + _TWIN)
         return rigid(masses)
-    flexible: Callable[[int, tuple[tuple[str, float], ...]], ModalData] = getattr(catalogue, entry)
+    flexible: Callable[..., ModalData] = getattr(catalogue, entry)
     return flexible(fixed_interface_modes, masses)
 
 
