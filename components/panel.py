@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ._component import ComponentError, Vector
+from ._plate_resultants import AxisCorners, PlateNodes, Rectangle, plate_nodes
 from .beam_frame import BeamSection, beam_stiffness
 from .modal import rigid_motion
 from .reduction import FiniteElementModel, SparseMatrix
@@ -125,6 +126,14 @@ class _Axis:
         quadratic = skfem.CellBasis(self._mesh, skfem.ElementLineP2(), quadrature=rule, elements=cells)
         return [_values(hermite, k) for k in range(2)], [_values(quadratic, k) for k in range(2)]
 
+    def corners(self) -> AxisCorners:
+        """The functions at both ends of every element."""
+        rule = (np.array([[0.0, 1.0]]), np.full(2, 0.5))
+        hermite = skfem.CellBasis(self._mesh, skfem.ElementLineHermite(), quadrature=rule)
+        quadratic = skfem.CellBasis(self._mesh, skfem.ElementLineP2(), quadrature=rule)
+        bending = [_values(hermite, order) for order in range(3)]
+        return AxisCorners(self.nodes, bending, [_values(quadratic, order) for order in range(2)])
+
     def product(self, left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
         """Integral over the axis of the products of sampled functions."""
         return sparse.csr_array(left.T @ sparse.diags_array(self.weights) @ right)
@@ -151,6 +160,7 @@ class PlateElements:
     def __init__(
         self, plate: Plate, x_breaks: Sequence[float], y_breaks: Sequence[float], element_size: float
     ) -> None:
+        self._plate = plate
         self._x, self._y = _Axis(x_breaks, element_size), _Axis(y_breaks, element_size)
         x, y = self._x, self._y
         bending = _grid(x.bending_places, y.bending_places)
@@ -174,6 +184,10 @@ class PlateElements:
         u, u_y, v_x = (_kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
         rows = [[None, u, None], [None, None, u], [w, None, None], [w_y, None, None], [-w_x, None, None]]
         return sparse.csr_array(sparse.bmat([*rows, [None, -0.5 * u_y, 0.5 * v_x]]))
+
+    def nodes(self, inserts: Mapping[str, Rectangle]) -> PlateNodes:
+        """Mesh nodes and the force and moment resultants there; nothing deforms inside the inserts."""
+        return plate_nodes(self._x.corners(), self._y.corners(), self._plate, inserts)
 
     def rigid_motion(self, origin: Vector) -> Vector:
         """Values (n, 6) of the degrees of freedom when the plate moves with a rigid point at origin (3,)."""
@@ -271,6 +285,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         display_positions=np.column_stack([display, np.zeros(len(display))]),
         display_displacement=sparse.csr_array(sparse.vstack(shown)),
         display_faces=_faces(7, 5),
+        plate=plate.nodes(patches).reduced(ties.reduce),
     )
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,9 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from ._component import ComponentError, Vector
 from ._frames import skew
 from .modal import ModalData, default_damping, inertia_invariants
+
+if TYPE_CHECKING:
+    from ._plate_resultants import PlateNodes
 
 SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
 
@@ -59,6 +62,8 @@ class FiniteElementModel:
     """(3 D, n)"""
     display_faces: NDArray[np.int64]
     """(F, 4)"""
+    plate: PlateNodes | None = None
+    """where stresses can be recovered, if the body is a plate"""
 
     @cached_property
     def mass_matrix(self) -> SparseMatrix:
@@ -185,6 +190,28 @@ def _signs(modes: Vector) -> Vector:
     first = np.argmax(size > 0.99 * size.max(axis=0, initial=0.0), axis=0)
     signs: Vector = np.sign(modes[first, np.arange(modes.shape[1])])
     return signs
+
+
+def inertia_relief(
+    model: FiniteElementModel, attachment_points: Sequence[str], frequency: Vector, modes: Vector
+) -> Vector:
+    """What modes (n, M) of `orthonormal_modes` lack of the static deformation under inertia loads, (n, 12).
+
+    The loads are -m (a + G s), s from the centre of mass: columns are unit a along the axes (m/s2), then the
+    entries of G (1/s2) column by column. The shapes are the response with attachment points clamped, less its
+    projection on the modes: orthogonal to them in stiffness, so they add to a static solution and leave it alone
+    (Dickens, Nakagawa and Wittbrodt 1997). Right up to rigid motions, which carry no stress.
+    """
+    boundary = _boundary(model, attachment_points)
+    interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), boundary)
+    arms = model.positions - model.center_of_mass
+    factors = np.column_stack([np.ones(len(arms)), arms])
+    fields = np.einsum("q,qj,ik->qijk", model.masses, factors, np.eye(3))  # row 3 q + i, column 3 j + k
+    loads = -_times(sparse.csr_array(model.displacement.T), fields.reshape(-1, 12))
+    shapes = np.zeros((model.stiffness.shape[0], 12))
+    shapes[interior] = _factorize(model.stiffness[interior][:, interior]).solve(loads[interior])
+    amplitudes = modes.T @ _times(model.stiffness, shapes) / frequency[:, None] ** 2
+    return shapes - modes @ amplitudes
 
 
 def craig_bampton(
