@@ -1,0 +1,255 @@
+"""Hold-down point: a preloaded joint of two ports in three directions, until it is released."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._bushing import Memory, StepMotion, bushing_force, remembered
+from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
+from ._frames import Quaternion, Vector3, cross, mean, norm, rotate, rotate_back, scaled, subtract
+from ._relative import as_floats, gives_end_point, mean_direction, pair
+
+_START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
+_CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH = 16, 17, 18, 19, slice(20, 32)
+_REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave
+
+
+@dataclass(frozen=True, slots=True)
+class _Constants:
+    """Stiffness, damping and where the spring is free, along the three inboard axes."""
+
+    stiffness: Vector3
+    damping: Vector3
+    free: Vector3
+    release_time: float
+    end_weight: float
+
+    def potential(self, displacement: Vector3) -> float:
+        """Elastic energy."""
+        parts = zip(self.stiffness, displacement, self.free, strict=True)
+        return sum(0.5 * k * (q - free) * (q - free) for k, q, free in parts)
+
+    def force(self, displacement: Vector3, rate: Vector3) -> Vector3:
+        """Force of an instant on the outboard port, inboard axes."""
+        x, y, z = (
+            -k * (q - free) - d * w
+            for k, d, q, free, w in zip(
+                self.stiffness, self.damping, displacement, self.free, rate, strict=True
+            )
+        )
+        return (x, y, z)
+
+    def is_due(self, clock: float) -> bool:
+        """Whether the release time is reached."""
+        return 0.0 < self.release_time <= clock + _REACHED
+
+
+class _Instant(NamedTuple):
+    """Orientation of the inboard port, gap (world axes), displacement and its rate (inboard axes)."""
+
+    frame: Quaternion
+    gap: Vector3
+    displacement: Vector3
+    rate: Vector3
+
+
+class HoldDown(Component):
+    """Holds the outboard on the inboard port by springs along the three inboard axes, in no rotation.
+
+    axis: direction of the preload in the axes of the inboard port. Displacements count from the ports' offset at
+    the start, where the force on the outboard port is the preload against the axis: the bolt pulls it inboard. The
+    release comes at the start of a step whose command says so, or at the end of the step that reaches the release
+    time; that step is held throughout. The bolt keeps the elastic energy of that instant as heat. The clock starts
+    at zero, when the scene does, and stands still while `hold` is 1.
+    """
+
+    kind = "hold_down"
+
+    def __init__(self, axis: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
+        self._endpoint = gives_end_point(wrench_mode)
+        direction = (float(axis[0]), float(axis[1]), float(axis[2]))
+        if not norm(direction) > 0.0:
+            raise ComponentError("axis has no length; give the direction of the hold-down's preload")
+        self._direction = scaled(1.0 / norm(direction), direction)
+        self._declare(
+            {"axis": tuple(axis), "wrench_mode": wrench_mode},
+            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            parameters=_parameters(),
+            inputs=_inputs(),
+            observations=[
+                Quantity("force", "N", "Force on the outboard port, inboard axes", 3),
+                Quantity("released", "1", "1 from the release on"),
+                Quantity("potential_energy", "J", "Elastic energy, with that of the preload"),
+                Quantity("dissipated_energy", "J", "Energy dissipated since the start, in the bolt too"),
+            ],
+            feedthrough=self._endpoint,
+        )
+        if self._endpoint:
+            self.continuous = ContinuousStates(
+                (
+                    Quantity("clock", "s", "Time since the start, without what was held"),
+                    Quantity("heat", "J", "Energy dissipated by damping"),
+                ),
+                ("1", "W"),
+                (1.0, 1.0),
+                (_CLOCK, _HEAT),
+                ("clock", "heat"),
+                1,
+            )
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        value = {
+            q.name: as_floats(p[self.parameter_layout[q.name]]) for q in self.parameter_layout.quantities
+        }
+        preload, stiffness, free = value["preload"][0], value["translational_stiffness"], [0.0, 0.0, 0.0]
+        for i, share in enumerate(self._direction):
+            if stiffness[i] > 0.0:
+                free[i] = -preload * share / stiffness[i]
+            elif preload * share != 0.0:
+                raise ComponentError(
+                    f"translational_stiffness[{i + 1}] is 0 N/m; a preload of {preload:g} N has a share along that "
+                    "axis and needs stiffness there"
+                )
+        damping = value["translational_damping"]
+        return _Constants(
+            (stiffness[0], stiffness[1], stiffness[2]),
+            (damping[0], damping[1], damping[2]),
+            (free[0], free[1], free[2]),
+            value["release_time"][0],
+            value["end_weight"][0],
+        )
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """Held, without displacement in the pose of the inputs."""
+        inputs = as_floats(u)
+        now = self._instant(inputs, (0.0, 0.0, 0.0))
+        rates = (*now.rate, *now.rate)
+        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 12))
+
+    @staticmethod
+    def _instant(u: list[float], start: Vector3) -> _Instant:
+        """The instant of the inputs; `start` is the offset (inboard axes) from which displacements count."""
+        frame, gap = (u[3], u[4], u[5], u[6]), (u[13] - u[0], u[14] - u[1], u[15] - u[2])
+        apart = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross((u[10], u[11], u[12]), gap))
+        return _Instant(frame, gap, subtract(rotate_back(frame, gap), start), rotate_back(frame, apart))
+
+    def _now(self, x: Vector, u: Vector) -> _Instant:
+        v = as_floats(x[_START])
+        return self._instant(as_floats(u), (v[0], v[1], v[2]))
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step: held or free throughout."""
+        v, inputs = as_floats(x), as_floats(u)
+        start = (v[7], v[8], v[9])
+        frame, gap = (v[0], v[1], v[2], v[3]), (v[4], v[5], v[6])
+        before, now = subtract(rotate_back(frame, gap), start), self._instant(inputs, start)
+        clock = v[_CLOCK] if inputs[-1] > 0.5 else v[_CLOCK] + h
+        released, heat, bolt = v[_RELEASED], v[_HEAT], v[_RELEASE_HEAT]
+        if not released and inputs[-3] > 0.5:
+            released, bolt = 1.0, c.potential(before)
+        rates: tuple[float, ...] = (*now.rate, *now.rate)
+        wrench: tuple[float, ...] = (0.0,) * 12
+        if not released:
+            motions = [self._motion(v, i, before[i], now.displacement[i], h) for i in range(3)]
+            loads = [self._load(c, i, motion) for i, motion in enumerate(motions)]
+            force = (loads[0][0], loads[1][0], loads[2][0])
+            heat += sum(lost for _, lost in loads)
+            wrench = pair(mean_direction(frame, now.frame, force), (0.0, 0.0, 0.0), mean(gap, now.gap))
+            if inputs[-2] < 0.5:
+                memories = [remembered(m, rate) for m, rate in zip(motions, now.rate, strict=True)]
+                rates = (*(m.mean_rate for m in memories), *(m.end_rate for m in memories))
+            if c.is_due(clock):
+                released, bolt = 1.0, c.potential(now.displacement)
+        return np.array((*now.frame, *now.gap, *start, *rates, clock, released, heat, bolt, *wrench))
+
+    def _motion(self, v: list[float], i: int, before: float, after: float, h: float) -> StepMotion:
+        """Motion of a displacement; inertial terms tame held forces, which an end-point force is not."""
+        mean_rate = (after - before) / h
+        memory = Memory(mean_rate, mean_rate)
+        if not self._endpoint:
+            memory = Memory(v[_MEAN_RATES + i], v[_END_RATES + i])
+        return StepMotion(before, after, h, memory)
+
+    @staticmethod
+    def _load(c: _Constants, i: int, motion: StepMotion) -> tuple[float, float]:
+        """Mean force along an axis, and its heat."""
+        moved = motion._replace(start=motion.start - c.free[i], end=motion.end - c.free[i])
+        return bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Wrenches on both ports."""
+        if not self._endpoint:
+            return x[_WRENCH].copy()
+        if x[_RELEASED]:
+            return np.zeros(12)
+        now = self._now(x, u)
+        force = rotate(now.frame, c.force(now.displacement, now.rate))
+        return np.array(pair(force, (0.0, 0.0, 0.0), now.gap))
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Force at the communication point, and energies."""
+        heat = x[_HEAT] + x[_RELEASE_HEAT]
+        if x[_RELEASED]:
+            return np.array((0.0, 0.0, 0.0, 1.0, 0.0, heat))
+        now = self._now(x, u)
+        rate = now.rate
+        if not self._endpoint:
+            rate = (float(x[_MEAN_RATES]), float(x[_MEAN_RATES + 1]), float(x[_MEAN_RATES + 2]))
+        return np.array((*c.force(now.displacement, rate), 0.0, c.potential(now.displacement), heat))
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Rate of the clock, and heat of damping (W)."""
+        heat = 0.0
+        if not x[_RELEASED]:
+            heat = sum(d * w * w for d, w in zip(c.damping, self._now(x, u).rate, strict=True))
+        return np.array((0.0 if u[-1] > 0.5 else 1.0, heat))
+
+    def indicators(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Time left to the release; one where none is coming."""
+        awaited = not x[_RELEASED] and c.release_time > 0.0
+        return np.array((c.release_time - x[_CLOCK] if awaited else 1.0,))
+
+    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+        """At an event, the release that is commanded or due."""
+        result = x.copy()
+        if at_event and not x[_RELEASED] and (u[-3] > 0.5 or c.is_due(float(x[_CLOCK]))):
+            result[_RELEASED] = 1.0
+            result[_RELEASE_HEAT] = c.potential(self._now(x, u).displacement)
+        return result
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Direction of the preload and mode."""
+        return {"direction": self._direction, "endpoint": self._endpoint}
+
+    @classmethod
+    def example(cls) -> HoldDown:
+        """A hold-down point along z."""
+        return cls()
+
+
+def _parameters() -> list[Quantity]:
+    def tunable(name: str, unit: str, text: str, start: float = 0.0, size: int = 1) -> Quantity:
+        return Quantity(name, unit, text, size, start, 0.0, variability="tunable")
+
+    return [
+        tunable("translational_stiffness", "N/m", "Stiffness along the three inboard axes", 1e6, 3),
+        tunable("translational_damping", "N.s/m", "Damping along the three inboard axes", 0.0, 3),
+        tunable("preload", "N", "Force at the start that pulls the outboard port against the axis"),
+        tunable("release_time", "s", "Time of the release; 0 for one by command only"),
+        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+    ]
+
+
+def _inputs() -> list[Quantity]:
+    return [
+        Quantity("release_command", "1", "1: released at the start of the next step", variability="discrete"),
+        Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete"),
+        Quantity("hold", "1", "1: the clock stands still", variability="discrete"),
+    ]

@@ -1,0 +1,175 @@
+"""Suspension: a spring that only pulls, along the line between two points, for gravity compensation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ._component import Component, ComponentError, Port, Quantity, Vector
+from ._frames import Vector3, add, dot, norm, scaled, subtract
+from ._midstep import MidStepRate
+from ._relative import as_floats, dissipated_energies, gives_end_point
+from .laws import SlackSpring, mean_force
+
+_HEAT, _SLIDE, _WRENCH = 3, slice(4, 8), slice(8, 20)
+
+
+@dataclass(frozen=True, slots=True)
+class _Constants:
+    spring: SlackSpring
+    preload_length: float
+    damping: float
+    end_weight: float
+
+    def elongation(self, length: float) -> float:
+        """Elongation from the length of the preload."""
+        return length - self.preload_length
+
+    def taut_share(self, before: float, after: float) -> float:
+        """Share of a step between two elongations in which the spring is taut."""
+        slack = -self.spring.preload_elongation
+        if before > slack and after > slack:
+            return 1.0
+        if before <= slack and after <= slack:
+            return 0.0
+        return (max(after, slack) - max(before, slack)) / (after - before)
+
+    def tension(self, elongation: float, rate: float) -> float:
+        """Tension of an instant; damping never pushes, and a slack spring has none."""
+        elastic = -self.spring.value(elongation)
+        return max(elastic + self.damping * rate, 0.0) if elastic > 0.0 else 0.0
+
+
+class _Instant(NamedTuple):
+    """Centre line from the upper to the lower port (world axes), its length and rate of change."""
+
+    span: Vector3
+    length: float
+    rate: float
+
+
+class Suspension(Component):
+    """Hangs the lower port on the upper one: a force along the line between their origins, no torque.
+
+    Its tension is the preload at the preload length, and grows with the stiffness. The mean force over a step
+    is the discrete gradient of the energy in the length: with the centre lines d0 and d1 at both ends it is
+    T (d0 + d1) / (l0 + l1), whose work on d1 - d0 is T (l1 - l0).
+    """
+
+    kind = "suspension"
+
+    def __init__(self, wrench_mode: str = "mean") -> None:
+        self._endpoint = gives_end_point(wrench_mode)
+        self._declare(
+            {"wrench_mode": wrench_mode},
+            ports=[Port("upper", "connection"), Port("lower", "connection")],
+            parameters=_parameters(),
+            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
+            observations=[
+                Quantity("length", "m", "Distance of the ports"),
+                Quantity("tension", "N", "Force that pulls the ports together"),
+                Quantity("potential_energy", "J", "Elastic energy, zero where the spring is slack"),
+                Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+            ],
+            feedthrough=self._endpoint,
+        )
+        if self._endpoint:
+            self.continuous = dissipated_energies(_HEAT)
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
+        spring = SlackSpring(one["stiffness"], one["preload"])
+        return _Constants(spring, one["preload_length"], one["damping"], one["end_weight"])
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """At the place of the inputs."""
+        inputs = as_floats(u)
+        span = _span(inputs)
+        if norm(span) == 0.0:
+            raise ComponentError("the ports of the suspension are at one point; it hangs along no line")
+        rate = self._instant(inputs).rate
+        return np.array((*span, 0.0, *MidStepRate.starting(rate), *(0.0,) * 12))
+
+    @staticmethod
+    def _instant(u: list[float]) -> _Instant:
+        span = _span(u)
+        length = norm(span)
+        velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
+        return _Instant(span, length, dot(velocity, span) / length)
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step: the mean tension of the lengths at both ends along the mean of the line."""
+        v, inputs = as_floats(x), as_floats(u)
+        old, now = (v[0], v[1], v[2]), self._instant(inputs)
+        length = norm(old)
+        before, after = c.elongation(length), c.elongation(now.length)
+        rate = (now.length - length) / h
+        elastic = -mean_force(c.spring, before, after)
+        tension = -mean_force(c.spring, before, after, c.end_weight)
+        tension = max(tension + c.damping * c.taut_share(before, after) * rate, 0.0)
+        heat = v[_HEAT] + (tension - elastic) * (now.length - length)
+        force = scaled(-tension / (length + now.length), add(old, now.span))
+        slide = MidStepRate(*v[_SLIDE]).after(rate, h)
+        if inputs[-1] > 0.5:
+            slide = MidStepRate.starting(now.rate)
+        return np.array((*now.span, heat, *slide, *_wrenches(force)))
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Wrenches on both ports."""
+        if not self._endpoint:
+            return x[_WRENCH].copy()
+        now = self._instant(as_floats(u))
+        tension = c.tension(c.elongation(now.length), now.rate)
+        return np.array(_wrenches(scaled(-tension / now.length, now.span)))
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Length and tension at the communication point, and energies."""
+        now = self._instant(as_floats(u))
+        elongation = c.elongation(now.length)
+        rate = now.rate if self._endpoint else MidStepRate(*as_floats(x[_SLIDE])).now()
+        return np.array(
+            (now.length, c.tension(elongation, rate), c.spring.potential(elongation), float(x[_HEAT]))
+        )
+
+    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Heat of the end-point tension (W)."""
+        now = self._instant(as_floats(u))
+        elongation = c.elongation(now.length)
+        return np.array(((c.tension(elongation, now.rate) + c.spring.value(elongation)) * now.rate,))
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Mode."""
+        return {"endpoint": self._endpoint}
+
+    @classmethod
+    def example(cls) -> Suspension:
+        """A taut spring."""
+        return cls()
+
+
+def _span(u: list[float]) -> Vector3:
+    return subtract((u[13], u[14], u[15]), (u[0], u[1], u[2]))
+
+
+def _wrenches(force: Vector3) -> tuple[float, ...]:
+    """Wrenches on both ports from the force on the lower one."""
+    return (*scaled(-1.0, force), 0.0, 0.0, 0.0, *force, 0.0, 0.0, 0.0)
+
+
+def _parameters() -> list[Quantity]:
+    def tunable(name: str, unit: str, text: str, start: float, minimum: float) -> Quantity:
+        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
+
+    return [
+        tunable("stiffness", "N/m", "Stiffness along the line", 50.0, 1e-9),
+        tunable("preload", "N", "Tension at the preload length", 10.0, 0.0),
+        tunable("preload_length", "m", "Distance of the ports at which the tension is the preload", 0.5, 0.0),
+        tunable("damping", "N.s/m", "Damping along the line while the spring is taut", 0.0, 0.0),
+        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+    ]

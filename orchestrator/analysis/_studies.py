@@ -1,0 +1,144 @@
+"""Studies: the same scene run several times with one thing changed, and what differs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from ..assembly import Assembly
+from ..cli_progress import progress
+from ..master import Settings
+from ..plot_style import STYLE, draw, new_figure
+from ..result import Result
+from ..run import Outcome, run
+from ..summary import line_latch_torque
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One run of a study: what it is called, what it changed, how it went."""
+
+    label: str
+    value: float
+    outcome: Outcome
+
+
+def run_case(
+    label: str, value: float, assembly: Assembly, path: Path, settings: Settings, until: float
+) -> Case:
+    """Run an assembly with a progress bar; RunError where it does not finish."""
+    with progress(f"{assembly.name}, {label}", until) as watch:
+        return Case(label, value, run(assembly, path, settings, until, watch=watch))
+
+
+def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
+    """Latch times and latch torque peaks of every case, with their differences from the reference."""
+    table = Table(title=title)
+    table.add_column("case")
+    for heading in (
+        "line",
+        "latch-up, s",
+        "change, s",
+        "peak, N.m",
+        "change, %",
+        "steps",
+    ):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for case in cases:
+        first = True
+        for line, time, shift, peak, change in latch_rows(case, reference):
+            steps = str(case.outcome.costs.steps) if first else ""
+            name = case.label if first else ""
+            table.add_row(name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps)
+            first = False
+    return table
+
+
+def latch_rows(case: Case, reference: Case) -> list[tuple[str, float, float, float, float]]:
+    """Line, latch time (s), its shift (s), latch torque peak (N.m), its change (%), for lines that both latched."""
+    here, there = case.outcome.headline, reference.outcome.headline
+    return [
+        (
+            line,
+            time,
+            time - there.latch_times[line],
+            here.latch_torque_peaks[line],
+            100.0 * (here.latch_torque_peaks[line] / there.latch_torque_peaks[line] - 1.0),
+        )
+        for line, time in here.latch_times.items()
+        if line in there.latch_times
+    ]
+
+
+def as_dict(cases: Iterable[Case], reference: Case) -> list[dict[str, object]]:
+    """For JSON."""
+    return [
+        {
+            "case": case.label,
+            "value": case.value,
+            "steps": case.outcome.costs.steps,
+            "lines": {
+                line: {
+                    "latch_time": time,
+                    "shift": shift,
+                    "latch_torque_peak": peak,
+                    "change_percent": change,
+                }
+                for line, time, shift, peak, change in latch_rows(case, reference)
+            },
+        }
+        for case in cases
+    ]
+
+
+def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: float) -> None:
+    """Latch torque of every line that latched, all cases over each other, for a time (s) after latch-up."""
+    lines = list(cases[-1].outcome.headline.latch_times)
+    with mpl.rc_context(STYLE):
+        figure, axes = new_figure(title, [1.0] * len(lines))
+        for panel, name in zip(axes, lines, strict=True):
+            for k, case in enumerate(cases):
+                result = Result.open(case.outcome.path)
+                start = case.outcome.headline.latch_times.get(name)
+                if start is None:
+                    continue
+                line = next(line for line in result.hinge_lines if line.name == name)
+                shown = (result.time >= start - 0.05 * ringing) & (result.time <= start + ringing)
+                torque = line_latch_torque(result, line)[shown]
+                draw(panel, 1e3 * (result.time[shown] - start), [(case.label, torque)], first=k)
+            panel.set(xlabel="time since latch-up, ms", ylabel=f"{name} latch torque, N.m")
+            panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, frameon=False)
+        figure.savefig(path)
+
+
+def draw_changes(
+    path: Path, title: str, label: str, cases: Sequence[Case], reference: Case, *, log: bool
+) -> None:
+    """Change of every latch torque peak (%) over what the study changed, the reference left out."""
+    curves: dict[str, tuple[list[float], list[float]]] = {}
+    for case in cases:
+        if case is reference:
+            continue
+        for line, _, _, _, change in latch_rows(case, reference):
+            values, changes = curves.setdefault(line, ([], []))
+            values.append(case.value)
+            changes.append(abs(change))
+    with mpl.rc_context(STYLE):
+        figure, (axes,) = new_figure(title, [1.2])
+        for k, (line, (values, changes)) in enumerate(curves.items()):
+            draw(axes, np.array(values), [(line, np.array(changes))], first=k)
+            axes.lines[-1].set_marker("o")
+        axes.set(xlabel=label, ylabel="change of latch torque peak, %", yscale="log")
+        if log:
+            axes.set_xscale("log")
+        axes.margins(x=0.05)
+        axes.legend(loc="best", frameon=False)
+        figure.savefig(path)

@@ -1,0 +1,84 @@
+"""How far a result depends on the communication step size: fixed steps, and step control at its tolerance.
+
+The study of Bagnoli (2007), section 3.3.6, whose solver needed a largest step of 1e-4 s.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+from rich.console import Console
+
+from ..cli_options import fidelity_options, scene_layers
+from ..master import Settings
+from ..scene import assemble, find_scene, load_scene
+from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, run_case
+
+
+def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float, ...]:
+    try:
+        steps = tuple(sorted({float(text) for text in value.split(",")}, reverse=True))
+    except ValueError:
+        raise click.BadParameter("give step sizes in seconds with commas between", param=param) from None
+    if len(steps) < 2 or not 1e-7 <= steps[-1] <= steps[0] <= 1.0:
+        raise click.BadParameter("give at least two step sizes between 1e-7 and 1 s", param=param)
+    return steps
+
+
+@click.command("step-study")
+@click.argument("scene")
+@scene_layers
+@fidelity_options
+@click.option(
+    "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps,
+    help="Fixed communication step sizes in seconds; the smallest is the reference.",
+)  # fmt: skip
+@click.option("--tolerance", type=click.FloatRange(1e-8, 1e-1), default=None, help="Of the controlled run.")
+@click.option("--output", type=click.Path(path_type=Path, file_okay=False), default=None, help="Folder.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    scene: str,
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
+    rigid: frozenset[str],
+    flexible: frozenset[str],
+    steps: tuple[float, ...],
+    tolerance: float | None,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Latch-up of SCENE against the communication step size."""
+    assembly = assemble(load_scene(find_scene(scene), variants, settings), rigid, flexible)
+    folder = output or Path(f"{assembly.name}.step-study")
+    folder.mkdir(parents=True, exist_ok=True)
+    controlled = Settings(tolerance or assembly.tolerance, assembly.largest_step)
+    label = f"tolerance {controlled.tolerance:g}"
+    run_time = assembly.until
+    adaptive = run_case(label, 0.0, assembly, folder / "controlled.h5", controlled, run_time)
+    cases = [
+        run_case(
+            f"{h:g} s",
+            h,
+            assembly,
+            folder / f"{h:g}_s.h5",
+            Settings(controlled.tolerance, fixed_step=h),
+            run_time,
+        )
+        for h in steps
+    ]
+    reference = cases[-1]
+    draw_latch_torques(folder / "latch_torques.png", "Latch-up and step size", [adaptive, *cases], 0.3)
+    draw_changes(
+        folder / "changes.png", f"Against steps of {reference.label}", "communication step size, s",
+        cases, reference, log=True,
+    )  # fmt: skip
+    if as_json:
+        click.echo(json.dumps({"cases": as_dict([adaptive, *cases], reference)}))
+        return
+    console = Console()
+    console.print(
+        latch_table(f"{assembly.name}: against steps of {reference.label}", [adaptive, *cases], reference)
+    )
+    console.print(f"pictures and results in {folder}")

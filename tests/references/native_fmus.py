@@ -1,0 +1,55 @@
+"""A small scene as native FMUs in the engine, against the same scene in process."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fmus import native_library
+from orchestrator import engine
+from orchestrator.assembly import Link, Part
+from orchestrator.coupling import Tolerance
+from orchestrator.interface import probe_stiffness, stiffness_of
+from orchestrator.master import Master, Settings
+from orchestrator.network import Network
+from orchestrator.run import as_fmus
+from tests.references.coupled import Recording, Run, completed
+
+needs_native = pytest.mark.skipif(
+    native_library() is None or engine.library() is None, reason="no C compiler built the native FMUs"
+)
+_TIGHT = Tolerance(1e-9, 1e-5, 1e-5)
+
+
+def native_errors(
+    name: str, until: float, parts: Sequence[Part], links: Sequence[Link], h: float
+) -> tuple[float, float]:
+    """How far a connection's native FMU is off, at steps of size h; what is below 1e-3 counts as that.
+
+    The largest difference of an observation over its largest value, in the same run as in process;
+    and that of the derivatives it gives of the step after `until` from differences of such steps.
+    """
+    settings = Settings(fixed_step=h)
+    reference = completed(until, parts, links, settings=settings, iteration=_TIGHT)
+    with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
+        network, recording = Network(participants, links), Recording()
+        master = Master(network, (), recording, settings)
+        master._coupling.tolerance = _TIGHT
+        run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
+        recording.run = run
+        master.initialize(preload=False)
+        master.run(until)
+        connection = network.by_name[name]
+        differences = [0.0]
+        for quantity in connection.observation_layout.quantities:
+            found, expected = run.signal(name, quantity.name), reference.signal(name, quantity.name)
+            differences.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
+        master._coupling.sweep(until, h)
+        ports = len(network.connection_ports[network.connections.index(connection)])
+        exact = stiffness_of(connection, ports, until, h).matrix
+        probed = probe_stiffness(connection, ports, until, h).matrix
+        size = max(float(np.abs(probed).max()), 1e-3)
+        return float(max(differences)), float(np.abs(exact - probed).max()) / size
