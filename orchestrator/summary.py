@@ -199,13 +199,19 @@ def _local_maxima(values: Vector, threshold: float) -> list[int]:
 
 
 def _interpolated(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
-    """Maxima of the cubics on the two intervals beside a sample, each through the four samples around it."""
+    """Maxima of the cubics on the two intervals beside a sample, each through the four samples around it.
+
+    One that stands out by more than the sample itself does is no peak but a cubic through a kink.
+    """
     yield Peak(float(time[top]), float(values[top]))
+    beside = values[max(top - 1, 0) : top + 2]
+    credible = 2.0 * float(values[top]) - float(beside.min())
     for left in (top - 1, top):
         if 0 <= left < time.size - 1:
             first = min(max(left - 1, 0), time.size - 4)
             nodes = slice(first, first + 4)
-            yield from _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1])
+            found = _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1])
+            yield from (peak for peak in found if peak.value <= credible)
 
 
 def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:

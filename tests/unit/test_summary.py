@@ -133,3 +133,10 @@ def test_jump_at_the_start_makes_no_peak():
     time = np.array([0.0, 1e-3, 2e-3, 3e-3, 4e-3])
     result = SimpleNamespace(time=time, events=[])
     assert peak(result, np.array([0.0, 1.6, 1.6, 1.59, 1.58])).value == pytest.approx(1.6, abs=2e-3)
+
+
+def test_a_cubic_through_a_kink_makes_no_peak():
+    """After a coarse step a fine one can have any slope; the cubic through both would overshoot sixtyfold."""
+    time = np.array([0.0, 1.0, 2.0, 2.03, 2.06, 2.09])
+    values = np.array([0.0, -11.0, 17.0, 3.0, 2.0, 1.0])
+    assert extremes(time, values)[1] == (2.0, 17.0)
