@@ -9,6 +9,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from ..assembly import Assembly
@@ -20,6 +21,8 @@ from ..run import Outcome, run
 from ..summary import line_latch_torque
 
 Vector = NDArray[np.float64]
+
+_NUMBER = 7
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,7 @@ def run_case(
 
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
     """Latch times and latch torque peaks of every case, with their differences from the reference."""
-    table = Table(title=title)
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("case")
     for heading in (
         "line",
@@ -51,7 +54,7 @@ def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
         "change, %",
         "steps",
     ):
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(heading, justify="right", min_width=_NUMBER)
     for case in cases:
         first = True
         for line, time, shift, peak, change in latch_rows(case, reference):
