@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 import json
-import signal
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
-from time import perf_counter
 from typing import Any
 
 import click
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from components import REGISTRY
 from fmus import Backend, FmiVersion, check_fmu, native_library
 
-from . import analysis
-from .assembly import Assembly
+from . import analysis, compare, report
 from .cli_options import Number, backend_option, fidelity_options, scene_layers
+from .cli_progress import progress
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
@@ -127,11 +123,11 @@ def run_command(
         )
         path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *layers, "h5")))
         end = until or assembly.until
-        with _progress(assembly, end) as watch:
+        with progress(assembly.name, end) as watch:
             outcome = run(assembly, path, numbers, end, master, watch, _warn, load)
         verified = None
         if with_verify:
-            with _progress(assembly, end) as watch:
+            with progress(assembly.name, end) as watch:
                 verified = verify(assembly, outcome, numbers, end, watch, load)
         _report(outcome, verified, as_json)
 
@@ -152,57 +148,6 @@ def _phase_path(path: Path, phase: str) -> Path:
 
 def _warn(sentence: str) -> None:
     click.echo(f"fanfold: warning: {sentence}", err=True)
-
-
-@contextmanager
-def _interrupted_between_steps() -> Iterator[Callable[[], None]]:
-    """Keep Ctrl-C until the function given is called: inside an FMU it would pass for a failure of the FMU.
-
-    A second Ctrl-C acts at once. Nothing changes where Ctrl-C is ignored, as in a background job.
-    """
-    before = signal.getsignal(signal.SIGINT)
-    pressed = False
-
-    def note(*_: object) -> None:
-        nonlocal pressed
-        pressed = True
-        signal.signal(signal.SIGINT, before)
-
-    def check() -> None:
-        if pressed:
-            raise KeyboardInterrupt
-
-    if before is signal.default_int_handler:
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield check
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _progress(assembly: Assembly, end: float) -> Iterator[Callable[[float, float], None]]:
-    """A progress bar on standard error: simulated time, step size, real-time factor."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn(
-            "t = {task.completed:7.3f} s  H = {task.fields[h]:.1e} s  real-time factor {task.fields[factor]:.2f}"
-        ),
-        TimeElapsedColumn(),
-    )
-    start = perf_counter()
-    with (
-        _interrupted_between_steps() as check,
-        Progress(*columns, console=Console(stderr=True), refresh_per_second=5) as bar,
-    ):
-        task = bar.add_task(assembly.name, total=end, h=0.0, factor=0.0)
-
-        def watch(time: float, h: float) -> None:
-            check()
-            bar.update(task, completed=time, h=h, factor=time / max(perf_counter() - start, 1e-9))
-
-        yield watch
 
 
 def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) -> None:
@@ -316,6 +261,10 @@ class _Analyses(click.Group):
 @main.group("analyse", cls=_Analyses)
 def analyse_group() -> None:
     """Analyses of a scene or of a result."""
+
+
+main.add_command(compare.command)
+main.add_command(report.command)
 
 
 @main.command("check")

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import click
 import numpy as np
 from numpy.typing import NDArray
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -57,13 +58,16 @@ def frequencies(body: Body, counts: Sequence[int], listed: int = _LISTED) -> Fre
 def frequency_table(name: str, found: Frequencies) -> Table:
     """Fixed-interface and free frequencies of the full model, and errors of the free ones of every reduced body."""
     table = Table(
-        title=f"{name}: frequencies of the full model, errors of the reduced body, free, by modes kept"
+        title=f"{name}: full model, and errors of the free reduced body by modes kept",
+        box=SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
     )
     table.add_column("mode", justify="right")
-    table.add_column("fixed-interface, Hz", justify="right")
+    table.add_column("clamped, Hz", justify="right")
     table.add_column("free, Hz", justify="right")
     for count in found.reduced:
-        table.add_column(f"{count}, %", justify="right", no_wrap=True)
+        table.add_column(f"{count} modes, %", justify="right", min_width=7)
     for k, (fixed, free) in enumerate(zip(found.fixed, found.free, strict=True)):
         reduced = [
             f"{100.0 * (values[k] / free - 1.0):+.3g}" if k < len(values) else ""

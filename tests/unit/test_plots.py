@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from orchestrator import plots
+from orchestrator import plot_shapes, plots
 from orchestrator.result import Result
 from tests.references import synthetic_result as reference
 
@@ -74,7 +74,7 @@ def test_axes_carry_units(result):
 
 
 def test_instants_run_from_folded_to_the_last_latch_up(result):
-    times = result.time[plots._instants(result)]
+    times = result.time[plot_shapes.instants(result)]
     assert times.size == 6
     assert times[0] < 0.2
     assert times[-1] == reference.LINES[-1].latch_time
@@ -82,7 +82,7 @@ def test_instants_run_from_folded_to_the_last_latch_up(result):
 
 def test_deformed_bodies_meet_where_they_are_hinged(result):
     rows = np.array([0, 400, result.time.size - 1])
-    nodes = {n: plots._placed(result, n, body, rows) for n, body in result.geometry.items()}
+    nodes = {n: plot_shapes.placed(result, n, body, rows) for n, body in result.geometry.items()}
     hinge_of_panel1 = nodes["panel1"][:, :5].mean(1)
     end_of_yoke = nodes["yoke"][:, -5:].mean(1)
     np.testing.assert_allclose(
@@ -96,4 +96,6 @@ def test_deformed_bodies_meet_where_they_are_hinged(result):
 
 def test_base_without_motion_is_drawn_where_it_is(result):
     body = result.geometry["yoke"]
-    np.testing.assert_array_equal(plots._placed(result, "base", body, np.array([0, 5]))[1], body.positions)
+    np.testing.assert_array_equal(
+        plot_shapes.placed(result, "base", body, np.array([0, 5]))[1], body.positions
+    )

@@ -1,0 +1,326 @@
+"""Tuning of a latch spring: the line stiffness that gives a rigid pair the frequency of the flexible one.
+
+Bagnoli 2007, section 2.2.8 and appendix A: the two bodies of a hinge line, latched and deployed, the hinges'
+translations fixed. Of the flexible pair the mode counts that is most like the turning of the rigid one. The
+frequency belongs to the total stiffness where the bodies include flexible hinges, to that of the structure alone
+where the hinges are rigid; equation 2.7 adds or removes the hinges' measured stiffness.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Literal, NamedTuple
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from components._component import Vector
+from components._frames import rotate
+
+from ..assembly import Link, Part
+from ..cli_options import Number, fidelity_options, scene_layers
+from ..scene import Scene, SceneError, choose_fidelity, find_scene, load_scene
+from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
+from ..scene_connections import LatchSetting, hinge_parts
+from ..scene_line_tables import HingeLine
+from ..units import to_si
+from ._configuration import configuration, with_angles
+from ._linear import LinearModel, linearise, normal_modes
+from ._mechanism import Mechanism
+
+Kind = Literal["total", "structure"]
+
+
+class Pair(NamedTuple):
+    """Two bodies latched to each other, and their turning about the line as one coordinate."""
+
+    model: LinearModel
+    constraints: Vector
+    """(r, n) rows of the hinges' translations"""
+    inertias: tuple[float, float]
+    """about the line, kg.m2; infinite where the inboard body is ground"""
+    turning: Vector
+    """(n,) opposite rotations about the line with unit modal mass"""
+
+    @property
+    def inertia(self) -> float:
+        """J1 J2 / (J1 + J2), kg.m2."""
+        first, second = self.inertias
+        return 1.0 / (1.0 / first + 1.0 / second)
+
+    def mode(self) -> tuple[float, float]:
+        """Frequency (Hz) of the mode most like the turning, and how much of the turning it has (1: all)."""
+        modes = normal_modes(self.model, self.constraints)
+        overlap = (self.turning @ self.model.mass @ modes.shapes) ** 2
+        overlap[modes.is_free] = 0.0
+        k = int(np.argmax(overlap))
+        return float(modes.frequencies[k]), float(overlap[k])
+
+
+def pair(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
+    """The pair of a line, its latch a spring of the given total stiffness (N.m/rad), or locked where that is None."""
+    points = scene_points(scene)
+    poses = start_poses(with_angles(scene, configuration(scene, "deployed").angles), points)
+    bodies = {
+        name: _body_part(scene, name, line, side, flexible.get(name, False), poses[name])
+        for name, side in ((line.inboard, "inboard"), (line.outboard, "outboard"))
+    }
+    bare = line.model_copy(
+        update={
+            "motor": None,
+            "harness": None,
+            "start_angle": line.deployed_angle,
+            "hinges": tuple(hinge.model_copy(update={"harness": False}) for hinge in line.hinges),
+        }
+    )
+    latch = (
+        LatchSetting("kinematic", 0.0, 0.0) if stiffness is None else LatchSetting("spring", stiffness, 0.0)
+    )
+    hinges = hinge_parts(scene, bare, latch, flexible, "mean")
+    links = [
+        Link((body, hinge.name), (hinge.name, side))
+        for hinge in line.hinges
+        for body, side in ((line.inboard, "inboard"), (line.outboard, "outboard"))
+    ]
+    ground = bodies[line.inboard].kind == "fixed_base"
+    mechanism = Mechanism([*bodies.values(), *hinges], links, line.inboard if ground else "")
+    mechanism.command("latch_command", 1.0, mechanism.connections)
+    return _pair(mechanism, line)
+
+
+def _body_part(scene: Scene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose) -> Part:
+    """A body of the pair with a port at every hinge of the line."""
+    seats = {hinge.name: getattr(hinge, side) for hinge in line.hinges}
+    bodies = {body.name: body for body in scene.bodies}
+    data = body_model(bodies[name], flexible) if name in bodies else base_model(scene.base)
+    if data is None:
+        ports = [{"name": hinge, "position": scene.base.points[point]} for hinge, point in seats.items()]
+        return Part(name, "fixed_base", {"ports": ports}, {})
+    structure = {
+        "modal": data.to_arrays(),
+        "ports": [{"name": hinge, "point": point} for hinge, point in seats.items()],
+    }
+    return Part(
+        name, "body", structure, {"initial_position": pose.position, "initial_orientation": pose.orientation}
+    )
+
+
+def _pair(mechanism: Mechanism, line: HingeLine) -> Pair:
+    model = linearise(mechanism)
+    motion = mechanism.connections[line.hinges[0].name].motions[0]
+    w, x, y, z = motion[3:7].tolist()
+    axis = np.array(rotate((w, x, y, z), line.axis))
+    inertias, turns = [], []
+    for name in (line.inboard, line.outboard):
+        turn = np.zeros(len(model.mass))
+        start, body = mechanism.rows[name].start, mechanism.bodies[name]
+        turn[start : start + 3] = np.cross(axis, body.position - motion[:3])
+        turn[start + 3 : start + 6] = axis
+        turns.append(turn)
+        inertias.append(float(turn @ model.mass @ turn) if body.body is not None else float("inf"))
+    share = 1.0 / (1.0 + inertias[1] / inertias[0])  # of the outboard body in the opening of the line
+    turning = share * turns[1] - (1.0 - share) * turns[0]
+    turning /= sqrt(turning @ model.mass @ turning)
+    rows = [mechanism.jacobian(hinge.name, port)[:3] for hinge in line.hinges for port in (0, 1)]
+    return Pair(model, np.concatenate(rows), (inertias[0], inertias[1]), turning)
+
+
+def series(*stiffnesses: float) -> float:
+    """Stiffness of springs in series (equation 2.7)."""
+    return 1.0 / sum(1.0 / stiffness for stiffness in stiffnesses)
+
+
+def without(total: float, part: float) -> float:
+    """What is in series with a part (N.m/rad) in a total; SceneError where the part is not stiffer than the total."""
+    if part <= total:
+        raise SceneError(
+            [
+                f"the hinges' stiffness {part:.6g} N.m/rad must be above the total {total:.6g} N.m/rad it is a part of"
+            ]
+        )
+    return 1.0 / (1.0 / total - 1.0 / part)
+
+
+def augmented_rotation(
+    deflection: Sequence[float], torque: Sequence[float], structure: float
+) -> tuple[float, ...]:
+    """Deflections (rad) of a line at the torques (N.m) of its hinges' measured curve, the structure's added.
+
+    Bagnoli 2007, figure 2.2.8-2: a hinge law in series with the structure's stiffness (N.m/rad).
+    """
+    return tuple(angle + load / structure for angle, load in zip(deflection, torque, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """Stiffnesses (N.m/rad) of a line; those that need the hinges' are None without it."""
+
+    line: str
+    inertias: tuple[float, float]
+    inertia: float
+    frequency: float
+    """Hz, that is to be met"""
+    overlap: float | None
+    """share of the turning in the flexible pair's mode"""
+    total: float | None
+    structure: float | None
+    hinges: float | None
+    springs: int
+    """that share a stiffness, one a hinge"""
+    check: float
+    """Hz of the rigid pair with the tuned stiffness, from its linear model"""
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        first = self.inertias[0]
+        return {
+            "line": self.line,
+            "inboard_inertia_kgm2": first if np.isfinite(first) else None,
+            "outboard_inertia_kgm2": self.inertias[1],
+            "effective_inertia_kgm2": self.inertia,
+            "frequency_hz": self.frequency,
+            "turning_share": self.overlap,
+            "total_stiffness_nm_per_rad": self.total,
+            "structure_stiffness_nm_per_rad": self.structure,
+            "hinge_stiffness_nm_per_rad": self.hinges,
+            "springs": self.springs,
+            "check_frequency_hz": self.check,
+        }
+
+
+def tune(
+    scene: Scene,
+    line: HingeLine,
+    flexible: Mapping[str, bool],
+    frequency: float | None = None,
+    kind: Kind = "total",
+    hinges: float | None = None,
+) -> Tuning:
+    """Tune the latch spring of a line to a frequency (Hz), by default that of the flexible pair.
+
+    kind: what the frequency belongs to. hinges: measured stiffness of the line's hinges together, N.m/rad.
+    """
+    overlap = None
+    if frequency is None:
+        if not any(flexible.get(name, False) for name in (line.inboard, line.outboard)):
+            raise SceneError(
+                [
+                    f"{scene.file}: hinge_line.{line.name}: {line.inboard} and {line.outboard} are rigid, so there is "
+                    "no frequency to tune to; give one, or make a body flexible"
+                ]
+            )
+        frequency, overlap = pair(scene, line, flexible, None).mode()
+    rigid = pair(scene, line, {}, 1.0)
+    tuned = (2.0 * pi * frequency) ** 2 * rigid.inertia
+    check = pair(scene, line, {}, tuned).mode()[0]
+    total, structure = (tuned, None) if kind == "total" else (None, tuned)
+    if hinges is not None:
+        structure = without(tuned, hinges) if kind == "total" else tuned
+        total = tuned if kind == "total" else series(tuned, hinges)
+    return Tuning(
+        line.name, rigid.inertias, rigid.inertia, frequency, overlap, total, structure, hinges,
+        len(line.hinges), check,
+    )  # fmt: skip
+
+
+def find_line(scene: Scene, name: str) -> HingeLine:
+    """The line of a name; SceneError where there is none."""
+    lines = {line.name: line for line in scene.hinge_lines}
+    if name not in lines:
+        raise SceneError([f"{scene.file}: there is no hinge line {name!r}; lines are {', '.join(lines)}"])
+    return lines[name]
+
+
+def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> float | None:
+    try:
+        if value is None:
+            return None
+        return to_si(value if " " in value.strip() else f"{value.strip()} N.m/rad", "N.m/rad", "positive")
+    except ValueError as error:
+        raise click.BadParameter(f"the stiffness {error}") from None
+
+
+@click.command("latch-tuning")
+@click.argument("scene")
+@scene_layers
+@fidelity_options
+@click.option("--line", "name", required=True, help="Hinge line.")
+@click.option(
+    "--frequency", type=Number(min=0.0, min_open=True),
+    help="Frequency to meet, Hz; by default that of the flexible pair.",
+)  # fmt: skip
+@click.option(
+    "--stiffness-of", "kind", type=click.Choice(["total", "structure"]), default="total", show_default=True,
+    help="What the frequency belongs to: with flexible hinges the total, with rigid ones the structure.",
+)  # fmt: skip
+@click.option(
+    "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
+    help="Measured stiffness of the line's hinges together, such as '51.3 N.m/deg'; a plain number is in N.m/rad.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    scene: str,
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
+    rigid: frozenset[str],
+    flexible: frozenset[str],
+    name: str,
+    frequency: float | None,
+    kind: Kind,
+    hinges: float | None,
+    as_json: bool,
+) -> None:
+    """Tune the latch spring of a hinge line of SCENE for its rigid model."""
+    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    line = find_line(loaded_scene, name)
+    chosen = choose_fidelity(loaded_scene, rigid, flexible)
+    tuning = tune(loaded_scene, line, chosen, frequency, kind, hinges)
+    law = _latch_law(line, tuning)
+    if as_json:
+        content = tuning.as_dict()
+        if law:
+            angles, torques = zip(*law, strict=True)
+            content["latch_law"] = {"deflection_rad": angles, "torque_nm": torques}
+        click.echo(json.dumps(content))
+        return
+    _print(tuning)
+    for angle, torque in law:
+        click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
+
+
+def _latch_law(line: HingeLine, tuning: Tuning) -> list[tuple[float, float]]:
+    """Deflections (rad) and torques (N.m) of the line's measured curve with the structure's rotation added."""
+    curve = line.latch.measured if line.latch is not None else None
+    if curve is None or tuning.structure is None:
+        return []
+    angles = augmented_rotation(curve.deflection, curve.torque, tuning.structure)
+    return list(zip(angles, curve.torque, strict=True))
+
+
+def _print(tuning: Tuning) -> None:
+    table = Table(title=f"latch spring of {tuning.line}")
+    table.add_column("quantity")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    inboard, outboard = tuning.inertias
+    table.add_row(
+        "inertia about the line, inboard", f"{inboard:.6g}" if np.isfinite(inboard) else "ground", "kg.m2"
+    )
+    table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")
+    table.add_row("effective inertia", f"{tuning.inertia:.6g}", "kg.m2")
+    table.add_row("frequency to meet", f"{tuning.frequency:.7g}", "Hz")
+    if tuning.overlap is not None:
+        table.add_row("turning in that mode", f"{100.0 * tuning.overlap:.2f}", "%")
+    stiffnesses = {"total": tuning.total, "structure": tuning.structure, "hinges": tuning.hinges}
+    for what, value in stiffnesses.items():
+        if value is not None:
+            table.add_row(f"{what} stiffness", f"{value:.7g}", "N.m/rad")
+            per_hinge = value / tuning.springs * pi / 180.0
+            table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
+    table.add_row("check: rigid pair with it", f"{tuning.check:.7g}", "Hz")
+    Console().print(table)

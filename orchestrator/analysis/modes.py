@@ -1,0 +1,146 @@
+"""Normal modes of a scene in a configuration: frequencies, damping, effective masses, the bodies that move.
+
+About static equilibrium (lines that are not latched are held for it, then free), with preload and geometric
+stiffness of the connections; without friction. Modal damping is the diagonal of the modal damping matrix.
+"""
+
+from __future__ import annotations
+
+import json
+from math import isnan
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from ..cli_options import fidelity_options, scene_layers
+from ..scene import find_scene, load_scene
+from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
+from ._linear import (
+    LinearModel,
+    NormalModes,
+    effective_masses,
+    kinetic_shares,
+    modal_damping,
+    normal_modes,
+)
+
+DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
+"""Translations along, then rotations about the world axes."""
+
+
+class Mode(NamedTuple):
+    """One mode that is no free motion."""
+
+    number: int
+    """from 1, free motions counted before"""
+    frequency: float
+    """Hz; negative: the growth rate of an unstable motion over 2 pi"""
+    damping_ratio: float
+    effective_mass_fractions: tuple[float, ...]
+    """in `DIRECTIONS` of the base, rotations about its reference point"""
+    body: str
+    """with the largest share in the kinetic energy"""
+    share: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "mode": self.number,
+            "frequency_hz": self.frequency,
+            "damping_ratio": None if isnan(self.damping_ratio) else self.damping_ratio,
+            "effective_mass_fraction": dict(zip(DIRECTIONS, self.effective_mass_fractions, strict=True)),
+            "body": self.body,
+            "kinetic_energy_share": self.share,
+        }
+
+
+def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]:
+    """The first modes beyond the free motions; an unstable one comes first."""
+    damping = modal_damping(model, modes)
+    effective, total = effective_masses(model, modes)
+    shares = kinetic_shares(model, modes)
+    found: list[Mode] = []
+    for k, frequency in enumerate(modes.frequencies.tolist()):
+        if modes.is_free[k] or len(found) == count:
+            continue
+        body = max(shares, key=lambda name: float(shares[name][k]))
+        fractions = tuple((effective[:, k] / total).tolist())
+        found.append(Mode(k + 1, frequency, float(damping[k]), fractions, body, float(shares[body][k])))
+    return found
+
+
+@click.command("modes")
+@click.argument("scene")
+@scene_layers
+@fidelity_options
+@configuration_options
+@as_posed_option
+@click.option("--count", type=click.IntRange(min=1), default=15, show_default=True, help="Modes to list.")
+@click.option(
+    "--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures of mode shapes."
+)
+@click.option(
+    "--shapes", type=click.IntRange(min=1), default=4, show_default=True, help="Mode shapes to draw."
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    scene: str,
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
+    rigid: frozenset[str],
+    flexible: frozenset[str],
+    named: Named,
+    angles: dict[str, float],
+    latched: str | None,
+    as_posed: bool,
+    count: int,
+    plot: Path | None,
+    shapes: int,
+    as_json: bool,
+) -> None:
+    """Natural frequencies, damping and effective masses of SCENE in a configuration."""
+    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    target = configuration(loaded_scene, named, angles, latched)
+    model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
+    modes = normal_modes(model)
+    listed = mode_table(model, modes, count)
+    free = int(modes.is_free.sum())
+    force, torque = model.unbalanced
+    if as_json:
+        content = {
+            "scene": loaded_scene.header.name,
+            "angles_rad": dict(target.angles),
+            "latched": list(target.latched),
+            "unbalanced_force_n": force,
+            "unbalanced_torque_nm": torque,
+            "free_motions": free,
+            "modes": [mode.as_dict() for mode in listed],
+        }
+        click.echo(json.dumps(content))
+    else:
+        _print(listed, free, force, torque)
+    if plot is not None:
+        from ._linear_figures import draw_shapes  # matplotlib takes its time
+
+        for path in draw_shapes(plot, model, modes, [mode.number - 1 for mode in listed[:shapes]]):
+            click.echo(path, err=as_json)
+
+
+def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
+    table = Table(title="normal modes; effective masses in % of the rigid ones")
+    for heading in ("mode", "frequency, Hz", "damping, %", *DIRECTIONS):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("moves most")
+    for mode in modes:
+        masses = (f"{100.0 * fraction:.2f}" for fraction in mode.effective_mass_fractions)
+        frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
+        damping = f"{100.0 * mode.damping_ratio:.3g}"
+        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} ({mode.share:.0%})")
+    console = Console()
+    console.print(table)
+    console.print(
+        f"{free} free motions (0 Hz); nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
+    )
