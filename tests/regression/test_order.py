@@ -93,7 +93,7 @@ def energy_residual(scene, record):
     """Balance residual over time relative to the motors' energy at the end."""
     hinges = [hinge for line in scene.hinge_lines for hinge in line.hinges]
     released = sum(float(record.signal(hinge, "motor_energy")[-1]) for hinge in hinges)
-    return record.scene(4) / released
+    return record.scene("energy_residual") / released
 
 
 def slope(steps, errors):
