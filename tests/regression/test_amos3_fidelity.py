@@ -43,12 +43,17 @@ def ringing(result, axis, start, end):
 
 
 def test_latch_torques_compare_as_in_the_thesis():
-    """Section 4.2.2: HL2 and HL3 close, HL1 higher with flexible bodies (by about 20 % there, by 47 % here)."""
+    """Section 4.2.2: HL2 and HL3 close, HL1 higher with flexible bodies, by about 20 % there.
+
+    By 47 % here, and by 17 % once the spring of the rigid wing is tuned to the first frequency of the flexible one.
+    """
     rigid, flexible = (RUNS.result("amos3", rigid=r, tolerance=TREND) for r in (RIGID, ()))
     ratio = {name: own_peak(flexible, name) / own_peak(rigid, name) for name in ("HL1", "HL2", "HL3")}
     assert ratio["HL3"] == pytest.approx(1.0, abs=0.03)
     assert ratio["HL2"] == pytest.approx(1.0, abs=0.15)
     assert ratio["HL1"] == pytest.approx(1.47, abs=0.05)
+    tuned = RUNS.result("amos3", "tuned_hl1", rigid=RIGID, tolerance=TREND)
+    assert own_peak(flexible, "HL1") / own_peak(tuned, "HL1") == pytest.approx(1.2, abs=0.05)
 
 
 def test_cable_forces_are_close():

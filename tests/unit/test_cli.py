@@ -144,7 +144,7 @@ def test_verify_with_an_explicit_master():
 
 def test_unknown_scene():
     """Bad input: the sentence names the scenes there are."""
-    assert refused("run", "amos4") == "fanfold: there is no scene and no file 'amos4'; scenes are amos3\n"
+    assert refused("run", "amos4") == "fanfold: there is no scene and no file 'amos4'; scenes are amos3, amos3-ground, arabsat, bepicolombo, workbench\n"
 
 
 def test_folder_as_a_scene(tmp_path):

@@ -44,7 +44,12 @@ kind = "contact"
 structure = {{ normal = [{np.sin(OPENING)}, 0.0, {np.cos(OPENING)}] }}
 ports.inboard = {{ body = "base", point = "stop" }}
 ports.outboard = {{ body = "bar", point = "tip" }}
-parameters = {{ gap = 0.0, reference_force = {STIFFNESS}, reference_penetration = "1 m", exponent = 1.0, damping = 0.0 }}
+[connection.parameters]
+gap = 0.0
+reference_force = {STIFFNESS}
+reference_penetration = "1 m"
+exponent = 1.0
+damping = 0.0
 """
 
 
@@ -66,7 +71,9 @@ def test_first_impact_is_that_of_the_closed_form(found):
     assert first.closing_speed == pytest.approx(speed, rel=1e-3)
     assert first.peak_force == pytest.approx(speed * sqrt(STIFFNESS * reduced), rel=2e-3)
     assert first.deepest == pytest.approx(speed * sqrt(reduced / STIFFNESS), rel=2e-3)
-    assert first.duration == pytest.approx(pi * sqrt(reduced / STIFFNESS), rel=1e-2)  # ends lie between samples
+    assert first.duration == pytest.approx(
+        pi * sqrt(reduced / STIFFNESS), rel=1e-2
+    )  # ends lie between samples
     assert first.impulse == pytest.approx(2.0 * reduced * speed, rel=1e-2)
     assert first.dissipated == pytest.approx(0.0, abs=1e-9)
 
