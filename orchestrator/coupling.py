@@ -7,95 +7,74 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from .engine import Engine, Limits, Status
-from .interface import Matrix, Probe, first_port_axes, mobility_of, stiffness_of
+from . import convergence
+from .balance import Energies, energy_rows
+from .convergence import Solution, Tolerance, broyden, is_credible, largest_rate, round_off
+from .engine import Engine, Limits, Matrices, Shared, Status
+from .history import History
+from .interface import first_port_axes, mobility_of, stiffness_of
 from .network import Network
 from .participant import ParticipantError, Vector
 from .sparse import SparseSystem
 
-_MAX_ITERATIONS = 14
-_REFRESHED = (2, 4, 8)
-"""Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
-_SLOW = 0.15
-_DIVERGED = 50.0
-_STEEPEST = 0.9
-_ROUND_OFF = 8.0 * float(np.finfo(float).eps)
-_NEAR = 1e-2
-"""Largest relative correction of wrenches that are near a solution; beyond it they may be absurd."""
-_CREDIBLE = 1e12
-"""Largest residual over wrench at a solution; stiff joints leave up to 1e5, matrices of an absurd motion 1e30."""
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
-
-
-@dataclass(frozen=True, slots=True)
-class Solution:
-    """Outcome of a coupled step: whether it converged, sweeps taken, size of the last correction (scaled).
-
-    failure: what a participant said that refused a sweep, as it may under absurd wrenches of an iteration.
-    """
-
-    converged: bool
-    iterations: int
-    correction: float
-    worst_row: int
-    failure: ParticipantError | None = None
-
-
-@dataclass(slots=True)
-class Tolerance:
-    """When the correction of the wrenches is small: relative to the largest force and torque, and to these."""
-
-    relative: float
-    force: float = 1.0
-    torque: float = 1.0
-
-    def scale(self, wrenches: Vector) -> Vector:
-        """What a correction of 1 means for every row."""
-        table = np.abs(wrenches).reshape(-1, 2, 3)
-        force = self.relative * (self.force + float(table[:, 0].max(initial=0.0)))
-        torque = self.relative * (self.torque + float(table[:, 1].max(initial=0.0)))
-        return np.tile(np.repeat((force, torque), 3), len(table))
+_LIMITS = Limits(
+    convergence.SLOW,
+    convergence.DIVERGED,
+    convergence.STEEPEST,
+    convergence.ROUND_OFF,
+    convergence.NEAR,
+    convergence.CREDIBLE,
+    convergence.MAX_ITERATIONS,
+    convergence.REFRESHED,
+)
 
 
 class Coupling:
     """Solves coupled steps from the participants' saved states and leaves them stepped.
 
-    `wrenches` holds the solution of the last solve. `mode` tells probed mobilities of different parameter
-    sets apart (static against dynamic). `persistent` asks for a slow damped iteration before giving up, where
-    the step cannot be made smaller. `observations` are those of the last `observe`, one participant's after
-    the other's, and a zero. A network of FMUs is iterated by the engine in C, any other one here.
+    `wrenches` holds the solution of the last solve, `accepted` that of the last accepted step. `mode` tells
+    probed mobilities of different parameter sets apart (static against dynamic). `persistent` asks for a slow
+    damped iteration before giving up, where the step cannot be made smaller. `observations` are those of the
+    last `observe`, one participant's after the other's, and a zero. A network of FMUs is iterated by the
+    engine in C, any other one here.
     """
 
     def __init__(self, network: Network, tolerance: Tolerance) -> None:
         self.network = network
         self.tolerance = tolerance
         self.wrenches = np.zeros(network.size)
+        self.accepted = np.zeros(network.size)
         self.mode = "dynamic"
         self.persistent = False
         self.probes = 0
         self._sweeps = 0
         self._law = np.zeros(network.size)
         self._round_off = np.zeros(network.size)
-        self._mobilities: dict[tuple[str, float], list[Probe]] = {}
-        self._stiffnesses: dict[tuple[str, float], list[Probe]] = {}
+        self._mobilities: dict[tuple[str, float], Matrices] = {}
+        self._stiffnesses: dict[tuple[str, float], Matrices] = {}
         self._factor_key: tuple[str, float] | None = None
         self._participants = [*network.bodies, *network.connections]
         self.observations = np.zeros(sum(p.observation_layout.size for p in self._participants) + 1)
+        self._energy_rows = energy_rows(self._participants)
         self._engine: Engine | None = None
         if Engine.serves(network):
-            limits = Limits(
-                _SLOW, _DIVERGED, _STEEPEST, _ROUND_OFF, _NEAR, _CREDIBLE, _MAX_ITERATIONS, _REFRESHED
+            shared = Shared(
+                self.wrenches,
+                self.accepted,
+                self._law,
+                self._round_off,
+                self.observations,
+                self._energy_rows,
             )
-            shared = (self.wrenches, self._law, self._round_off, self.observations)
-            self._engine = Engine(network, limits, *shared)
+            self._engine = Engine(network, _LIMITS, shared)
         else:
             self._system = SparseSystem(network)
+            self._history = History(network.size)
 
     @property
     def sweeps(self) -> int:
@@ -115,12 +94,46 @@ class Coupling:
         for participant in self._participants:
             participant.save()
 
-    def observe(self, time: float) -> None:
-        """Put the observations of all participants into `observations`, bodies first."""
+    def accept(self, time: float, h: float) -> None:
+        """Take the step from a time over h as made: wrenches for the next guess, states to solve from."""
+        middle = time + 0.5 * h
         if self._engine is not None:
-            self._engine.observe(time)
-        elif self._participants:
+            self._engine.accept(middle, time + h)
+            return
+        self.accepted[:] = self.wrenches
+        self._history.add(middle, self.wrenches)
+        self.save(time + h)
+
+    def restart(self) -> None:
+        """Forget the wrenches of steps before: something jumped."""
+        if self._engine is not None:
+            self._engine.restart()
+        else:
+            self._history.clear()
+
+    def predicted(self, time: float, h: float) -> Vector:
+        """Wrenches to solve a step from: extrapolated over the last ones, or those accepted last."""
+        middle = time + 0.5 * h
+        if self._engine is not None:
+            return self._engine.predicted(middle)
+        found = self._history.extrapolated(middle)
+        return self.accepted if found is None else found
+
+    def error_work(self, time: float, h: float) -> float | None:
+        """Work (J) of h^2 u'' of the solution on the motion it causes; None with too few steps before."""
+        middle = time + 0.5 * h
+        if self._engine is not None:
+            return self._engine.error_work(middle, h)
+        change = self._history.curvature(middle, self.wrenches, h)
+        return None if change is None else self._work(h, change)
+
+    def observe(self, time: float) -> Energies:
+        """Put the observations of all participants into `observations`, bodies first; energies among them."""
+        if self._engine is not None:
+            return self._engine.observe(time)
+        if self._participants:
             np.concatenate([p.observe() for p in self._participants], out=self.observations[:-1])
+        return Energies(*self.observations.take(self._energy_rows).sum(axis=1).tolist())
 
     def forget(self) -> None:
         """The laws changed (an event): probe connections anew at the next solve."""
@@ -133,12 +146,12 @@ class Coupling:
         solution = self._attempt(iterate, time, h, guess)
         if not solution.converged:
             self.forget()
-            near = self._is_near(solution.correction)
+            near = self.tolerance.is_near(solution.correction)
             again = self._attempt(iterate, time, h, self.wrenches.copy() if near else guess)
-            solution = replace(again, iterations=solution.iterations + again.iterations)
+            solution = again._replace(iterations=solution.iterations + again.iterations)
         if self.persistent and not solution.converged:
             again = self._attempt(self._damped, time, h, guess)
-            solution = replace(again, iterations=solution.iterations + again.iterations)
+            solution = again._replace(iterations=solution.iterations + again.iterations)
         return solution
 
     def _attempt(
@@ -156,7 +169,7 @@ class Coupling:
         steps: list[Vector] = []
         scale = np.ones(0)
         last = np.inf
-        for iteration in range(1, _MAX_ITERATIONS + 1):
+        for iteration in range(1, convergence.MAX_ITERATIONS + 1):
             self.sweep(time, h)
             residual = self._law - self.wrenches
             if not np.all(np.isfinite(residual)):
@@ -166,14 +179,14 @@ class Coupling:
             direction = self._direction(residual)
             if iteration == 1:
                 scale = self.tolerance.scale(self.wrenches + direction)
-            correction = _broyden(direction / scale, steps)
+            correction = broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
             if self._settled(size, residual):
                 return Solution(True, iteration, size, 0)
-            if size > _DIVERGED * last or size <= 1.0:
+            if size > convergence.DIVERGED * last or size <= 1.0:
                 break
-            if size > _SLOW * last and iteration in _REFRESHED:
-                self._refresh(time, h, probe=iteration > _REFRESHED[0])
+            if size > convergence.SLOW * last and iteration in convergence.REFRESHED:
+                self._refresh(time, h, probe=iteration > convergence.REFRESHED[0])
                 steps.clear()
                 correction = self._direction(residual) / scale
             last = size
@@ -193,7 +206,7 @@ class Coupling:
             self._factor_key = None
             if again:
                 self._stiffnesses.pop(key, None)
-            engine.use(self._probed(key, time))
+            engine.use(*self._probed(key, time))
             self._factor_key = key
             status = engine.resume(time, h, again=again)
         return Solution(status == Status.CONVERGED, engine.iteration, engine.correction, engine.worst_row)
@@ -240,20 +253,14 @@ class Coupling:
         residual: Vector = self._law - self.wrenches
         return residual if bool(np.all(np.isfinite(residual))) else None
 
-    def _is_near(self, correction: float) -> bool:
-        """Whether a scaled correction is small enough for the wrenches to be those of a solution nearby."""
-        return correction * self.tolerance.relative <= _NEAR
-
     def _settled(self, correction: float, residual: Vector) -> bool:
         """Whether the scaled correction is small, or ports cannot agree better for the rounding of their poses.
 
-        A correction says nothing of a motion gone astray, whose matrices make any residual small, nor does
-        rounding of absurd trial wrenches.
+        Rounding of absurd trial wrenches says nothing.
         """
         if correction <= 1.0:
-            wrench = 1.0 + float(np.abs(self.wrenches).max(initial=0.0))
-            return float(np.abs(residual).max(initial=0.0)) <= _CREDIBLE * wrench
-        return self._is_near(correction) and bool(np.all(np.abs(residual) <= self._round_off))
+            return is_credible(self.wrenches, residual)
+        return self.tolerance.is_near(correction) and bool(np.all(np.abs(residual) <= self._round_off))
 
     def _refresh(self, time: float, h: float, *, probe: bool) -> None:
         """Turn the probed matrices to the present orientations, or probe the connections anew."""
@@ -283,12 +290,10 @@ class Coupling:
             connection.read()
         network.collect_wrenches(self._law)
 
-    def work(self, h: float, change: Vector) -> float:
+    def _work(self, h: float, change: Vector) -> float:
         """Work (J) that a change of wrenches does on the motion it causes in a step of size h."""
-        if self._engine is not None:
-            return self._engine.work(change)
         total = 0.0
-        for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)], strict=True):
+        for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)].probes, strict=True):
             moved = (probe.matrix @ change[rows]).reshape(-1, 12)[:, :6]
             total += float(moved.ravel() @ change[rows])
         return total
@@ -296,71 +301,50 @@ class Coupling:
     def _direction(self, residual: Vector) -> Vector:
         return self._system.solve(residual) if self._engine is None else self._engine.direction(residual)
 
-    def _probed(self, key: tuple[str, float], time: float) -> list[Probe]:
+    def _probed(self, key: tuple[str, float], time: float) -> tuple[Matrices, Matrices]:
         """Matrices of all bodies and of all connections at their last motions, probed where they are not known."""
         network, h = self.network, key[1]
         if key not in self._mobilities:
             self.probes += 1
-            self._mobilities[key] = [
+            self._mobilities[key] = Matrices(
                 mobility_of(body, len(ports), time, h)
                 for body, ports in zip(network.bodies, network.body_ports, strict=True)
-            ]
+            )
         if key not in self._stiffnesses:
             self.probes += 1
-            self._stiffnesses[key] = [
+            self._stiffnesses[key] = Matrices(
                 stiffness_of(connection, len(ports), time, h)
                 for connection, ports in zip(network.connections, network.connection_ports, strict=True)
-            ]
-        return self._mobilities[key] + self._stiffnesses[key]
+            )
+        return self._mobilities[key], self._stiffnesses[key]
 
     def _factorize(self, time: float, h: float) -> None:
         """LU factors of I - stiffness x mobility, from probes turned to the present orientations."""
         key = (self.mode, h)
-        probes = self._probed(key, time)
+        mobilities, stiffnesses = self._probed(key, time)
         if self._engine is not None:
-            self._engine.use(probes)
+            self._engine.use(mobilities, stiffnesses)
             self._engine.assemble()
         else:
-            network = self.network
-            motions = [b.outputs for b in network.bodies] + [c.inputs for c in network.connections]
-            turned = [p.turned(first_port_axes(m)) for p, m in zip(probes, motions, strict=True)]
-            first = len(network.bodies)
-            self._system.factorize(turned[:first], turned[first:])
-            rate = max(
-                _largest_rate(connection.inputs, len(ports))
-                for connection, ports in zip(network.connections, network.connection_ports, strict=True)
-            )
-            for connection, index, stiffness in zip(
-                network.connections, network.connection_rows, turned[first:], strict=True
-            ):
-                self._round_off[index] = _round_off(stiffness, connection.inputs, rate)
+            self._factorize_here(mobilities, stiffnesses)
         self._factor_key = key
 
-
-def _largest_rate(motion: Vector, ports: int) -> float:
-    """Largest component of the velocities (m/s) and angular velocities (rad/s) of a connection's ports."""
-    return float(np.abs(motion[: 13 * ports].reshape(-1, 13)[:, 7:]).max())
-
-
-def _round_off(stiffness: Matrix, motion: Vector, rate: float) -> Vector:
-    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that.
-
-    rate: largest in the network; a port that a latch just stopped still sums terms of that size.
-    """
-    sizes = np.full((len(stiffness) // 6, 12), rate)
-    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
-    sizes[:, 3:6] = 1.0
-    result: Vector = _ROUND_OFF * (np.abs(stiffness) @ sizes.ravel())
-    return result
-
-
-def _broyden(direction: Vector, steps: list[Vector]) -> Vector:
-    """Broyden's update of a chord Newton direction from the steps taken so far (scaled), without a matrix."""
-    for before, after in pairwise(steps):
-        direction = direction + after * (float(before @ direction) / float(before @ before))
-    if steps:
-        newest = steps[-1]
-        slope = float(newest @ direction) / float(newest @ newest)
-        if slope < _STEEPEST:
-            direction = direction / (1.0 - slope)
-    return direction
+    def _factorize_here(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
+        network = self.network
+        turned = [
+            probe.turned(first_port_axes(body.outputs))
+            for probe, body in zip(mobilities.probes, network.bodies, strict=True)
+        ]
+        turned_stiffnesses = [
+            probe.turned(first_port_axes(connection.inputs))
+            for probe, connection in zip(stiffnesses.probes, network.connections, strict=True)
+        ]
+        self._system.factorize(turned, turned_stiffnesses)
+        rate = max(
+            largest_rate(connection.inputs, len(ports))
+            for connection, ports in zip(network.connections, network.connection_ports, strict=True)
+        )
+        for connection, index, stiffness in zip(
+            network.connections, network.connection_rows, turned_stiffnesses, strict=True
+        ):
+            self._round_off[index] = round_off(stiffness, connection.inputs, rate)

@@ -7,7 +7,7 @@ participant is no FMU, there is no engine, and orchestrator/coupling.py does the
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable
 from ctypes import (
     CDLL,
     POINTER,
@@ -20,13 +20,16 @@ from ctypes import (
     c_void_p,
     sizeof,
 )
+from dataclasses import dataclass, fields
 from enum import IntEnum
 from functools import cache
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .balance import Energies, Rows
 from .elimination import eliminate
 from .fmu import Calls, FmuParticipant
 from .network import Network
@@ -39,6 +42,7 @@ Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
 LIBRARY = Path(__file__).parent / "native" / f"_coupling{_SUFFIX.get(sys.platform, '.so')}"
 _MISSING = "the engine was not built"
+_POINTS = 3
 
 
 class Status(IntEnum):
@@ -53,7 +57,7 @@ class Status(IntEnum):
 
 
 class Limits(Structure):
-    """Numbers of the iteration; their values stand in orchestrator/coupling.py."""
+    """Numbers of the iteration; their values stand in orchestrator/convergence.py."""
 
     _fields_ = (
         ("slow", c_double),
@@ -73,15 +77,19 @@ class _Probe(Structure):
 
 class _Matrix(Structure):
     _fields_ = (
-        *((name, c_size_t) for name in ("groups", "size", "length")),
+        *((name, c_size_t) for name in ("groups", "block_count", "size", "length")),
         *(
             (name, c_void_p)
             for name in (
                 *("begin", "blocks", "lower_begin", "lower", "upper_begin", "upper", "targets"),
-                *("values", "pivots", "ordered"),
+                *("values", "transposed", "pivots", "ordered"),
             )
         ),
     )
+
+
+class _History(Structure):
+    _fields_ = (("count", c_size_t), ("times", c_double * _POINTS), ("values", c_void_p))
 
 
 class _Network(Structure):
@@ -90,13 +98,16 @@ class _Network(Structure):
         *(
             (name, c_void_p)
             for name in (
-                *("participant", "link", "probe", "parts", "wrenches", "law", "residual", "scale"),
-                *("round_off", "steps", "squares", "product"),
+                *("participant", "link", "mobility", "stiffness", "parts", "wrenches", "accepted", "law"),
+                *("residual", "scale", "round_off", "steps", "squares", "product", "bend"),
+                *("observations", "energy_rows"),
             )
         ),
         ("limits", Limits),
         *((name, c_double) for name in ("relative", "force", "torque")),
         ("matrix", _Matrix),
+        ("history", _History),
+        ("energies", c_double * len(Energies._fields)),
         *((name, c_double) for name in ("time", "h", "last", "correction", "seconds")),
         *(
             (name, c_size_t)
@@ -112,8 +123,11 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "resume": ((c_void_p, c_int), c_int),
     "assemble": ((c_void_p,), None),
     "direction": ((c_void_p, c_void_p, c_void_p), None),
-    "work": ((c_void_p, c_void_p), c_double),
+    "predict": ((c_void_p, c_double, c_void_p), None),
+    "error_work": ((c_void_p, c_double, c_double), c_double),
     "save": ((c_void_p,), c_int),
+    "accept": ((c_void_p, c_double), c_int),
+    "restart": ((c_void_p,), None),
     "observe": ((c_void_p,), c_int),
     "mobility": ((POINTER(Calls), c_void_p, c_void_p), c_int),
     "stiffness": ((POINTER(Calls), c_void_p, c_void_p), c_int),
@@ -157,23 +171,41 @@ def _derivatives(name: str, participant: FmuParticipant, shape: tuple[int, int],
     return matrix
 
 
-class Engine:
-    """Sweeps and iterates a network of FMUs in C.
+class Matrices:
+    """Probed matrices of all bodies or of all connections, and the table of their addresses for the engine."""
 
-    wrenches, law, round_off (size,): the unknown, what the connections return for it and how far that is
-    rounded; observations: those of all participants in order. All are memory of the caller's.
+    def __init__(self, probes: Iterable[Probe]) -> None:
+        self.probes = list(probes)
+        self._table = (_Probe * len(self.probes))(
+            *(_Probe(probe.matrix.ctypes.data, probe.axes.ctypes.data) for probe in self.probes)
+        )
+        self.address = addressof(self._table)
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """Arrays that the engine and its caller both see.
+
+    wrenches, accepted, law, round_off (size,): the unknown, what it was in the last accepted step, what the
+    connections return for it and how far that is rounded; observations: those of all participants in order,
+    and a zero; energy_rows: where they hold energies, see `balance.energy_rows`.
+    """
+
+    wrenches: Vector
+    accepted: Vector
+    law: Vector
+    round_off: Vector
+    observations: Vector
+    energy_rows: Rows
+
+
+class Engine:
+    """Sweeps and iterates a network of FMUs in C, remembers accepted steps and reads observations.
+
     `sweeps` and `seconds` count what was done since the start, the latter only the time inside FMUs.
     """
 
-    def __init__(
-        self,
-        network: Network,
-        limits: Limits,
-        wrenches: Vector,
-        law: Vector,
-        round_off: Vector,
-        observations: Vector,
-    ) -> None:
+    def __init__(self, network: Network, limits: Limits, shared: Shared) -> None:
         found = library()
         if found is None:
             raise RuntimeError(_MISSING)
@@ -181,36 +213,29 @@ class Engine:
             p for p in (*network.bodies, *network.connections) if isinstance(p, FmuParticipant)
         ]
         self._calls = (Calls * len(self._participants))(*(p.calls for p in self._participants))
-        self._table = (_Probe * len(self._participants))()
-        self._probes: Sequence[Probe] = ()
-        self._kept: list[Any] = [wrenches, law, round_off, observations]
+        self._matrices: tuple[Matrices, ...] = ()
+        self._kept: list[Any] = [shared]
         self._data = _Network(
             participants=len(self._participants),
             bodies=len(network.bodies),
             links=len(network.meetings),
             size=network.size,
-            wrenches=wrenches.ctypes.data,
-            law=law.ctypes.data,
-            round_off=round_off.ctypes.data,
             limits=limits,
             participant=addressof(self._calls),
-            probe=addressof(self._table),
+            **{f.name: getattr(shared, f.name).ctypes.data for f in fields(shared)},
         )
         self._pointer = c_void_p(addressof(self._data))
-        self._iterate, self._resume = found.coupling_iterate, found.coupling_resume
-        self._work, self._save, self._observe = (
-            found.coupling_work,
-            found.coupling_save,
-            found.coupling_observe,
-        )
         self._library = found
+        self._iterate, self._predict = found.coupling_iterate, found.coupling_predict
+        self._error_work, self._accept = found.coupling_error_work, found.coupling_accept
+        self._observe = found.coupling_observe
         self._set_up(network)
-        self._change = np.zeros(network.size)
-        self._change_address = self._change.ctypes.data
-        place = observations.ctypes.data
+        self._guess = np.zeros(network.size)
+        self._guess_address = self._guess.ctypes.data
+        place = shared.observations.ctypes.data
         for calls in self._calls:
             calls.observation = place
-            place += calls.observations * observations.itemsize
+            place += calls.observations * shared.observations.itemsize
 
     @staticmethod
     def serves(network: Network) -> bool:
@@ -230,15 +255,18 @@ class Engine:
         ]
         self._data.link = self._keep(np.array(link, dtype=np.uintp))
         self._data.parts = self._keep(order.parts)
-        for name in ("residual", "scale", "steps", "squares", "product"):
+        for name in ("residual", "scale", "bend", "steps", "squares", "product"):
             largest = 6 * max(map(len, network.connection_ports)) * 6 * max(map(len, network.body_ports))
             length = {"steps": most * size, "squares": most, "product": largest}.get(name, size)
             setattr(self._data, name, self._keep(np.zeros(length)))
+        self._data.history.values = self._keep(np.zeros(_POINTS * size))
         matrix = self._data.matrix
-        matrix.groups, matrix.size, matrix.length = len(order.begin) - 1, size, order.length
+        matrix.groups, matrix.block_count = len(order.begin) - 1, len(order.blocks)
+        matrix.size, matrix.length = size, order.length
         for name in ("begin", "blocks", "lower_begin", "lower", "upper_begin", "upper", "targets"):
             setattr(matrix, name, self._keep(getattr(order, name)))
-        matrix.values, matrix.ordered = self._keep(np.zeros(order.length)), self._keep(np.zeros(size))
+        for name, length in (("values", order.length), ("transposed", order.length), ("ordered", size)):
+            setattr(matrix, name, self._keep(np.zeros(length)))
         matrix.pivots = self._keep(np.zeros(size, dtype=np.uintp))
         rows = [slice(r.start // 6, r.stop // 6) for r in network.rows]
         links = [np.arange(r.start, r.stop) for r in rows] + [r[::6] // 6 for r in network.connection_rows]
@@ -277,11 +305,10 @@ class Engine:
         """Row of the unknown that the last correction changes most, or that is not finite."""
         return int(self._data.worst_row)
 
-    def use(self, probes: Sequence[Probe]) -> None:
-        """Take matrices of all bodies, then of all connections."""
-        self._probes = probes
-        for entry, probe in zip(self._table, probes, strict=True):
-            entry.matrix, entry.axes = probe.matrix.ctypes.data, probe.axes.ctypes.data
+    def use(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
+        """Take matrices of all bodies and of all connections."""
+        self._matrices = (mobilities, stiffnesses)
+        self._data.mobility, self._data.stiffness = mobilities.address, stiffnesses.address
 
     def tolerate(self, relative: float, force: float, torque: float) -> None:
         """Set when a correction is small."""
@@ -299,7 +326,7 @@ class Engine:
 
     def resume(self, time: float, h: float, *, again: bool) -> int:
         """Go on after `use`; again: the iteration had other matrices before."""
-        return self._told(self._resume(self._pointer, again), time, h)
+        return self._told(self._library.coupling_resume(self._pointer, again), time, h)
 
     def _told(self, status: int, time: float, h: float) -> int:
         if status == Status.REFUSED:
@@ -316,20 +343,35 @@ class Engine:
         self._library.coupling_direction(self._pointer, residual.ctypes.data, result.ctypes.data)
         return result
 
-    def work(self, change: Vector) -> float:
-        """Work (J) that a change of wrenches (size,) does on the motion it causes."""
-        self._change[:] = change
-        return float(self._work(self._pointer, self._change_address))
+    def predicted(self, middle: float) -> Vector:
+        """Wrenches (size,) that a step with this mid-step time may start from; valid until the next call."""
+        self._predict(self._pointer, middle, self._guess_address)
+        return self._guess
+
+    def error_work(self, middle: float, h: float) -> float | None:
+        """Work (J) of h^2 u'' on the motion it causes; None with fewer than two steps remembered."""
+        work: float = self._error_work(self._pointer, middle, h)
+        return None if isnan(work) else work
 
     def save(self, time: float) -> None:
         """Save the states of all."""
-        if not self._save(self._pointer):
+        if not self._library.coupling_save(self._pointer):
             raise self._failure(time, 0.0)
 
-    def observe(self, time: float) -> None:
-        """Read the observations of all into the array given at the start."""
+    def accept(self, middle: float, time: float) -> None:
+        """Remember the present wrenches at their mid-step time, and save the states of all."""
+        if not self._accept(self._pointer, middle):
+            raise self._failure(time, 0.0)
+
+    def restart(self) -> None:
+        """Forget the wrenches of steps before."""
+        self._library.coupling_restart(self._pointer)
+
+    def observe(self, time: float) -> Energies:
+        """Read the observations of all into the shared array, and sum up their energies."""
         if not self._observe(self._pointer):
             raise self._failure(time, 0.0)
+        return Energies(*self._data.energies)
 
     def _failure(self, time: float, h: float) -> ParticipantError:
         data = self._data

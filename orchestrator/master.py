@@ -5,19 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from components import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY
-
 from .assembly import HingeLine
-from .coupling import Coupling, Solution, Tolerance
+from .balance import Energies
+from .convergence import Solution, Tolerance
+from .coupling import Coupling
 from .network import Network
-from .participant import Participant, Vector
-from .stepping import ErrorEstimate, History, StepSizes, failure, find_event
-
-Rows = np.ndarray[Any, np.dtype[np.intp]]
+from .participant import Vector
+from .stepping import ErrorEstimate, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
@@ -42,7 +40,8 @@ SCENE_CHANNELS = (
     ("iterations", "1", "Sweeps over all participants in that step"),
     ("stored_energy", "J", "Kinetic and potential energy of all participants"),
     ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
-    ("energy_residual", "J", "Stored and dissipated energy minus their value at the start"),
+    ("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
+    ("energy_residual", "J", "Stored and dissipated less supplied energy, minus their value at the start"),
 )
 
 
@@ -93,16 +92,18 @@ class Master:
         self._pending = [line for line in hinge_lines if line.latches]
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
-        self._history = History(network.size)
         self._error = ErrorEstimate(settings.tolerance, 0.0)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
-        self._wrenches = np.zeros(network.size)
+        self._wrenches = self._coupling.accepted
         self._energy_start = 0.0
-        self._kinetic = 0.0
         self._parts = 1
-        self._energies = _energy_rows(self._participants)
+        outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
+        self._sensors = {
+            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
+            for name, sensor in outputs.items()
+        }
         self._scene = np.zeros(len(SCENE_CHANNELS))
         ends = np.cumsum([p.observation_layout.size for p in self._participants])
         self._recorded = [*np.split(self._coupling.observations, ends)[:-1], self._scene]
@@ -122,9 +123,9 @@ class Master:
         self._save()
         if preload:
             self._seek_equilibrium(start)
-        stored, dissipated = self._energy()
-        self._energy_start = stored + dissipated
-        self._error = ErrorEstimate(self.settings.tolerance, stored)
+        energies = self._coupling.observe(self.time)
+        self._energy_start = energies.balance
+        self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
         self._record(0.0, 0)
 
     def _seek_equilibrium(self, start: float) -> None:
@@ -192,21 +193,18 @@ class Master:
 
     def _try_step(self, h: float) -> Solution | None:
         """A converged step whose error is accepted, or None with a smaller step size set."""
-        middle = self.time + 0.5 * h
-        guess = self._history.extrapolated(middle)
-        solution = self._coupling.solve(self.time, h, self._wrenches if guess is None else guess)
+        coupling = self._coupling
+        solution = coupling.solve(self.time, h, coupling.predicted(self.time, h))
         if not solution.converged:
             if not self._smaller():
-                raise failure(self._coupling, solution, self.time, h)
+                raise failure(coupling, solution, self.time, h)
             self.statistics.rejected += 1
             return None
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
             return solution
-        curvature = self._history.curvature(middle, self._coupling.wrenches, h)
-        if curvature is None:
-            return solution
-        if self._sizes.judge(self._error(self._coupling.work(h, curvature))):
+        work = coupling.error_work(self.time, h)
+        if work is None or self._sizes.judge(self._error(work)):
             return solution
         self.statistics.rejected += 1
         return None
@@ -229,16 +227,16 @@ class Master:
         return best
 
     def _distance(self, line: HingeLine) -> float:
-        sensor = self.network.by_name[line.sensor]
-        return float(sensor.outputs[sensor.output_layout["latch_distance"].start])
+        outputs, place = self._sensors[line.name]
+        return outputs.item(place)
 
     def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution]:
         """Repeat the step so that it ends where the hinge line latches."""
         found = [solution]
 
         def distance(trial: float) -> float:
-            guess = self._history.extrapolated(self.time + 0.5 * trial)
-            found[0] = self._coupling.solve(self.time, trial, self._wrenches if guess is None else guess)
+            guess = self._coupling.predicted(self.time, trial)
+            found[0] = self._coupling.solve(self.time, trial, guess)
             if not found[0].converged:
                 raise failure(self._coupling, found[0], self.time, trial)
             return self._distance(line)
@@ -248,12 +246,10 @@ class Master:
     def _accept(self, h: float, solution: Solution) -> None:
         self.statistics.steps += 1
         self.segments[-1].append(h)
-        self._wrenches[:] = self._coupling.wrenches
-        self._history.add(self.time + 0.5 * h, self._wrenches)
+        self._coupling.accept(self.time, h)
         self.time += h
-        self._save()
-        self._record(h, solution.iterations)
-        self._error.see(self._kinetic)
+        self._watch()
+        self._error.see(self._record(h, solution.iterations).kinetic)
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
@@ -266,7 +262,7 @@ class Master:
         self._coupling.forget()
         if line.kinematic:
             self._impulse()
-        self._history.clear()
+        self._coupling.restart()
         self._sizes.restart(min(self.settings.event_step, self._sizes.size))
         self.segments.append([])
 
@@ -294,32 +290,22 @@ class Master:
     def _save(self) -> None:
         """The present states are those to return to."""
         self._coupling.save(self.time)
+        self._watch()
+
+    def _watch(self) -> None:
+        """Note how far the hinge lines are from their latches."""
         self._before = {line.name: self._distance(line) for line in self._pending}
 
-    def _energy(self) -> tuple[float, float]:
-        """Stored and dissipated energy of all participants (J), from observations made here."""
-        self._coupling.observe(self.time)
-        self._kinetic, potential, dissipated = (
-            self._coupling.observations.take(self._energies).sum(axis=1).tolist()
+    def _record(self, h: float, iterations: int) -> Energies:
+        """Observations of now and the scene's channels to the recorder; the energies among them."""
+        found = self._coupling.observe(self.time)
+        self._scene[:] = (
+            h,
+            iterations,
+            found.stored,
+            found.dissipated,
+            found.supplied,
+            found.balance - self._energy_start,
         )
-        return self._kinetic + potential, dissipated
-
-    def _record(self, h: float, iterations: int) -> None:
-        stored, dissipated = self._energy()
-        self._scene[:] = h, iterations, stored, dissipated, stored + dissipated - self._energy_start
         self.recorder.append(self.time, self._recorded)
-
-
-def _energy_rows(participants: Sequence[Participant]) -> Rows:
-    """Where observations hold kinetic, potential and dissipated energies (3, participants); else their end, a zero."""
-    rows = np.full(
-        (3, len(participants)), sum(p.observation_layout.size for p in participants), dtype=np.intp
-    )
-    start = 0
-    for column, participant in enumerate(participants):
-        layout = participant.observation_layout
-        for row, name in enumerate((KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY)):
-            if name in layout:
-                rows[row, column] = start + layout[name].start
-        start += layout.size
-    return rows
+        return found

@@ -21,13 +21,14 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import Geometry, HingeLine
+from .columns import Column, ColumnMaker
 
 if TYPE_CHECKING:
     from components import Layout
@@ -39,7 +40,7 @@ Scalar = float | int | str
 _FORMAT = "fanfold result"
 _FORMAT_VERSION = 1
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-_ROWS = 500
+_ROWS = 1000
 _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
 _EVENT_BYTES = 255
@@ -72,19 +73,6 @@ class SignalGroup:
             tuple(q.size for q in found),
             tuple(q.description for q in found),
         )
-
-
-class _Column(NamedTuple):
-    """A dataset (its low-level identifier) and the columns of the row buffer it takes."""
-
-    dataset: Any
-    where: slice
-    tail: tuple[int, ...]
-
-    def write(self, buffer: Vector, start: int, end: int) -> None:
-        """Make the dataset `end` rows long; the buffer holds the chunk that begins at row `start`."""
-        self.dataset.set_extent((end, *self.tail))
-        self.dataset.write_direct_chunk((start, *(0 for _ in self.tail)), buffer[:, self.where].tobytes())
 
 
 class ResultWriter:
@@ -122,9 +110,10 @@ class ResultWriter:
         self._file.attrs["format"] = _FORMAT
         self._file.attrs["format_version"] = _FORMAT_VERSION
         self._file.attrs["complete"] = False
-        self._columns = self._create_columns(groups)
-        clock = slice(width, width + 1)
-        self._time = _create_column(self._file, "time", clock, "s", "Time of the communication points")
+        maker = ColumnMaker(_ROWS)
+        self._columns = self._create_columns(maker, groups)
+        clock = {"unit": "s", "description": "Time of the communication points"}
+        self._time = maker.make(self._file, "time", slice(width, width + 1), clock)
         self._create_events()
         self._file.create_group("statistics")
         _write_provenance(self._file.create_group("provenance", track_order=True), provenance)
@@ -145,7 +134,7 @@ class ResultWriter:
                         f"{self.path}: this file is not a result and would be lost; name another"
                     )
 
-    def _create_columns(self, groups: Sequence[SignalGroup]) -> list[_Column]:
+    def _create_columns(self, maker: ColumnMaker, groups: Sequence[SignalGroup]) -> list[Column]:
         signals = self._file.create_group("signals", track_order=True)
         columns, position = [], 0
         for group in groups:
@@ -153,7 +142,7 @@ class ResultWriter:
             rows = zip(group.names, group.units, group.sizes, group.descriptions, strict=True)
             for name, unit, size, description in rows:
                 where = slice(position, position + size)
-                columns.append(_create_column(folder, name, where, unit, description))
+                columns.append(maker.make(folder, name, where, {"unit": unit, "description": description}))
                 position += size
         return columns
 
@@ -185,8 +174,11 @@ class ResultWriter:
     def flush(self) -> None:
         """Write what was collected; from then on an interrupted run holds it.
 
-        Times reach the disk after everything else, and readers believe the times.
+        Times reach the disk after everything else, and readers believe the times. ResultError where it
+        cannot be written, or where the file was taken away.
         """
+        if not self.path.exists():
+            raise ResultError(f"{self.path}: the result was removed while the run was writing it")
         try:
             self._write_rows(self._columns)
             self._append_events("component", [_event_text(event[1]) for event in self._events])
@@ -202,7 +194,7 @@ class ResultWriter:
             self._start, self._filled = self._start + _ROWS, 0
         self._due = monotonic() + _SECONDS
 
-    def _write_rows(self, columns: Sequence[_Column]) -> None:
+    def _write_rows(self, columns: Sequence[Column]) -> None:
         if self._filled:
             for column in columns:
                 column.write(self._buffer, self._start, self._start + self._filled)
@@ -322,17 +314,6 @@ class Result:
                 f"{self.path}: {component}.{variable} is damaged and cannot be read ({_reason(error)})"
             ) from None
         return values
-
-
-def _create_column(folder: Any, name: str, where: slice, unit: str, description: str) -> _Column:  # noqa: ANN401
-    size = where.stop - where.start
-    tail = () if size == 1 else (size,)
-    dataset = folder.create_dataset(
-        name, (0, *tail), np.float64, maxshape=(None, *tail), chunks=(_ROWS, *tail), fillvalue=np.nan
-    )
-    dataset.attrs["unit"] = unit
-    dataset.attrs["description"] = description
-    return _Column(dataset.id, where, tail)
 
 
 def _write_provenance(folder: Any, provenance: Mapping[str, str]) -> None:  # noqa: ANN401

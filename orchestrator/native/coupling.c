@@ -3,8 +3,8 @@
 
 #define _POSIX_C_SOURCE 199309L
 
-#include "blocks.h"
-#include "participant.h"
+#include "prediction.h"
+#include "system.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -19,43 +19,6 @@ enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE };
 /* How an iteration ends, in the order of Status in orchestrator/engine.py. */
 enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, WANTS_MATRICES, WANTS_PROBES, GOES_ON };
 
-/* A port of a body and the port of a connection that it meets; place: its rows in the order of elimination. */
-typedef struct {
-    size_t body, body_port, connection, connection_port, place;
-} Link;
-
-/* A matrix like Participant.turned, and the axes (3, 3) of the participant's first port when it was made. */
-typedef struct {
-    const double *matrix, *axes;
-} Probe;
-
-/* Numbers of the iteration, see orchestrator/coupling.py; refreshed: iterations that may refresh matrices. */
-typedef struct {
-    double slow, diverged, steepest, round_off, near, credible;
-    size_t most, refreshed[3];
-} Limits;
-
-typedef struct {
-    double relative, force, torque;
-} Tolerance;
-
-/* Bodies come before connections. Arrays have `size` rows but: steps (most, size), squares (most,), product
-   with room for a connection's rows over a body's columns. */
-typedef struct {
-    size_t participants, bodies, links, size;
-    Participant *participant;
-    const Link *link;
-    const Probe *probe;
-    const Part *parts; /* by connection, its ports, its ports again, the ports of the first port's body */
-    double *wrenches, *law, *residual, *scale, *round_off, *steps, *squares, *product;
-    Limits limits;
-    Tolerance tolerance;
-    Matrix matrix;
-    double time, h, last, correction, seconds;
-    size_t iteration, kept, sweeps, worst_row, singular, failed, failed_call;
-    int failed_status;
-} Network;
-
 static double seconds_now(void) {
 #ifdef _WIN32
     LARGE_INTEGER count, frequency;
@@ -69,12 +32,17 @@ static double seconds_now(void) {
 #endif
 }
 
-/* Take note of who failed in what; 0. */
-static int fail(Network *n, size_t participant, size_t call, int status) {
-    n->failed = participant;
-    n->failed_call = call;
-    n->failed_status = status;
-    return 0;
+static double sum_of(const double *values, size_t size) {
+    double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+    size_t i = 0;
+    for (; i + 4 <= size; i += 4) {
+        s0 += values[i];
+        s1 += values[i + 1];
+        s2 += values[i + 2];
+        s3 += values[i + 3];
+    }
+    for (; i < size; i++) s0 += values[i];
+    return (s0 + s1) + (s2 + s3);
 }
 
 /* One participant from its saved state through the step. */
@@ -88,9 +56,7 @@ static int step_one(Network *n, size_t i) {
     if (status > FMI_WARNING) return fail(n, i, STEP, status);
     status = p->get_real(p->component, p->output_references, p->outputs, p->output);
     if (status > FMI_WARNING) return fail(n, i, GET, status);
-    double sum = 0.0;
-    for (size_t k = 0; k < p->outputs; k++) sum += p->output[k];
-    return isfinite(sum) ? 1 : fail(n, i, FINITE, 0);
+    return isfinite(sum_of(p->output, p->outputs)) ? 1 : fail(n, i, FINITE, 0);
 }
 
 static int step_all(Network *n, size_t first, size_t last) {
@@ -123,86 +89,6 @@ static int sweep(Network *n) {
     return 1;
 }
 
-/* Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that. */
-static void note_round_off(Network *n, const Participant *p, double rate) {
-    for (size_t row = 0; row < WRENCH * p->ports; row++) {
-        const double *stiffness = p->turned + row * COORDINATES * p->ports;
-        double sum = 0.0;
-        for (size_t port = 0; port < p->ports; port++, stiffness += COORDINATES) {
-            const double *place = p->input + MOTION * port;
-            const double reach = fmax(fabs(place[0]), fmax(fabs(place[1]), fabs(place[2])));
-            for (size_t k = 0; k < COORDINATES; k++)
-                sum += fabs(stiffness[k]) * (k < 3 ? reach : k < 6 ? 1.0 : rate);
-        }
-        n->round_off[WRENCH * p->links[row / WRENCH] + row % WRENCH] = n->limits.round_off * sum;
-    }
-}
-
-/* Subtract stiffness x mobility of one connection; returns the parts of the matrix not used yet. */
-static const Part *subtract_connection(Network *n, const Participant *p, const Part *part) {
-    const size_t rows = WRENCH * p->ports;
-    for (size_t port = 0; port < p->ports; port++) {
-        const Link *l = n->link + p->links[port];
-        const Participant *body = n->participant + l->body;
-        const size_t columns = WRENCH * body->ports;
-        memset(n->product, 0, rows * columns * sizeof(double));
-        subtract_product(n->product, columns, p->turned + COORDINATES * port, COORDINATES * p->ports,
-                         body->turned + COORDINATES * l->body_port * columns, columns, rows, COORDINATES, columns);
-        for (size_t row = 0; row < rows; row += WRENCH)
-            for (size_t column = 0; column < columns; column += WRENCH, part++)
-                for (size_t i = 0; i < WRENCH; i++)
-                    for (size_t j = 0; j < WRENCH; j++)
-                        n->matrix.values[part->offset + i * part->stride + j] +=
-                            n->product[(row + i) * columns + column + j];
-    }
-    return part;
-}
-
-/* LU factors of I - stiffness x mobility, from the probes turned to the present orientations. */
-static void assemble(Network *n) {
-    Matrix *m = &n->matrix;
-    double rate = 0.0;
-    for (size_t i = 0; i < n->participants; i++) {
-        const Participant *p = n->participant + i;
-        const size_t rows = (i < n->bodies ? COORDINATES : WRENCH) * p->ports;
-        const size_t columns = (i < n->bodies ? WRENCH : COORDINATES) * p->ports;
-        turn(n->probe[i].matrix, n->probe[i].axes, i < n->bodies ? p->output : p->input, rows, columns, p->turned);
-        for (size_t k = 0; i >= n->bodies && k < MOTION * p->ports; k++)
-            if (k % MOTION > 6) rate = fmax(rate, fabs(p->input[k]));
-    }
-    memset(m->values, 0, m->length * sizeof(double));
-    for (size_t g = 0; g < m->groups; g++) {
-        const size_t rows = m->begin[g + 1] - m->begin[g];
-        for (size_t i = 0; i < rows; i++) m->values[m->blocks[g].offset + i * (rows + 1)] = 1.0;
-    }
-    const Part *part = n->parts;
-    for (size_t i = n->bodies; i < n->participants; i++) {
-        note_round_off(n, n->participant + i, rate);
-        part = subtract_connection(n, n->participant + i, part);
-    }
-    n->singular = !factorize_blocks(m);
-}
-
-/* Correction of the wrenches by the chord Newton method; the residual itself where the matrix is singular. */
-static void direction(const Network *n, const double *residual, double *result) {
-    if (n->singular) {
-        memcpy(result, residual, n->size * sizeof(double));
-        return;
-    }
-    const Matrix *m = &n->matrix;
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(m->ordered + n->link[i].place, residual + WRENCH * i, WRENCH * sizeof(double));
-    solve_blocks(m, m->ordered);
-    for (size_t i = 0; i < n->links; i++)
-        memcpy(result + WRENCH * i, m->ordered + n->link[i].place, WRENCH * sizeof(double));
-}
-
-static double dot(const double *a, const double *b, size_t size) {
-    double sum = 0.0;
-    for (size_t i = 0; i < size; i++) sum += a[i] * b[i];
-    return sum;
-}
-
 /* What a correction of 1 means for every row, for wrenches of the size of `wrenches + change`. */
 static void set_scale(Network *n, const double *change) {
     double largest[2] = {0.0, 0.0};
@@ -229,8 +115,9 @@ static void update(const Network *n, double *result) {
         for (size_t i = 0; i < n->size; i++) result[i] += share * step[n->size + i];
     }
     const double slope = dot(step, result, n->size) / n->squares[n->kept - 1];
+    const double factor = 1.0 / (1.0 - slope);
     if (slope < n->limits.steepest)
-        for (size_t i = 0; i < n->size; i++) result[i] /= 1.0 - slope;
+        for (size_t i = 0; i < n->size; i++) result[i] *= factor;
 }
 
 /* Largest component and its row; infinite where one is not finite. */
@@ -351,18 +238,16 @@ EXPORT void coupling_direction(const Network *n, const double *residual, double 
     direction(n, residual, result);
 }
 
-/* Work (J) that a change of wrenches does on the motion it causes. */
-EXPORT double coupling_work(const Network *n, const double *change) {
-    double total = 0.0;
-    for (size_t b = 0; b < n->bodies; b++) {
-        const size_t columns = WRENCH * n->participant[b].ports;
-        const double *matrix = n->probe[b].matrix;
-        for (size_t row = 0; row < columns; row++)
-            total += change[row] * dot(matrix + (row / WRENCH * COORDINATES + row % WRENCH) * columns, change, columns);
-        change += columns;
-    }
-    return total;
+/* Wrenches that a step with this mid-step time may start from: extrapolated, or those accepted last. */
+EXPORT void coupling_predict(const Network *n, double middle, double *result) {
+    if (n->history.count)
+        extrapolate(n, middle, n->history.count, result);
+    else
+        memcpy(result, n->accepted, n->size * sizeof(double));
 }
+
+/* See error_work. */
+EXPORT double coupling_error_work(Network *n, double middle, double h) { return error_work(n, middle, h); }
 
 /* Save the states of all; 1 or 0. */
 EXPORT int coupling_save(Network *n) {
@@ -378,7 +263,17 @@ EXPORT int coupling_save(Network *n) {
     return 1;
 }
 
-/* Read the observations of all, for the present inputs; 1 or 0. */
+/* Take the present wrenches for those of the step with this mid-step time, and save the states; 1 or 0. */
+EXPORT int coupling_accept(Network *n, double middle) {
+    memcpy(n->accepted, n->wrenches, n->size * sizeof(double));
+    remember(n, middle);
+    return coupling_save(n);
+}
+
+/* Forget the wrenches of steps before: something jumped. */
+EXPORT void coupling_restart(Network *n) { n->history.count = 0; }
+
+/* Read the observations of all, for the present inputs, and sum up their energies; 1 or 0. */
 EXPORT int coupling_observe(Network *n) {
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
@@ -387,6 +282,11 @@ EXPORT int coupling_observe(Network *n) {
         if (p->observations == 0) continue;
         status = p->get_real(p->component, p->observation_references, p->observations, p->observation);
         if (status > FMI_WARNING) return fail(n, i, OBSERVE, status);
+    }
+    const size_t *row = n->energy_rows;
+    for (size_t kind = 0; kind < ENERGIES; kind++) {
+        n->energies[kind] = 0.0;
+        for (size_t i = 0; i < n->participants; i++) n->energies[kind] += n->observations[*row++];
     }
     return 1;
 }

@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-enum { WRENCH = 6, COORDINATES = 12, MOTION = 13 };
+enum { WRENCH = 6, POSE = 6, COORDINATES = 12, MOTION = 13 };
 enum { FMI_WARNING = 1 };
 
 typedef int SetReal(void *, const unsigned *, size_t, const double *);

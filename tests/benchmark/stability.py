@@ -26,7 +26,7 @@ from components._oscillators import propagator
 from components.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.explicit import ExplicitMaster
-from orchestrator.master import Master, Settings
+from orchestrator.master import SCENE_CHANNELS, Master, Settings
 from orchestrator.network import Network
 from orchestrator.participant import ParticipantError, in_process
 from orchestrator.stepping import StepError
@@ -77,9 +77,10 @@ class Record:
         values = np.array([row[i][where] for row in self.rows])
         return values[:, 0] if values.shape[1] == 1 else values
 
-    def scene(self, column: int) -> np.ndarray:
+    def scene(self, channel: str) -> np.ndarray:
         """One of the scene channels, (N,)."""
-        return np.array([row[-1][column] for row in self.rows])
+        place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
+        return np.array([row[-1][place] for row in self.rows])
 
 
 class Run(NamedTuple):
@@ -203,9 +204,11 @@ def judge(outcome: Run, window: float) -> Verdict:
     if outcome.failure or len(record.times) < 4:
         return Verdict(True, np.nan, np.inf, np.inf)
     kinetic = float(record.signal("panel", "kinetic_energy")[0])
-    excess = (record.scene(2) - record.scene(2)[0]) / kinetic
+    excess = record.scene("stored_energy") / kinetic
+    excess -= excess[0]
     quarter = len(excess) // 4
-    residual = float(np.abs(record.scene(4)).max()) / (kinetic * max(1.0, float(excess.max())))
+    largest = kinetic * max(1.0, float(excess.max()))
+    residual = float(np.abs(record.scene("energy_residual")).max()) / largest
     grows = float(excess[-quarter:].max()) > max(0.05, float(excess[:-quarter].max()))
     inside = max(4, int(np.searchsorted(record.times, window)) + 1)
     found = peak(record.times[:inside], latch_torque(record)[:inside])

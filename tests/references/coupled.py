@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from components.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.coupling import Tolerance
-from orchestrator.master import Master, Settings
+from orchestrator.master import SCENE_CHANNELS, Master, Settings
 from orchestrator.network import Network
 from orchestrator.participant import in_process
 
@@ -45,9 +45,10 @@ class Run:
         table = np.array([values[index][rows] for values in self.rows])
         return table[:, 0] if table.shape[1] == 1 else table
 
-    def scene(self, channel: int) -> Vector:
-        """A scene channel over time, by its place in `SCENE_CHANNELS`."""
-        return np.array([values[-1][channel] for values in self.rows])
+    def scene(self, channel: str) -> Vector:
+        """A scene channel over time."""
+        place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
+        return np.array([values[-1][place] for values in self.rows])
 
 
 class Recording:

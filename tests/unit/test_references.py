@@ -186,7 +186,7 @@ def test_coupled_scene_of_a_known_motion():
     assert place == pytest.approx(
         0.1 * np.cos(2.0 * np.array(run.times)), abs=0.1 * 2 * 5 / 24 * (2 * 2e-3) ** 2
     )
-    assert run.scene(0)[-1] == pytest.approx(2e-3)
+    assert run.scene("step_size")[-1] == pytest.approx(2e-3)
     assert Rotation.from_quat(np.roll(turned((0, 0, 1), 0.4), -1)).as_rotvec() == pytest.approx((0, 0, 0.4))
 
 

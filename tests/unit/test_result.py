@@ -228,3 +228,16 @@ def test_a_link_is_written_through(tmp_path):
         writer.append(0.0, [np.zeros(4), np.zeros(1)])
     assert link.is_symlink()
     assert Result.open(target).complete
+
+
+def test_result_that_is_taken_away_is_told_of(tmp_path):
+    """Bad input: the folder is deleted in the middle of a run, which must not go on into nothing."""
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    writer = ResultWriter(folder / "run.h5", GROUPS, {}, {}, ())
+    writer.append(0.0, [np.zeros(4), np.zeros(1)])
+    (folder / "run.h5").unlink()
+    folder.rmdir()
+    assert "removed while the run was writing it" in message(writer.flush)
+    assert "removed while the run was writing it" in message(writer.close)
+    assert not folder.exists()

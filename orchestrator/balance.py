@@ -1,0 +1,52 @@
+"""The balance of energy of a scene: which observations it adds up, and what must be left over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from components import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, SUPPLIED_ENERGY
+
+from .participant import Participant
+
+Rows = np.ndarray[Any, np.dtype[np.uintp]]
+
+_NAMES = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY, SUPPLIED_ENERGY)
+
+
+class Energies(NamedTuple):
+    """Sums over all participants (J); dissipated and supplied count from the start."""
+
+    kinetic: float
+    potential: float
+    dissipated: float
+    supplied: float
+
+    @property
+    def stored(self) -> float:
+        """Kinetic and potential energy."""
+        return self.kinetic + self.potential
+
+    @property
+    def balance(self) -> float:
+        """What stays as it is: all that is stored and was dissipated, less what was supplied from outside."""
+        return self.kinetic + self.potential + self.dissipated - self.supplied
+
+
+def energy_rows(participants: Sequence[Participant]) -> Rows:
+    """Where the observations of all, in order, hold each of `Energies` (4, participants).
+
+    Where a participant has none it is the place behind the last observation, which holds a zero.
+    """
+    end = sum(p.observation_layout.size for p in participants)
+    rows = np.full((len(_NAMES), len(participants)), end, dtype=np.uintp)
+    start = 0
+    for column, participant in enumerate(participants):
+        layout = participant.observation_layout
+        for row, name in enumerate(_NAMES):
+            if name in layout:
+                rows[row, column] = start + layout[name].start
+        start += layout.size
+    return rows

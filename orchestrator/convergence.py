@@ -1,0 +1,95 @@
+"""When the wrenches of a coupled step agree, and the update that makes them agree sooner."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from .interface import Matrix
+from .participant import ParticipantError, Vector
+
+MAX_ITERATIONS = 14
+REFRESHED = (2, 4, 8)
+"""Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
+SLOW = 0.15
+DIVERGED = 50.0
+STEEPEST = 0.9
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)
+NEAR = 1e-2
+"""Largest relative correction of wrenches that are near a solution; beyond it they may be absurd."""
+CREDIBLE = 1e12
+"""Largest residual over wrench at a solution; stiff joints leave up to 1e5, matrices of an absurd motion 1e30."""
+
+
+class Solution(NamedTuple):
+    """Outcome of a coupled step: whether it converged, sweeps taken, size of the last correction (scaled).
+
+    failure: what a participant said that refused a sweep, as it may under absurd wrenches of an iteration.
+    """
+
+    converged: bool
+    iterations: int
+    correction: float
+    worst_row: int
+    failure: ParticipantError | None = None
+
+
+@dataclass(slots=True)
+class Tolerance:
+    """When the correction of the wrenches is small: relative to the largest force and torque, and to these."""
+
+    relative: float
+    force: float = 1.0
+    torque: float = 1.0
+
+    def scale(self, wrenches: Vector) -> Vector:
+        """What a correction of 1 means for every row."""
+        table = np.abs(wrenches).reshape(-1, 2, 3)
+        force = self.relative * (self.force + float(table[:, 0].max(initial=0.0)))
+        torque = self.relative * (self.torque + float(table[:, 1].max(initial=0.0)))
+        return np.tile(np.repeat((force, torque), 3), len(table))
+
+    def is_near(self, correction: float) -> bool:
+        """Whether a scaled correction is small enough for the wrenches to be those of a solution nearby."""
+        return correction * self.relative <= NEAR
+
+
+def is_credible(wrenches: Vector, residual: Vector) -> bool:
+    """Whether wrenches like these can leave this residual.
+
+    A small correction says nothing of a motion gone astray, whose matrices make any residual small.
+    """
+    wrench = 1.0 + float(np.abs(wrenches).max(initial=0.0))
+    return float(np.abs(residual).max(initial=0.0)) <= CREDIBLE * wrench
+
+
+def largest_rate(motion: Vector, ports: int) -> float:
+    """Largest component of the velocities (m/s) and angular velocities (rad/s) of a connection's ports."""
+    return float(np.abs(motion[: 13 * ports].reshape(-1, 13)[:, 7:]).max())
+
+
+def round_off(stiffness: Matrix, motion: Vector, rate: float) -> Vector:
+    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that.
+
+    rate: largest in the network; a port that a latch just stopped still sums terms of that size.
+    """
+    sizes = np.full((len(stiffness) // 6, 12), rate)
+    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
+    sizes[:, 3:6] = 1.0
+    result: Vector = ROUND_OFF * (np.abs(stiffness) @ sizes.ravel())
+    return result
+
+
+def broyden(direction: Vector, steps: list[Vector]) -> Vector:
+    """Broyden's update of a chord Newton direction from the steps taken so far (scaled), without a matrix."""
+    for before, after in pairwise(steps):
+        direction = direction + after * (float(before @ direction) / float(before @ before))
+    if steps:
+        newest = steps[-1]
+        slope = float(newest @ direction) / float(newest @ newest)
+        if slope < STEEPEST:
+            direction = direction / (1.0 - slope)
+    return direction
