@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 _INSTANTS = 6
 _ELEVATION, _AZIMUTH = 20.0, -60.0
-_MAGNIFIED = 1.2
+_MAGNIFIED = 1.08
 _HIGHEST = 0.66  # height of a box in the picture over its diagonal, beyond which titles would be covered
 
 

@@ -47,7 +47,7 @@ def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
     assert np.abs(residual).max() < 1e-4 * np.abs(supplied).max()
     ends = {"hl1_hinge": 90.0} | {f"hl{k}_left": 180.0 for k in range(2, 7)}
     for hinge, angle in ends.items():
-        # strands of 2e4 N/m give way by 1.5 N.m / (2 k r^2): 2.4 deg on 30 mm
-        assert np.rad2deg(result.signal(hinge, "angle")[-1]) == pytest.approx(angle, abs=2.5)
+        # strands of 6.6e4 N/m on 30 mm give way by 1.1 N.m / (2 k r^2), 0.5 deg, and swing about that
+        assert np.rad2deg(result.signal(hinge, "angle")[-1]) == pytest.approx(angle, abs=1.0)
     kinetic = sum(result.signal(name, "kinetic_energy") for name in result.recording("kinetic_energy"))
     assert kinetic.max() < 0.5  # J, of 93 kg over 15 m
