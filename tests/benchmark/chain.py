@@ -22,8 +22,7 @@ from fmus import Backend, build_fmu
 from orchestrator.assembly import Link, Part
 from orchestrator.fmu import FmuParticipant
 from orchestrator.participant import Participant
-from tests.benchmark.one_panel import AXIAL, CROSS, RADIAL
-from tests.benchmark.stability import JOINT_DAMPING, MOTOR_STIFFNESS, MOTOR_WIND_UP
+from tests.benchmark.one_panel import hinge_start
 
 INBOARD = {"left": "hl2_left", "right": "hl2_right"}
 OUTBOARD = {"left": "hl3_left", "right": "hl3_right"}
@@ -90,7 +89,7 @@ class Chain:
             parts.append(Part(one.name, "body", last if end else middle, start))
             for side in INBOARD:
                 hinge = f"{one.name}_{side}"
-                parts.append(_hinge(hinge, side, one.axis))
+                parts.append(Part(hinge, "hinge", {"axis": one.axis}, hinge_start(side)))
                 links.append(Link((inner, f"out_{side}"), (hinge, "inboard")))
                 links.append(Link((one.name, f"in_{side}"), (hinge, "outboard")))
             inner = one.name
@@ -98,21 +97,6 @@ class Chain:
 
     def _on_base(self, side: str) -> list[float]:
         return (self.point(INBOARD[side]) * (0.0, 1.0, 0.0)).tolist()
-
-
-def _hinge(name: str, side: str, axis: tuple[float, float, float]) -> Part:
-    translational = (AXIAL if side == "left" else 0.0, RADIAL, RADIAL)
-    start: dict[str, float | tuple[float, ...]] = {
-        "translational_stiffness": translational,
-        "translational_damping": tuple(JOINT_DAMPING * k for k in translational),
-        "rotational_stiffness": (0.0, CROSS, CROSS),
-        "rotational_damping": (0.0, JOINT_DAMPING * CROSS, JOINT_DAMPING * CROSS),
-        "aligned_angle": pi,
-        "stowed_angle": 0.0,
-        "motor_stiffness": 0.5 * MOTOR_STIFFNESS,
-        "motor_wind_up": MOTOR_WIND_UP,
-    }
-    return Part(name, "hinge", {"axis": axis}, start)
 
 
 @contextmanager

@@ -19,14 +19,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from fmus import Backend, native_library
 from orchestrator.master import Settings
 from orchestrator.run import as_fmus
 from tests.benchmark import exudyn_panel
+from tests.benchmark.error_plot import Point, plot
 from tests.benchmark.exudyn_model import Steps
 from tests.benchmark.exudyn_panel import tight_steps
 from tests.benchmark.libcosim_wing import Attempt, Lines, co_simulate, cost_of_step, largest_step
@@ -217,34 +215,12 @@ def _fastest(rows: Sequence[Row], series: str, level: float) -> float:
     return min(walls, default=np.nan)
 
 
-def plot(results: dict[str, list[Row]], path: Path) -> None:
-    """Error against wall time, one row of pictures per subject; estimates are vertical lines."""
-    figure = Figure(figsize=(11.0, 3.9 * len(results)), layout="constrained")
-    axes = figure.subplots(len(results), 2, squeeze=False)
-    names = list(dict.fromkeys(row.entry.series for rows in results.values() for row in rows))
-    for pair, (title, rows) in zip(axes, results.items(), strict=True):
-        for i, (axis, kind) in enumerate(zip(pair, ("latch time", "latch torque peak"), strict=True)):
-            for number, name in enumerate(names):
-                _draw(axis, [row for row in rows if row.entry.series == name], i, number)
-            axis.set(title=f"{title}: {kind}", xlabel="wall time, s", ylabel="relative error")
-            axis.set(xscale="log", yscale="log")
-            axis.grid(visible=True, which="major", alpha=0.3)
-        pair[1].legend(fontsize="x-small", loc="center left", bbox_to_anchor=(1.0, 0.5))
-    FigureCanvasAgg(figure)
-    figure.savefig(path, dpi=120)
-
-
-def _draw(axis: Axes, rows: Sequence[Row], kind: int, number: int) -> None:
-    """One series."""
-    if not rows:
-        return
-    color, marker = f"C{number % 10}", "os^vDPX*<>"[number % 10]
-    label = rows[0].entry.series
-    if rows[0].entry.estimated:
-        axis.axvline(rows[0].trial.wall, color=color, linestyle=":", label=f"{label} (estimated)")
-        return
-    walls, found = [row.trial.wall for row in rows], [max(row.ours[kind], 1e-9) for row in rows]
-    axis.plot(walls, found, color=color, marker=marker, markersize=5, label=label)
+def as_points(rows: Sequence[Row]) -> list[Point]:
+    """What the picture of a subject shows."""
+    return [
+        Point(r.entry.series, r.entry.setting, *r.ours, r.trial.wall, r.trial.steps, r.entry.estimated)
+        for r in rows
+    ]
 
 
 def main() -> None:
@@ -256,7 +232,7 @@ def main() -> None:
     parser.add_argument("--plot", type=Path, default=Path("comparison.png"))
     chosen = parser.parse_args()
     results = {known[name].name: compare(known[name], chosen.rounds) for name in chosen.subject}
-    plot(results, chosen.plot)
+    plot({title: as_points(rows) for title, rows in results.items()}, chosen.plot)
     print(f"\n{chosen.plot}")
 
 

@@ -9,20 +9,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from components import rotation_matrix
+from tests.benchmark import exudyn_model as model
 from tests.benchmark.chain import FOLDED, INBOARD, OUTBOARD, Chain
-from tests.benchmark.exudyn_model import (
-    JOINT,
-    QUARTER,
-    WORLD,
-    Steps,
-    add_body,
-    add_bushing,
-    add_marker,
-    exudyn,
-    item,
-    pose,
-    quiet_settings,
-)
+from tests.benchmark.exudyn_model import WORLD, exudyn, item
 from tests.benchmark.stability import MOTOR_STIFFNESS, MOTOR_WIND_UP
 
 Solver = Literal["implicit", "explicit"]
@@ -37,7 +26,7 @@ class Outcome(NamedTuple):
 
 def _solve(system: Any, h: float, steps: int, tolerance: float, solver: Solver) -> float:
     """Run with a fixed step; the wall time, NaN where the solver fails."""
-    settings = quiet_settings(Steps(h, h, tolerance))
+    settings = model.quiet_settings(model.Steps(h, h, tolerance))
     integration = settings.timeIntegration
     integration.endTime, integration.numberOfSteps = steps * h, steps
     integration.automaticStepSize = False
@@ -104,16 +93,15 @@ def bushings(chain: Chain, h: float, steps: int, tolerance: float) -> Outcome:
     hinges, inner = [], None
     for one in chain.placed():
         turn = WORLD @ rotation_matrix(one.orientation)
-        body = add_body(system, chain.data, turn, WORLD @ np.array(one.position), points)
-        axes = JOINT if one.axis[1] < 0.0 else JOINT @ mirror
+        body = model.add_body(system, chain.data, turn, WORLD @ np.array(one.position), points)
+        axes = model.JOINT if one.axis[1] < 0.0 else model.JOINT @ mirror
         for side in INBOARD:
             if inner is None:
-                place = WORLD @ (chain.point(INBOARD[side]) * (0.0, 1.0, 0.0))
-                marker = system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localHT=pose(axes, place)))
+                place = chain.point(INBOARD[side]) * (0.0, 1.0, 0.0)
+                marker = model.add_place(system, ground, place, axes)
             else:
-                marker = add_marker(system, inner, OUTBOARD[side], axes)
-            outer = add_marker(system, body, INBOARD[side], axes @ QUARTER)
-            hinges.append(add_bushing(system, marker, outer, side))
+                marker = model.add_marker(system, inner, OUTBOARD[side], axes)
+            hinges.append(model.add_hinge(system, marker, body, INBOARD[side], side, axes))
         inner = body
     system.Assemble()
     wall = _solve(system, h, steps, tolerance, "implicit")

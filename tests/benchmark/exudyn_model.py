@@ -51,7 +51,19 @@ def pose(rotation: np.ndarray, position: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def add_bushing(system: Any, inboard: Any, outboard: Any, side: str) -> Any:
+def add_place(system: Any, ground: Any, place: np.ndarray, axes: np.ndarray) -> Any:
+    """A marker on the ground at a place (m, our world), its axes those of a joint."""
+    return system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localHT=pose(axes, WORLD @ place)))
+
+
+def add_hinge(
+    system: Any, inboard: Any, body: BodyIn, point: str, side: str, axes: np.ndarray = JOINT
+) -> Any:
+    """A hinge between a marker with the axes of the joint and a point of a body."""
+    return _add_bushing(system, inboard, add_marker(system, body, point, axes @ QUARTER), side)
+
+
+def _add_bushing(system: Any, inboard: Any, outboard: Any, side: str) -> Any:
     """A hinge with its motor spring; its angle is the hinge angle minus pi/2."""
     axial = AXIAL if side == "left" else 0.0
     stiffness = np.diag([RADIAL, RADIAL, axial, CROSS, CROSS, 0.0])

@@ -20,15 +20,13 @@ from orchestrator.master import Settings
 from orchestrator.run import as_fmus
 from tests.benchmark.exudyn_model import (
     JOINT,
-    QUARTER,
     WORLD,
     Steps,
     add_body,
-    add_bushing,
-    add_marker,
+    add_hinge,
+    add_place,
     exudyn,
     item,
-    pose,
     quiet_settings,
 )
 from tests.benchmark.one_panel import SIDES, UNTIL, Subject, Trial, couple, crest, subjects
@@ -46,23 +44,16 @@ class Panel:
         self.container = exudyn.SystemContainer()
         self.system = self.container.AddSystem()
         ground = self.system.AddObject(item.ObjectGround())
-        markers = self._body()
+        turn = WORLD @ np.diag([-1.0, 1.0, -1.0])
+        body = add_body(self.system, subject.data, turn, np.zeros(3), POINTS)
         self.bushings = [
-            self._bushing(ground, marker, side) for side, marker in zip(SIDES, markers, strict=True)
+            add_hinge(
+                self.system, add_place(self.system, ground, np.array((0.0, y, 0.0)), JOINT), body, point, side
+            )
+            for point, (side, y) in zip(POINTS, SIDES.items(), strict=True)
         ]
         self.sensors = [[self._sensor(bushing, kind) for kind in (ANGLE, RATE)] for bushing in self.bushings]
         self.system.Assemble()
-
-    def _body(self) -> list[Any]:
-        """The panel in its stowed pose; returns its markers on the hinge line."""
-        turn = WORLD @ np.diag([-1.0, 1.0, -1.0])
-        body = add_body(self.system, self.subject.data, turn, np.zeros(3), POINTS)
-        return [add_marker(self.system, body, point, JOINT @ QUARTER) for point in POINTS]
-
-    def _bushing(self, ground: Any, marker: Any, side: str) -> Any:
-        place = pose(JOINT, WORLD @ (0.0, SIDES[side], 0.0))
-        on_ground = self.system.AddMarker(item.MarkerBodyRigid(bodyNumber=ground, localHT=place))
-        return add_bushing(self.system, on_ground, marker, side)
 
     def _sensor(self, bushing: Any, kind: Any) -> Any:
         return self.system.AddSensor(

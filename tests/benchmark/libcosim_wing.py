@@ -1,6 +1,6 @@
 """The FMUs of a scene under libcosim: exported for other tools (end-point wrenches), fixed-step algorithm.
 
-    python -m tests.benchmark.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python]
+    python -m tests.benchmark.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python] [--plot PLOT.png]
 
 Beside our master's runs of the same scene on the same kind of FMUs. With rigid bodies libcosim runs the whole
 deployment. With flexible ones that takes hours: there the largest step of 1, 2, 5 times a power of ten that
@@ -17,7 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from orchestrator.network import MOTION, WRENCH
 from orchestrator.run import as_fmus, export
 from orchestrator.scene import assemble, find_scene, load_scene
 from orchestrator.scene_connections import WrenchMode
+from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.one_panel import Trial, couple, crest, line_torque
 
 try:
@@ -39,6 +40,7 @@ try:
 except ImportError:
     raise SystemExit("libcosimpy is missing; install it with: pip install '.[benchmark]'") from None
 
+Fidelity = Literal["rigid", "flexible"]
 _NANO = 1e9
 WINDOW = 20000
 """Steps of a trial that decides on stability and measures the cost of a step."""
@@ -193,38 +195,42 @@ def worst(kind: str, found: Sequence[Trial], reference: Sequence[Trial]) -> floa
     return float(np.max([abs(a / b - 1.0) if b > 0.0 else np.nan for a, b in pairs]))
 
 
-def compare(scene: str, fidelity: Literal["rigid", "flexible"], until: float, backend: Backend) -> None:
-    """Print the table of a scene with all bodies rigid or flexible."""
+def compare(scene: str, fidelity: Fidelity, until: float, backend: Backend) -> Iterator[Point]:
+    """A scene with all bodies rigid or flexible: our master, then libcosim."""
     both = {"rigid": {"all"}, "flexible": ()} if fidelity == "rigid" else {"rigid": (), "flexible": {"all"}}
     modes: tuple[WrenchMode, ...] = ("mean", "endpoint")
     mean, endpoint = (assemble(load_scene(find_scene(scene)), **both, wrench_mode=mode) for mode in modes)
     if fidelity == "rigid":
         mean = replace(mean, preload=False)
     reference = ours(mean, backend, 1e-5, until).trials or []
-    print(f"\n{scene}, all bodies {fidelity}, {until:g} s, {backend} FMUs; errors against our run at 1e-5")
-    print(f"{'master':<12}{'setting':<14}{'latch time':>12}{'latch peak':>12}{'wall, s':>12}{'ratio':>10}")
-    found = {tolerance: ours(mean, backend, tolerance, until) for tolerance in (1e-2, 1e-3, 1e-4)}
-    quickest = min(lines.wall for lines in found.values())
-    for tolerance, lines in found.items():
-        _row("implicit", f"tol {tolerance:g}", lines, reference, quickest)
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        yield _point("fanfold", f"tol {tolerance:g}", ours(mean, backend, tolerance, until), reference)
     if fidelity == "rigid":
         for h in RIGID_STEPS:
-            _row("libcosim", f"H {h:g} s", co_simulate(endpoint, backend, h, until), reference, quickest)
+            yield _point("libcosim", f"H {h:g} s", co_simulate(endpoint, backend, h, until), reference)
         return
     cost = largest_step(lambda h, end: co_simulate(endpoint, backend, h, end), until)
-    texts = "stable", "estimated", f"{cost.total:.0f}", f"{cost.total / quickest:.0f}"
-    print(f"{'libcosim':<12}{f'H {cost.h:g} s':<14}{texts[0]:>12}{texts[1]:>12}{texts[2]:>12}{texts[3]:>10}")
-    print(
-        f"  {WINDOW} steps of {cost.per_step * 1e6:.1f} us; all larger ones, from {STEPS[0]:g} s down, diverge"
-    )
+    yield Point("libcosim", f"H {cost.h:g} s", np.nan, np.nan, cost.total, estimated=True)
 
 
-def _row(master: str, setting: str, lines: Lines, reference: Sequence[Trial], quickest: float) -> None:
-    errors: list[Any] = ["failed", "failed"]
+def _point(series: str, setting: str, lines: Lines, reference: Sequence[Trial]) -> Point:
+    late = peak = np.nan
     if lines.trials is not None:
-        errors = [f"{worst(kind, lines.trials, reference):.1e}" for kind in ("latch", "peak")]
-    wall = f"{lines.wall:>12.2f}{lines.wall / quickest:>10.1f}"
-    print(f"{master:<12}{setting:<14}{errors[0]:>12}{errors[1]:>12}{wall}", flush=True)
+        late, peak = (worst(kind, lines.trials, reference) for kind in ("latch", "peak"))
+    return Point(series, setting, late, peak, lines.wall)
+
+
+def print_points(title: str, points: Sequence[Point]) -> None:
+    """The table of a scene; ratios are to the quickest run that has an answer."""
+    quickest = min(point.wall for point in points if not np.isnan(point.time_error))
+    print(f"\n{title}; errors against our run at 1e-5")
+    print(f"{'master':<12}{'setting':<14}{'latch time':>12}{'latch peak':>12}{'wall, s':>12}{'ratio':>10}")
+    for point in points:
+        late, peak = error_texts(point)
+        wall = f"{point.wall:>12.2f}{point.wall / quickest:>10.1f}"
+        print(f"{point.series:<12}{point.setting:<14}{late:>12}{peak:>12}{wall}", flush=True)
+    if points[-1].estimated:
+        print(f"  estimated from {WINDOW} steps of the largest stable size of those from {STEPS[0]:g} s down")
 
 
 def main() -> None:
@@ -233,9 +239,16 @@ def main() -> None:
     parser.add_argument("scene", nargs="?", default="amos3")
     parser.add_argument("--until", type=float, default=12.0)
     parser.add_argument("--backend", choices=("native", "python"), default="native")
+    parser.add_argument("--plot", type=Path, default=Path("libcosim_wing.png"))
     chosen = parser.parse_args()
-    for fidelity in ("rigid", "flexible"):
-        compare(chosen.scene, fidelity, chosen.until, chosen.backend)
+    found: dict[str, list[Point]] = {}
+    for fidelity in get_args(Fidelity):
+        points = list(compare(chosen.scene, fidelity, chosen.until, chosen.backend))
+        title = f"{chosen.scene}, all bodies {fidelity}, {chosen.until:g} s, {chosen.backend} FMUs"
+        print_points(title, points)
+        found[f"{chosen.scene}, {fidelity}"] = points
+    plot(found, chosen.plot)
+    print(f"\n{chosen.plot}")
 
 
 if __name__ == "__main__":

@@ -32,6 +32,7 @@ from tests.benchmark.stability import (
     MOTOR_WIND_UP,
     MasterName,
     Record,
+    Start,
     panel_data,
 )
 
@@ -76,20 +77,21 @@ class Subject:
         line = HingeLine("HL", hinges, hinges[0], latches=True, kinematic=self.locks)
         joined = with_port_starts(parts, links)
         return Assembly(
-            self.name, "", joined, tuple(links), (line,), "base", UNTIL, 1e-4, 0.02, preload=False
+            name=self.name,
+            scene_tree={},
+            flexible=("panel",) if self.data.frequency.size else (),
+            parts=joined,
+            links=tuple(links),
+            hinge_lines=(line,),
+            base="base",
+            until=UNTIL,
+            tolerance=1e-4,
+            largest_step=0.02,
+            preload=False,
         )
 
     def _hinge(self, side: str, mode: WrenchMode) -> Part:
-        translational = (AXIAL if side == "left" else 0.0, RADIAL, RADIAL)
-        start: dict[str, float | tuple[float, ...]] = {
-            "translational_stiffness": translational,
-            "translational_damping": tuple(JOINT_DAMPING * k for k in translational),
-            "rotational_stiffness": (0.0, CROSS, CROSS),
-            "rotational_damping": (0.0, JOINT_DAMPING * CROSS, JOINT_DAMPING * CROSS),
-            "aligned_angle": pi,
-            "stowed_angle": 0.0,
-            "motor_stiffness": 0.5 * MOTOR_STIFFNESS,
-            "motor_wind_up": MOTOR_WIND_UP,
+        start = hinge_start(side) | {
             "latch_angle": pi,
             "latch_automatic": float(mode == "endpoint"),
             "latch_stiffness": 0.5 * self.stiffness,
@@ -99,6 +101,21 @@ class Subject:
         kind = "kinematic" if self.locks else "spring"
         structure = {"axis": (0.0, -1.0, 0.0), "latch": kind, "wrench_mode": mode}
         return Part(f"{side}_hinge", "hinge", structure, start)
+
+
+def hinge_start(side: str) -> Start:
+    """Bushing and motor of one of a line's two hinges, from 0 to 180 degrees; the left one carries the axial force."""
+    translational = (AXIAL if side == "left" else 0.0, RADIAL, RADIAL)
+    return {
+        "translational_stiffness": translational,
+        "translational_damping": tuple(JOINT_DAMPING * k for k in translational),
+        "rotational_stiffness": (0.0, CROSS, CROSS),
+        "rotational_damping": (0.0, JOINT_DAMPING * CROSS, JOINT_DAMPING * CROSS),
+        "aligned_angle": pi,
+        "stowed_angle": 0.0,
+        "motor_stiffness": 0.5 * MOTOR_STIFFNESS,
+        "motor_wind_up": MOTOR_WIND_UP,
+    }
 
 
 def subjects() -> dict[str, Subject]:

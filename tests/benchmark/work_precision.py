@@ -16,13 +16,12 @@ from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from scipy.interpolate import CubicSpline
 
 from orchestrator.assembly import Assembly
 from orchestrator.master import Settings
 from orchestrator.scene import assemble, find_scene, load_scene
+from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.stability import MasterName, Run, run
 from tests.regression.test_order import ONE_PANEL
 
@@ -38,17 +37,6 @@ class Case(NamedTuple):
     tolerances: tuple[float, ...]
     steps: tuple[float, ...]
     explicit_steps: tuple[float, ...]
-
-
-class Point(NamedTuple):
-    """One run: errors are relative, NaN where it did not reach the latches."""
-
-    master: str
-    setting: str
-    time_error: float
-    peak_error: float
-    wall: float
-    steps: int
 
 
 def cases() -> list[Case]:
@@ -122,11 +110,12 @@ def measure(
     )
     wall = perf_counter() - start
     steps = outcome.master.statistics.steps
+    series = f"{master} {setting.split()[0]}"
     if outcome.failure:
-        return Point(master, setting, np.nan, np.nan, wall, steps)
+        return Point(series, setting, np.nan, np.nan, wall, steps)
     found = headline(assembly, outcome)
     errors = [worst(kind, found, reference) for kind in ("time", "peak")]
-    return Point(master, setting, errors[0], errors[1], wall, steps)
+    return Point(series, setting, errors[0], errors[1], wall, steps)
 
 
 def points(case: Case) -> list[Point]:
@@ -157,45 +146,18 @@ def points(case: Case) -> list[Point]:
     for master, setting, settings in plan:
         point = measure(case, master, setting, settings, reference)
         found.append(point)
-        texts = ["diverged" if np.isnan(e) else f"{e:.1e}" for e in (point.time_error, point.peak_error)]
+        late, peak = error_texts(point)
         print(
-            f"{master:<14}{setting:<12}{texts[0]:>12}{texts[1]:>12}{point.wall:>10.2f}{point.steps:>8}",
+            f"{master:<14}{setting:<12}{late:>12}{peak:>12}{point.wall:>10.2f}{point.steps:>8}",
             flush=True,
         )
     return found
 
 
-def plot(results: dict[str, list[Point]], path: Path) -> None:
-    """Error against wall time, one row per scene, latch times left and peaks right."""
-    figure = Figure(figsize=(9.0, 3.4 * len(results)), layout="constrained")
-    axes = figure.subplots(len(results), 2, squeeze=False)
-    for row, (name, found) in zip(axes, results.items(), strict=True):
-        for axis, kind in zip(row, ("time_error", "peak_error"), strict=True):
-            for label, inside in _series(found):
-                wall, error = [p.wall for p in inside], [getattr(p, kind) for p in inside]
-                axis.loglog(wall, error, "o-", label=label)
-            axis.set(
-                title=f"{name}: latch {kind.split('_')[0]}", xlabel="wall time, s", ylabel="relative error"
-            )
-            axis.grid(True, which="major", alpha=0.3)
-    axes[0][0].legend()
-    FigureCanvasAgg(figure)
-    figure.savefig(path)
-
-
-def _series(found: Sequence[Point]) -> list[tuple[str, list[Point]]]:
-    names = list(dict.fromkeys((p.master, p.setting.split()[0]) for p in found))
-    return [
-        (" ".join((master, kind)), [p for p in found if (p.master, p.setting.split()[0]) == (master, kind)])
-        for master, kind in names
-    ]
-
-
 def main(arguments: Sequence[str]) -> None:
     """Run everything, print the tables, write the plot."""
     path = Path(arguments[0] if arguments else "work_precision.png")
-    results = {case.name: points(case) for case in cases()}
-    plot(results, path)
+    plot({case.name: points(case) for case in cases()}, path)
     print(f"\n{path}")
 
 
