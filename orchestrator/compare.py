@@ -32,6 +32,7 @@ PEAKS: Final = (
     ("drive_torque", "drive torque", _ANY),
     ("contact_force", "contact force", _ANY),
     ("tension", "suspension tension", _ANY),
+    ("normal_force", "rail force", _ANY),
     ("drag_force", "drag force", _ANY),
 )
 """Signals whose peaks are compared, what they are called, and another signal that their component must have.

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .compare import in_either, labels, recording
 from .plot_style import COLOURS, STYLE, WIDTH
-from .plots import Drawing
+from .plots import OTHER_FORCES, Drawing
 from .result import Result
 from .summary import latch_times, line_latch_torque
 
@@ -169,8 +169,8 @@ _OVERLAYS: Final[dict[str, tuple[str, Callable[[Both], list[Panel]], int]]] = {
     "damper_torques": ("Damper torque", _of_components(("damper_torque", "damper torque, N.m")), 1),
     "drive_torques": ("Drive torque", _of_components(("drive_torque", "drive torque, N.m")), 1),
     "other_forces": (
-        "Contacts, suspension and air",
-        _of_components(("contact_force", "force, N"), ("tension", "force, N"), ("drag_force", "force, N")),
+        "Contacts, suspensions, rails and air",
+        _of_components(*((variable, "force, N") for variable in OTHER_FORCES)),
         1,
     ),
 }

@@ -21,7 +21,8 @@ Vector = NDArray[np.float64]
 
 _CLOSE_UP_CROSSINGS = 8
 
-_OTHER_FORCES: Final = ("contact_force", "tension", "normal_force", "drag_force")
+OTHER_FORCES: Final = ("contact_force", "tension", "normal_force", "drag_force")
+"""Signals of contacts, suspensions, rails and air drag that share a figure."""
 
 _CAUSES: Final = {
     "friction_energy": "hinge friction",
@@ -138,10 +139,10 @@ def drive_torques(result: Result) -> Figure | None:
 
 def other_forces(result: Result) -> Figure | None:
     """Forces of contacts, suspensions, rails and air."""
-    found = [(name, v) for v in _OTHER_FORCES for name in result.recording(v)]
+    found = [(name, v) for v in OTHER_FORCES for name in result.recording(v)]
     if not found:
         return None
-    figure, (axes,) = new_figure("Contacts, suspension and air", [1.0])
+    figure, (axes,) = new_figure("Contacts, suspensions, rails and air", [1.0])
     curves = [(f"{name} {v.replace('_', ' ')}", result.signal(name, v)) for name, v in found]
     draw(axes, result.time, curves)
     finish(axes, result, "force, N")

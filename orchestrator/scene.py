@@ -77,6 +77,8 @@ def assemble(
         parts_of_bodies.append(part)
         links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
         geometry |= {piece.root: shown} if len(shown.positions) else {}
+    if not links:
+        raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     parts = parts_of_bodies + _connection_parts(scene, is_flexible, wrench_mode)
     linked = {link.connection[0] for link in links}
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]

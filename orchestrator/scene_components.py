@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from inspect import signature
+from math import isfinite
 from typing import Any
 
 from components import REGISTRY, Component, ComponentError, Quantity
@@ -31,8 +32,11 @@ def connection_problems(connection: Connection) -> Iterator[str]:
         return
     try:
         component = _component(connection, "mean")
-    except (ComponentError, TypeError, ValueError) as error:
+    except ComponentError as error:
         yield f"{key}.structure: {error}"
+        return
+    except (TypeError, ValueError, LookupError) as error:  # what constructors do with values of another kind
+        yield f"{key}.structure: {connection.kind} cannot be made of {connection.structure}: {error}"
         return
     sides = {port.name: port.side for port in component.ports}
     if "body" in sides.values():
@@ -89,6 +93,6 @@ def _value(quantity: Quantity, value: object) -> float | tuple[float, ...]:
 def _number(quantity: Quantity, value: object) -> float:
     if quantity.unit in UNITS:
         return to_si(value, quantity.unit)
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"is {value!r}; it must be a number of {quantity.unit}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError(f"is {value!r}; it must be a finite number of {quantity.unit}")
     return float(value)

@@ -1,7 +1,7 @@
 """Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
 
 Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
-name away. Everything else replaces what was there.
+name away. Everything else replaces what was there. A merge that cannot be is a SceneError.
 """
 
 from __future__ import annotations
@@ -51,9 +51,10 @@ def variant_names(path: Path, find: Callable[[str], Path]) -> tuple[str, ...]:
 
 def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, ...]) -> Tree:
     """The tree of a file merged over the one that it extends."""
-    if path in within:
+    place = path.resolve()  # one file has many relative paths
+    if place in within:
         raise SceneError(
-            [f"{path.name}: extends: {' -> '.join(p.name for p in (*within, path))} is a circle"]
+            [f"{path.name}: extends: {' -> '.join(p.name for p in (*within, place))} is a circle"]
         )
     tree = _read(path)
     if _EXTENDS not in tree:
@@ -63,7 +64,7 @@ def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, 
         raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
     beside = path.parent / name
     below = beside if beside.is_file() else find(name)
-    return merged(_with_extended(below, find, (*within, path)), tree)
+    return merged(_with_extended(below, find, (*within, place)), tree)
 
 
 def _read(path: Path) -> Tree:
@@ -85,7 +86,7 @@ def merged(below: Tree, above: Tree) -> Tree:
         if isinstance(old, dict) and isinstance(value, dict):
             tree[key] = merged(old, value)
         elif _is_named(old) and _is_named(value):
-            tree[key] = _merged_entries(old, value)
+            tree[key] = _merged_entries(key, old, value)
         else:
             tree[key] = deepcopy(value)
     return tree
@@ -93,16 +94,22 @@ def merged(below: Tree, above: Tree) -> Tree:
 
 def _is_named(value: object) -> bool:
     """Whether a value is an array of tables that have names."""
-    return isinstance(value, list) and all(isinstance(entry, dict) and "name" in entry for entry in value)
+    return isinstance(value, list) and all(
+        isinstance(entry, dict) and isinstance(entry.get("name"), str) for entry in value
+    )
 
 
-def _merged_entries(below: Any, above: Any) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
+def _merged_entries(key: str, below: Any, above: Any) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
     entries = {entry["name"]: entry for entry in below}
+    if len(entries) < len(below):  # the later would hide the earlier, and nobody could say so any more
+        raise SceneError([f"{key}: two entries have the same name, so a layer cannot tell which it is about"])
     for entry in above:
-        if entry.get(_REMOVE) is True:
-            entries.pop(entry["name"], None)
-        else:
-            entries[entry["name"]] = merged(entries.get(entry["name"], {}), entry)
+        name = entry["name"]
+        if entry.get(_REMOVE) is not True:
+            entries[name] = merged(entries.get(name, {}), entry)
+        elif entries.pop(name, None) is None:
+            known = ", ".join(entries) or "none"
+            raise SceneError([f"{key}.{name}: there is no such entry to remove; entries are {known}"])
     return list(entries.values())
 
 

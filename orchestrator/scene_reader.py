@@ -49,7 +49,16 @@ def find_scene(name_or_path: str) -> Path:
 
 def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> Scene:
     """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it."""
-    return read_scene(path.name, read_layers(path, find_scene, variants, settings))
+    scene = read_scene(path.name, read_layers(path, find_scene, variants, settings))
+    known = scene_variants(path) if scene.header.phases else ()
+    problems = [
+        f"{path.name}: scene.phases: there is no variant {phase!r}; variants are {', '.join(known) or 'none'}"
+        for phase in scene.header.phases
+        if phase not in known
+    ]
+    if problems:
+        raise SceneError(problems)
+    return scene
 
 
 def scene_variants(path: Path) -> tuple[str, ...]:

@@ -59,6 +59,12 @@ class LinearModel:
         return np.setdiff1d(np.arange(len(self.mass)), self.base_rows)
 
     @property
+    def base_constraints(self) -> Vector:
+        """(6, n) rows that hold the base, for `normal_modes`."""
+        result: Vector = np.eye(len(self.mass))[self.base_rows]
+        return result
+
+    @property
     def origin(self) -> Vector:
         """(3,) point of the base about which it turns: a ground's reference point, a free base's centre of mass."""
         bodies = self.mechanism.bodies

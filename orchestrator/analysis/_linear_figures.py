@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from components._component import Vector
 
+from ..plot_style import COLOURS, DASHES, STYLE, WIDTH
 from ._linear import LinearModel, NormalModes
 from ._mechanism import Mechanism
 
-_STYLE: Final[Any] = {"font.size": 9, "axes.titlesize": 10, "savefig.dpi": 160, "axes.grid": True}
-_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
-_DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":")
 _LARGEST_DEFLECTION = 0.12
 """of the size of the whole, in a picture of a mode"""
 _THINNEST = 0.35
@@ -39,11 +37,11 @@ def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Seq
         largest = max((float(np.abs(b - a).max()) for a, b in zip(rest, moved, strict=True)), default=0.0)
         scale = _LARGEST_DEFLECTION * size / (largest or 1.0)
         shown = [a + scale * (b - a) for a, b in zip(rest, moved, strict=True)]
-        with mpl.rc_context(_STYLE):
+        with mpl.rc_context(STYLE):
             figure = Figure(figsize=(6.0, 5.0), layout="constrained")
             FigureCanvasAgg(figure)
             axes: Any = figure.add_subplot(projection="3d")
-            for faces, colour, alpha in ((rest, "0.6", 0.15), (shown, _COLOURS[0], 0.5)):
+            for faces, colour, alpha in ((rest, "0.6", 0.15), (shown, COLOURS[0], 0.5)):
                 for body in faces:
                     axes.add_collection3d(
                         Poly3DCollection(body, facecolor=colour, edgecolor=colour, alpha=alpha, linewidth=0.4)
@@ -81,14 +79,14 @@ def draw_responses(
 ) -> None:
     """Magnitude and phase of complex curves over frequency (Hz), by (name, unit, values)."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(7.2, 6.0), layout="constrained")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
         FigureCanvasAgg(figure)
         magnitude, phase = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
         for i, (name, unit, values) in enumerate(curves):
             style = {
-                "color": _COLOURS[i % len(_COLOURS)],
-                "linestyle": _DASHES[i // len(_COLOURS) % len(_DASHES)],
+                "color": COLOURS[i % len(COLOURS)],
+                "linestyle": DASHES[i // len(COLOURS) % len(DASHES)],
             }
             magnitude.loglog(frequencies, np.abs(values), label=f"{name}, {unit}", linewidth=1.3, **style)
             phase.semilogx(frequencies, np.rad2deg(np.angle(values)), linewidth=1.3, **style)

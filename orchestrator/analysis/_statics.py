@@ -50,8 +50,7 @@ def _advice(free_lines: str) -> str:
 
 def _refuse_free_motions(model: LinearModel, free_lines: str) -> None:
     """Equilibrium is not unique where something moves without force."""
-    base = np.eye(len(model.mass))[model.base_rows]
-    free = int(normal_modes(model, base).is_free.sum())
+    free = int(normal_modes(model, model.base_constraints).is_free.sum())
     if free:
         raise SceneError(
             [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -18,26 +18,24 @@ from numpy.typing import NDArray
 from components._plate_resultants import PlateNodes
 from components.stress import PeakStress, StressRecovery
 
+from ..plot_style import COLOURS, DASHES, STYLE, WIDTH
+
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
-_STYLE: Final[Any] = {"font.size": 9, "axes.titlesize": 10, "savefig.dpi": 160}
-_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000")
-_DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":", (0, (8, 2)))
 _LEVELS = 16
-_WIDTH = 7.2
 _MEGA = 1e-6
-MOST_HISTORIES = len(_COLOURS)
+MOST_HISTORIES = len(DASHES)
 
 
 def draw_field(
     path: Path, title: str, plate: PlateNodes, recovery: StressRecovery, peak: PeakStress, hot: Indices
 ) -> None:
     """Contours of the peak stress where whole elements were asked for, points elsewhere; hot spots numbered."""
-    with mpl.rc_context(_STYLE):
+    with mpl.rc_context({**STYLE, "axes.grid": False}):
         x, y = recovery.positions[:, 0], recovery.positions[:, 1]
         length, width = np.ptp(plate.positions[:, :2], axis=0)
         height = min(max(1.0 + 5.2 * width / length, 2.5), 9.0)
-        figure = Figure(figsize=(_WIDTH, height), layout="constrained")
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         shown = _field(axes, x, y, _MEGA * peak.value, _triangles(plate, recovery.nodes))
@@ -84,11 +82,11 @@ def draw_histories(
     path: Path, title: str, time: Vector, stress: Vector, nodes: Indices, marks: dict[str, float]
 ) -> None:
     """Von Mises stress (N, k) in Pa of at most `MOST_HISTORIES` nodes; marks: instants by name."""
-    with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(_WIDTH, 3.6), layout="constrained")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
         FigureCanvasAgg(figure)
         axes = figure.subplots()
-        for history, node, colour, dash in zip(stress.T, nodes, _COLOURS, _DASHES, strict=False):
+        for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
             axes.plot(
                 time, _MEGA * history, color=colour, linestyle=dash, linewidth=1.1, label=f"node {node}"
             )
@@ -99,7 +97,5 @@ def draw_histories(
                 textcoords="offset points", fontsize=7, ha="right",
             )  # fmt: skip
         axes.set(title=title, xlabel="time, s", ylabel="von Mises stress, MPa")
-        axes.grid(alpha=0.35, linewidth=0.5)
-        axes.margins(x=0.0)
         axes.legend(fontsize=8)
         figure.savefig(path)

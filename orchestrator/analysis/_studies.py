@@ -17,7 +17,7 @@ from ..cli_progress import progress
 from ..master import Settings
 from ..plot_style import STYLE, draw, new_figure
 from ..result import Result
-from ..run import Outcome, run
+from ..run import Outcome, RunError, run
 from ..summary import line_latch_torque
 
 Vector = NDArray[np.float64]
@@ -32,6 +32,13 @@ class Case:
     label: str
     value: float
     outcome: Outcome
+
+
+def refuse_unlatched(reference: Case) -> None:
+    """RunError where no line latched, so that there is nothing to compare."""
+    if not reference.outcome.headline.latch_times:
+        end = reference.outcome.headline.end_time
+        raise RunError(f"{reference.label}: no hinge line latched within {end:g} s; set scene.until higher")
 
 
 def run_case(
@@ -66,7 +73,10 @@ def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
 
 
 def latch_rows(case: Case, reference: Case) -> list[tuple[str, float, float, float, float]]:
-    """Line, latch time (s), its shift (s), latch torque peak (N.m), its change (%), for lines that both latched."""
+    """Line, latch time (s), its shift (s), latch torque peak (N.m), its change (%), for lines that both latched.
+
+    A run that ends at latch-up has no torque to compare with, so such a line is left out.
+    """
     here, there = case.outcome.headline, reference.outcome.headline
     return [
         (
@@ -77,7 +87,7 @@ def latch_rows(case: Case, reference: Case) -> list[tuple[str, float, float, flo
             100.0 * (here.latch_torque_peaks[line] / there.latch_torque_peaks[line] - 1.0),
         )
         for line, time in here.latch_times.items()
-        if line in there.latch_times
+        if line in there.latch_times and there.latch_torque_peaks[line]
     ]
 
 

@@ -13,10 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..plot_style import COLOURS, STYLE, WIDTH
 from ._torque_margin_rules import LIMIT, LineTorques, Margins
 
-_STYLE: Final[Any] = {"font.size": 9, "axes.titlesize": 10, "legend.fontsize": 8, "savefig.dpi": 160}
-_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000")
 _MARKERS: Final = ("s", "^", "D", "v", "x")
 _DASHES: Final = {"sum": "-", "ECSS": "--"}
 _MARK_EVERY = 5
@@ -27,8 +26,8 @@ _SHOWN = 4.0
 
 def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Sequence[Margins]]]) -> None:
     """Margins with limit and worst angles above, driving and factored resisting torque below."""
-    with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
         FigureCanvasAgg(figure)
         figure.suptitle(title)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1.0])
@@ -51,7 +50,6 @@ def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Se
         lower.set(ylabel="torque, N.m", xlabel="hinge angle, deg")
         lower.xaxis.set_major_locator(MaxNLocator(steps=[1.5, 3, 4.5, 9]))
         for axes in (upper, lower):
-            axes.grid(alpha=0.35, linewidth=0.5)
             axes.margins(x=0.02)
             axes.legend(
                 ncols=2, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, frameon=False
@@ -61,8 +59,8 @@ def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Se
 
 def _style(k: int) -> dict[str, Any]:
     """Colour and marker of a case."""
-    k %= len(_COLOURS)
-    return {"color": _COLOURS[k], "marker": _MARKERS[k], "markersize": 4, "markevery": (k, _MARK_EVERY)}
+    k %= len(_MARKERS)
+    return {"color": COLOURS[k], "marker": _MARKERS[k], "markersize": 4, "markevery": (k, _MARK_EVERY)}
 
 
 def _draw_margins(

@@ -17,7 +17,7 @@ from ..scene import Scene, SceneError, assemble
 from ..scene_line_tables import HingeLine
 from ..summary import latch_times
 from ..units import to_si
-from ._torque_margin_sweep import at_share, driven_lines
+from ._torque_margin_sweep import at_share, driven_lines, travel
 
 _POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")
 
@@ -46,7 +46,7 @@ class Restart:
 def restart_share(scene: Scene, position: str) -> float:
     """Share of the travel (0 to 1) of "50%" or "45 deg", an angle of the first line that has a motor.
 
-    SceneError where it is neither, or does not lie within the travel.
+    SceneError where it is neither, or does not lie within the travel, or none is left.
     """
     line = driven_lines(scene)[0]
     found = _POSITION.fullmatch(position)
@@ -57,8 +57,7 @@ def restart_share(scene: Scene, position: str) -> float:
     except ValueError:
         sentence = "give a share such as 50% or an angle such as 45deg"
         raise SceneError([f"{scene.file}: {position!r} is no position to restart from; {sentence}"]) from None
-    way = line.deployed_angle - line.initial_angle
-    share = value if found[2] == "%" else (value - line.initial_angle) / way
+    share = value if found[2] == "%" else (value - line.initial_angle) / travel(scene, line)
     if not 0.0 <= share < 1.0:
         low, high = np.rad2deg((line.initial_angle, line.deployed_angle))
         raise SceneError(

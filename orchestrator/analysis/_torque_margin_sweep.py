@@ -52,6 +52,18 @@ def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
     return lines
 
 
+def travel(scene: Scene, line: HingeLine) -> float:
+    """Way of a line (rad) from its start to its deployed angle; SceneError where none is left."""
+    way = line.deployed_angle - line.initial_angle
+    if way <= 0.0:
+        raise SceneError(
+            [
+                f"{scene.file}: hinge_line.{line.name}: starts at or beyond its deployed angle; no travel is left"
+            ]
+        )
+    return way
+
+
 def at_share(scene: Scene, share: float) -> Scene:
     """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle."""
     driven = {line.name for line in driven_lines(scene)}
@@ -72,11 +84,11 @@ def sweep(
     mu r_p F_r (Bagnoli 2007, equation 2.2), with the sliding or the static coefficient.
     """
     lines = driven_lines(scene)
+    ways = {line.name: travel(scene, line) for line in lines}
     found = [_torques(at_share(scene, share), friction) for share in shares]
     result = []
     for line in lines:
-        way = line.deployed_angle - line.initial_angle
-        angle = line.initial_angle + way * np.asarray(shares, dtype=float)
+        angle = line.initial_angle + ways[line.name] * np.asarray(shares, dtype=float)
         motor, harness, resisting = np.array([torques[line.name] for torques in found]).T
         result.append(LineTorques(line.name, angle, motor, harness, resisting, extra.get(line.name, {})))
     return result

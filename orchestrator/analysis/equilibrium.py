@@ -204,6 +204,8 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Swe
         found.append(Sweep(name.strip(), angle_of(start), angle_of(end)))
         if found[-1].start == found[-1].end:
             raise click.BadParameter(f"{entry!r}: the two angles are the same")
+        if found[-1].line in {sweep.line for sweep in found[:-1]}:
+            raise click.BadParameter(f"{entry!r}: {found[-1].line} is swept already")
     return tuple(found)
 
 

@@ -64,8 +64,8 @@ def base_response(model: LinearModel, excitation: int, frequencies: Vector) -> t
 
 
 def frequency_grid(model: LinearModel, low: float, high: float, points: int) -> Vector:
-    """Frequencies (Hz) from low to high, evenly on a log scale and dense around resonances."""
-    modes = normal_modes(model)
+    """Frequencies (Hz) from low to high, evenly on a log scale and dense around resonances on a held base."""
+    modes = normal_modes(model, model.base_constraints)
     damping = modal_damping(model, modes)
     grid = [np.geomspace(low, high, points)]
     for frequency, ratio in zip(modes.frequencies, damping, strict=True):

@@ -77,7 +77,7 @@ def _impacts_of(result: Result, name: str) -> Iterator[Impact]:
             name,
             start,
             end - start,
-            _closing_speed(time, depth, first, start),
+            closing_speed(time, depth, first, start),
             top.value,
             top.time,
             float(np.trapezoid(np.r_[0.0, force[inside], 0.0], np.r_[start, time[inside], end])),
@@ -106,11 +106,14 @@ def _crossing(time: Vector, depth: Vector, sample: int) -> float:
     return float(time[sample] + (time[sample + 1] - time[sample]) * before / (before - after))
 
 
-def _closing_speed(time: Vector, depth: Vector, sample: int, touch: float) -> float:
-    """Rate of penetration at the touch, from the parabola through the three samples before it; 0 at the start."""
-    if sample < 3:
+def closing_speed(time: Vector, depth: Vector, sample: int, touch: float) -> float:
+    """Rate of penetration at the touch, from the parabola through the three samples before it; 0 at the start.
+
+    Of the two samples at an event only the second, from which the motion goes on.
+    """
+    before = np.flatnonzero(np.diff(time[: sample + 1]) > 0.0)[-3:]
+    if before.size < 3:
         return 0.0
-    before = slice(sample - 3, sample)
     return float(np.polyval(np.polyder(np.polyfit(time[before] - touch, depth[before], 2)), 0.0))
 
 

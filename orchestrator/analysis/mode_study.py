@@ -21,13 +21,14 @@ from rich.table import Table
 from components.catalogue import BODIES, finite_elements
 from components.reduction import fixed_interface_frequencies, free_frequencies
 
-from ..cli_options import fidelity_options, scene_layers
+from ..cli_options import Number, fidelity_options, scene_layers
 from ..master import Settings
 from ..run import RunError
 from ..scene import Scene, assemble, find_scene, load_scene
 from ..scene_bodies import body_model
 from ..scene_body_tables import Body
-from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, run_case
+from ..scene_pieces import held_bodies
+from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
 
 Vector = NDArray[np.float64]
 
@@ -78,14 +79,17 @@ def frequency_table(name: str, found: Frequencies) -> Table:
 
 
 def _body(scene: Scene, name: str | None) -> Body:
-    """The named flexible body, or the only one there is."""
-    bodies = {body.name: body for body in scene.bodies if body.catalogue is not None}
+    """The named body of the catalogue, or the only one there is; held lines leave a body no modes."""
+    held = held_bodies(scene)
+    bodies = {
+        body.name: body for body in scene.bodies if body.catalogue is not None and body.name not in held
+    }
     if name is None and len(bodies) == 1:
         return next(iter(bodies.values()))
     if name not in bodies:
         known = ", ".join(bodies) or "none"
         raise RunError(
-            f"{scene.file}: name the body to study with --body; bodies of the catalogue are {known}"
+            f"{scene.file}: name the body to study with --body; bodies that can have modes are {known}"
         )
     return bodies[name]
 
@@ -107,7 +111,7 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
 @click.option("--body", default=None, help="Body whose modes are counted; needed where there are several.")
 @click.option("--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts)
 @click.option(
-    "--tolerance", type=click.FloatRange(1e-8, 1e-1), default=None, help="Relative accuracy of the runs."
+    "--tolerance", type=Number(min=1e-10, max=0.1), default=None, help="Relative accuracy of the runs."
 )
 @click.option("--output", type=click.Path(path_type=Path, file_okay=False), default=None, help="Folder.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
@@ -137,6 +141,7 @@ def command(
         path = folder / f"{count}_modes.h5"
         cases.append(run_case(f"{count} modes", count, assembly, path, numbers, assembly.until))
     reference = cases[-1]
+    refuse_unlatched(reference)
     found = frequencies(studied, counts)
     draw_latch_torques(folder / "latch_torques.png", f"Latch-up with modes of {studied.name}", cases, 0.5)
     draw_changes(

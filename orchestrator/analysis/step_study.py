@@ -11,10 +11,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli_options import fidelity_options, scene_layers
+from ..cli_options import Number, fidelity_options, scene_layers
 from ..master import Settings
 from ..scene import assemble, find_scene, load_scene
-from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, run_case
+from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
 
 
 def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float, ...]:
@@ -22,7 +22,7 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
         steps = tuple(sorted({float(text) for text in value.split(",")}, reverse=True))
     except ValueError:
         raise click.BadParameter("give step sizes in seconds with commas between", param=param) from None
-    if len(steps) < 2 or not 1e-7 <= steps[-1] <= steps[0] <= 1.0:
+    if len(steps) < 2 or not all(1e-7 <= step <= 1.0 for step in steps):
         raise click.BadParameter("give at least two step sizes between 1e-7 and 1 s", param=param)
     return steps
 
@@ -35,7 +35,7 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
     "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps,
     help="Fixed communication step sizes in seconds; the smallest is the reference.",
 )  # fmt: skip
-@click.option("--tolerance", type=click.FloatRange(1e-8, 1e-1), default=None, help="Of the controlled run.")
+@click.option("--tolerance", type=Number(min=1e-10, max=0.1), default=None, help="Of the controlled run.")
 @click.option("--output", type=click.Path(path_type=Path, file_okay=False), default=None, help="Folder.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -69,6 +69,7 @@ def command(
         for h in steps
     ]
     reference = cases[-1]
+    refuse_unlatched(reference)
     draw_latch_torques(folder / "latch_torques.png", "Latch-up and step size", [adaptive, *cases], 0.3)
     draw_changes(
         folder / "changes.png", f"Against steps of {reference.label}", "communication step size, s",

@@ -219,6 +219,7 @@ def test_command(tmp_path):
     for extra, words in (
         (["--sweep", "HL1=0deg"], "is not of the form HL1=0deg:90deg"),
         (["--sweep", "HL1=1:1"], "the two angles are the same"),
+        (["--sweep", "HL1=0:1,HL1=0:0.5"], "HL1 is swept already"),
         (["--hold", "HL5"], "there is no hinge line 'HL5'"),
         (["--latched", "HL1", "--hold", "HL1"], "latched, or held or swept"),
         (["--hold", "none"], "no static equilibrium near"),

@@ -206,6 +206,13 @@ def test_grid_holds_the_resonances_and_peaks_find_them(tmp_path):
     assert (grid[0], grid[-1]) == (0.5, 50.0)
 
 
+def test_grid_of_a_free_base_holds_the_resonances_with_the_base_prescribed(tmp_path):
+    """Prescribed, a free base of 10 kg is a ground: 5 Hz, and not the 5.92 Hz at which base and mass swing freely."""
+    model = model_of(chain(tmp_path, [(M1, K1)], free=True))
+    grid = frequency_grid(model, 0.5, 50.0, 20)
+    assert np.abs(grid - 5.0).min() == pytest.approx(0.0, abs=1e-6)
+
+
 def test_unknown_point(tmp_path):
     """A sentence with the points that there are."""
     with pytest.raises(SceneError, match=r"no point 'm1\.c'; points are m1\.a, m1\.b"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis.impact import command, impacts
+from orchestrator.analysis.impact import closing_speed, command, impacts
 from orchestrator.master import Settings
 from orchestrator.result import Result, ResultError
 from orchestrator.run import run
@@ -84,6 +84,14 @@ def test_a_bar_that_lost_nothing_comes_back_as_hard(found):
     period = 2.0 * sqrt(2.0 * OPENING * ABOUT_HINGE / TORQUE)
     assert second.start - first.start == pytest.approx(period, rel=2e-3)
     assert second.peak_force == pytest.approx(first.peak_force, rel=1e-3)
+
+
+def test_a_latch_up_before_a_touch_leaves_the_closing_speed():
+    """Two samples at the event, before which the point moved away; free flight at 2 m/s from there on."""
+    time = np.array([0.0, 0.1, 0.1, 0.2, 0.3, 0.4])
+    depth = np.array([-0.4, -0.6, -0.5, -0.3, -0.1, 0.1])
+    assert closing_speed(time, depth, 5, 0.35) == pytest.approx(2.0, rel=1e-12)
+    assert closing_speed(time, depth, 3, 0.2) == 0.0  # two instants are no parabola
 
 
 def test_the_command_draws_and_lists(found, tmp_path):

@@ -56,6 +56,8 @@ def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
         ('kind = "eddy_current_damper"', 'kind = "body"', "connection.brake.structure: "),
         ("axis = [0.0, 1.0, 0.0]", "axle = 1", "connection.brake.structure: "),
         ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "connection.brake.structure: axis has no length"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 1.0]", "connection.brake.structure: eddy_current_damper cannot be"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = { x = 1 }", "connection.brake.structure: eddy_current_damper cannot be"),
         ("ports.outboard", "ports.tip", "connection.brake.ports.outboard: is missing"),
         ("ports.outboard", "ports.tip", "connection.brake.ports.tip: is no port; ports are inboard, outboard"),
         ("damping_coefficient", "damping", "connection.brake.parameters.damping: is no parameter; parameters are"),

@@ -95,6 +95,38 @@ def test_a_circle_of_scenes_and_an_unknown_one_are_sentences(tmp_path):
     assert "extends: is 3" in problems_of(written(tmp_path, "d.toml", "extends = 3\n"))
 
 
+def test_a_circle_over_another_folder_is_told(tmp_path):
+    """Every turn makes the relative path longer, so paths must be compared by what they mean."""
+    a = written(tmp_path, "a.toml", f'extends = "../{tmp_path.name}/a.toml"\n')
+    assert "extends: a.toml -> a.toml is a circle" in problems_of(a)
+
+
+@pytest.mark.parametrize(
+    ("extra", "sentence"),
+    [
+        (
+            '[[body]]\nname = "outr"\nremove = true\n',
+            "body.outr: there is no such entry to remove; entries are inner, outer",
+        ),
+        ('[[body]]\nname = ["inner"]\n', "body[1].name: is ['inner']"),
+        (
+            '[scene]\nphases = ["one"]\n',
+            "above.toml: scene.phases: there is no variant 'one'; variants are none",
+        ),
+    ],
+)
+def test_a_layer_about_nothing_is_told(tmp_path, extra, sentence):
+    written(tmp_path, "below.toml", TWO_PANELS)
+    assert sentence in problems_of(written(tmp_path, "above.toml", 'extends = "below.toml"\n' + extra))
+
+
+def test_a_layer_over_two_entries_of_one_name_is_told(tmp_path):
+    twice = TWO_PANELS.replace('name = "outer"', 'name = "inner"', 1)
+    path = written(tmp_path, "wing.toml", twice)
+    assert "two entries have the same name" in problems_of(path, (), ("body.inner.rigid.mass=2",))
+    assert "two components are named 'inner'" in problems_of(path)
+
+
 def test_a_named_scene_can_be_extended(tmp_path):
     scene = load_scene(written(tmp_path, "mine.toml", 'extends = "amos3"\n[scene]\nuntil = 2.0\n'))
     assert [body.name for body in scene.bodies] == [

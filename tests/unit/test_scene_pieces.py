@@ -10,7 +10,7 @@ from components import rotation_matrix
 from orchestrator.master import Settings
 from orchestrator.result import Result
 from orchestrator.run import run
-from orchestrator.scene import assemble, load_scene
+from orchestrator.scene import SceneError, assemble, load_scene
 
 SCENES = Path(__file__).parents[1] / "scenes"
 TIP = """
@@ -61,6 +61,11 @@ def test_everything_held_against_a_fixed_base_costs_one_body(tmp_path):
     start = free["tip_hinge"].start
     assert port["position"] == pytest.approx(start["inboard.position"])
     assert port["orientation"] == pytest.approx(start["inboard.orientation"])
+
+
+def test_a_scene_in_which_nothing_moves_is_told(tmp_path):
+    with pytest.raises(SceneError, match="no connection acts on what moves"):
+        assemble(scene_with(tmp_path, ("root_line", "middle_line", "tip_line")))
 
 
 def test_a_joined_piece_has_the_mass_properties_of_its_bodies(tmp_path):

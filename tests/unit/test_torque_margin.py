@@ -354,6 +354,13 @@ def test_bad_input_is_told(tmp_path, arguments, sentence):
     assert not (Path.cwd() / "one_line").exists()
 
 
+@pytest.mark.parametrize("arguments", [[], ["--restart", "45deg"]])
+def test_scene_without_travel_is_told(tmp_path, arguments):
+    result = fanfold(one_line(tmp_path), "--set", "hinge_line.line.start_angle=90 deg", *arguments)
+    assert result.exit_code == 1
+    assert "hinge_line.line: starts at or beyond its deployed angle; no travel is left" in result.stderr
+
+
 def test_scene_without_a_motor_is_told(tmp_path):
     text = one_line(tmp_path).read_text(encoding="utf-8")
     path = tmp_path / "loose.toml"
