@@ -19,7 +19,8 @@ from components import REGISTRY
 from fmus import Backend, FmiVersion, check_fmu, native_library
 
 from . import analysis, compare, report
-from .cli_options import Number, backend_option, fidelity_options, scene_layers
+from .assembly import Assembly
+from .cli_options import Number, backend_option, fidelity_options, scene_layers, scene_of_one_run
 from .cli_progress import progress
 from .master import Settings
 from .result import Result, ResultError
@@ -115,9 +116,19 @@ def run_command(
     _tell_of_python(backend)
     file = find_scene(scene)
     load = partial(as_fmus, backend=backend)
-    for phase, layers in _phases(file, variants, settings):
-        loaded = load_scene(file, layers, settings)
-        assembly = assemble(loaded, rigid, flexible, "mean" if master == "implicit" else "endpoint")
+    phases = _phases(file, variants, settings)
+    if until is not None and len(phases) > 1:
+        chosen = ", ".join(phase for phase, _ in phases)
+        raise click.UsageError(f"--until is the end of one run; choose a phase with --variant: {chosen}")
+    contents: dict[str, dict[str, object]] = {}
+    for phase, layers in phases:
+        assembly = assemble(
+            load_scene(file, layers, settings),
+            rigid,
+            flexible,
+            "mean" if master == "implicit" else "endpoint",
+        )
+        _tell_of_held(flexible, assembly)
         numbers = Settings(
             tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
         )
@@ -129,7 +140,16 @@ def run_command(
         if with_verify:
             with progress(assembly.name, end) as watch:
                 verified = verify(assembly, outcome, numbers, end, watch, load)
-        _report(outcome, verified, as_json)
+        contents[phase] = _content(outcome, verified)
+        if not as_json:
+            _report(outcome, verified)
+    if as_json:
+        click.echo(json.dumps({"phases": contents} if len(phases) > 1 else contents[phases[0][0]]))
+
+
+def _tell_of_held(flexible: frozenset[str], assembly: Assembly) -> None:
+    for name in sorted(flexible - {"all"} - set(assembly.flexible)):
+        _warn(f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid")
 
 
 def _phases(
@@ -150,24 +170,27 @@ def _warn(sentence: str) -> None:
     click.echo(f"fanfold: warning: {sentence}", err=True)
 
 
-def _report(outcome: Outcome, verified: list[Verified] | None, as_json: bool) -> None:
-    if as_json:
-        content = outcome.as_dict()
-        if verified is not None:
-            content["verification"] = [
-                {
-                    "quantity": v.number.quantity,
-                    "of": v.number.of,
-                    "unit": v.number.unit,
-                    "value": v.number.value,
-                    "extrapolated": v.extrapolated,
-                    "estimated_error": v.error,
-                    "observed_order": v.order,
-                }
-                for v in verified
-            ]
-        click.echo(json.dumps(content))
-        return
+def _content(outcome: Outcome, verified: list[Verified] | None) -> dict[str, object]:
+    """What a run found, for JSON."""
+    content = outcome.as_dict()
+    if verified is not None:
+        content["verification"] = [
+            {
+                "quantity": v.number.quantity,
+                "of": v.number.of,
+                "unit": v.number.unit,
+                "value": v.number.value,
+                "extrapolated": v.extrapolated,
+                "estimated_error": v.error,
+                "observed_order": v.order,
+            }
+            for v in verified
+        ]
+    return content
+
+
+def _report(outcome: Outcome, verified: list[Verified] | None) -> None:
+    """What a run found, for people."""
     console = Console()
     console.print(headline_table(outcome.headline))
     console.print(
@@ -236,7 +259,7 @@ def export_command(
     """Write every component of SCENE as an FMU."""
     if fmi == "2.0" and not sources:
         _tell_of_python(backend)
-    assembly = assemble(load_scene(find_scene(scene), variants, settings), rigid, flexible, wrench_mode)
+    assembly = assemble(scene_of_one_run(scene, variants, settings), rigid, flexible, wrench_mode)
     for path in export(assembly, output, backend, fmi, sources):
         click.echo(path)
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isfinite
 from typing import Any
 
 import click
 
 from fmus import Backend, native_library
+
+from .scene import Scene, SceneError, find_scene, load_scene
 
 
 class Number(click.FloatRange):
@@ -40,6 +42,17 @@ def scene_layers(command: Callable[..., None]) -> Callable[..., None]:
     return click.option(
         "--variant", "variants", default="", callback=ordered_names, metavar="NAMES", help=text
     )(command)
+
+
+def scene_of_one_run(scene: str, variants: Sequence[str], settings: Sequence[str]) -> Scene:
+    """A scene with its layers; SceneError where it runs in phases and none of them is chosen."""
+    loaded = load_scene(find_scene(scene), variants, settings)
+    phases = loaded.header.phases
+    if phases and not set(phases) & set(variants):
+        raise SceneError(
+            [f"{loaded.file}: it runs in phases; choose one with --variant: {', '.join(phases)}"]
+        )
+    return loaded
 
 
 def fidelity_options(command: Callable[..., None]) -> Callable[..., None]:

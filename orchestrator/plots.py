@@ -37,6 +37,8 @@ _MARKS: Final = {
     "contact_force": "contacts",
     "normal_force": "rails",
     "drag_force": "air drag",
+    "released": "hold-downs",
+    "tension": "suspensions",
 }
 
 

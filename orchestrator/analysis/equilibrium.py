@@ -21,8 +21,8 @@ from components._component import Vector
 from components._frames import exponential, multiply, rotate
 from components._hinge_state import State
 
-from ..cli_options import fidelity_options, ordered_names, scene_layers
-from ..scene import Scene, SceneError, find_scene, load_scene
+from ..cli_options import fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..scene import Scene, SceneError
 from ..scene_pieces import joined
 from ._configuration import (
     Configuration,
@@ -241,7 +241,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Static equilibrium of SCENE and the loads of its connections, at one configuration or over a sweep."""
-    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     swept = lines_named(loaded_scene, ",".join(sweep.line for sweep in sweeps))
     default = "none" if sweeps else ",".join(_free_lines(loaded_scene, target, ()))

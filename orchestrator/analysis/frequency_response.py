@@ -18,8 +18,8 @@ from rich.table import Table
 
 from components._component import Vector
 
-from ..cli_options import Number, fidelity_options, ordered_names, scene_layers
-from ..scene import SceneError, find_scene, load_scene
+from ..cli_options import Number, fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..scene import SceneError
 from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
 from ._linear import LinearModel, modal_damping, normal_modes
 from .modes import DIRECTIONS
@@ -158,7 +158,7 @@ def command(
         raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
     if not points:
         raise click.UsageError("--points needs a point or interface")
-    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
     frequencies = frequency_grid(model, low, high, steps)

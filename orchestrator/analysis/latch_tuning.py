@@ -23,8 +23,8 @@ from components._component import Vector
 from components._frames import rotate
 
 from ..assembly import Link, Part
-from ..cli_options import Number, fidelity_options, scene_layers
-from ..scene import Scene, SceneError, choose_fidelity, find_scene, load_scene
+from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
+from ..scene import Scene, SceneError, choose_fidelity
 from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene_connections import LatchSetting, hinge_parts
 from ..scene_line_tables import HingeLine
@@ -276,7 +276,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Tune the latch spring of a hinge line of SCENE for its rigid model."""
-    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    loaded_scene = scene_of_one_run(scene, variants, settings)
     line = find_line(loaded_scene, name)
     chosen = choose_fidelity(loaded_scene, rigid, flexible)
     tuning = tune(loaded_scene, line, chosen, frequency, kind, hinges)

@@ -21,7 +21,7 @@ from rich.table import Table
 from components.catalogue import BODIES, finite_elements
 from components.reduction import fixed_interface_frequencies, free_frequencies
 
-from ..cli_options import Number, fidelity_options, scene_layers
+from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
 from ..master import Settings
 from ..run import RunError
 from ..scene import Scene, assemble, find_scene, load_scene
@@ -128,7 +128,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the number of a body's fixed-interface modes."""
-    loaded = load_scene(find_scene(scene), variants, settings)
+    loaded = scene_of_one_run(scene, variants, settings)
     studied = _body(loaded, body)
     folder = output or Path(f"{loaded.header.name}.mode-study")
     folder.mkdir(parents=True, exist_ok=True)

@@ -15,8 +15,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ..cli_options import fidelity_options, scene_layers
-from ..scene import find_scene, load_scene
+from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
 from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
 from ._linear import (
     LinearModel,
@@ -102,7 +101,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Natural frequencies, damping and effective masses of SCENE in a configuration."""
-    loaded_scene = load_scene(find_scene(scene), variants, settings)
+    loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
     modes = normal_modes(model)

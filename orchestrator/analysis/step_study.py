@@ -11,9 +11,9 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli_options import Number, fidelity_options, scene_layers
+from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
 from ..master import Settings
-from ..scene import assemble, find_scene, load_scene
+from ..scene import assemble
 from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
 
 
@@ -50,7 +50,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the communication step size."""
-    assembly = assemble(load_scene(find_scene(scene), variants, settings), rigid, flexible)
+    assembly = assemble(scene_of_one_run(scene, variants, settings), rigid, flexible)
     folder = output or Path(f"{assembly.name}.step-study")
     folder.mkdir(parents=True, exist_ok=True)
     controlled = Settings(tolerance or assembly.tolerance, assembly.largest_step)

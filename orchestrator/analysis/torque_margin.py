@@ -17,7 +17,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from ..cli_options import Number, ordered_names, scene_layers
+from ..cli_options import Number, ordered_names, scene_layers, scene_of_one_run
 from ..cli_progress import progress
 from ..scene import Scene, SceneError, find_scene, load_scene, scene_variants
 from ..units import to_si
@@ -167,6 +167,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
+    scene_of_one_run(scene, variants, settings)  # refuses a scene whose phases differ
     cases = load_cases(find_scene(scene), variants, settings, names)
     _refuse_unknown_lines(cases, extra)
     shares = {case: [restart_share(one, text) for text in restarts] for case, one in cases.items()}

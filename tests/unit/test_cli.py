@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from components import REGISTRY
 from orchestrator.cli import main
 from orchestrator.result import Result
+from orchestrator.scene import list_scenes
 
 ROOT = Path(__file__).parents[2]
 SCENE = ROOT / "tests" / "scenes" / "two_panels.toml"
@@ -144,7 +145,8 @@ def test_verify_with_an_explicit_master():
 
 def test_unknown_scene():
     """Bad input: the sentence names the scenes there are."""
-    assert refused("run", "amos4") == "fanfold: there is no scene and no file 'amos4'; scenes are amos3, amos3-ground, arabsat, bepicolombo, workbench\n"
+    known = ", ".join(list_scenes())
+    assert refused("run", "amos4") == f"fanfold: there is no scene and no file 'amos4'; scenes are {known}\n"
 
 
 def test_folder_as_a_scene(tmp_path):
@@ -337,3 +339,37 @@ def test_help_of_every_command():
     """Completeness: every command explains itself."""
     for name in main.commands:
         assert "Usage:" in fanfold(name, "--help").stdout
+
+
+PHASES = """
+[variant.first]
+scene.until = 0.02
+[variant.second]
+scene.until = 0.03
+hinge_line = [{ name = "root_line", held = true }]
+"""
+
+
+def phased(folder):
+    path = folder / "phased.toml"
+    text = TWO_PANELS.replace("until = 2.0", 'until = 2.0\nphases = ["first", "second"]')
+    path.write_text(text + PHASES, encoding="utf-8")
+    return path
+
+
+def test_phases_run_one_after_the_other_and_are_one_json_object(tmp_path):
+    found = json.loads(fanfold("run", phased(tmp_path), "--json").stdout)["phases"]
+    assert [found[name]["end_time"] for name in ("first", "second")] == pytest.approx([0.02, 0.03])
+    for name in ("first", "second"):
+        assert Result.open(f"two_panels.{name}.h5").complete
+    single = json.loads(fanfold("run", phased(tmp_path), "--variant", "second", "--json").stdout)
+    assert single["end_time"] == pytest.approx(0.03)
+
+
+def test_what_takes_one_run_asks_for_a_phase(tmp_path):
+    path = phased(tmp_path)
+    assert "choose one with --variant: first, second" in refused("export", path, "-o", tmp_path)
+    assert "choose one with --variant: first, second" in refused("analyse", "modes", path)
+    ended = fanfold("run", path, "--until", 0.01)
+    assert ended.exit_code == 2
+    assert "choose a phase with --variant: first, second" in ended.stderr

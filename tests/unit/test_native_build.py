@@ -16,7 +16,7 @@ from orchestrator import cli
 
 def without_library(monkeypatch):
     """As after an installation without a C compiler."""
-    for module in ("fmus.build", "fmus.native", "orchestrator.cli"):
+    for module in ("fmus.build", "fmus.native", "orchestrator.cli", "orchestrator.cli_options"):
         for name in ("library", "native_library"):
             monkeypatch.setattr(f"{module}.{name}", lambda: None, raising=False)
 
