@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sin, sqrt, tan
+from math import isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
 from ._component import ComponentError, ContinuousStates, Quantity, Vector
@@ -16,6 +16,7 @@ from ._frames import (
     frame_with_x_along,
     mean,
     multiply,
+    norm,
     rotate,
     rotate_back,
     scaled,
@@ -67,12 +68,21 @@ def dissipated_energies(
     )
 
 
-def axis_frame(axis: Sequence[float], what: str) -> Quaternion:
-    """Frame whose x axis has the direction of `what`; ComponentError where that has no length."""
-    try:
-        return frame_with_x_along((axis[0], axis[1], axis[2]))
-    except ValueError:
-        raise ComponentError(f"axis has no length; give the direction of {what}") from None
+def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:
+    """`given` with unit length; ComponentError, naming the argument and what it is, where it is no direction."""
+    if len(given) != 3:
+        raise ComponentError(f"{name} has {len(given)} numbers; give the three components of {what}")
+    length = norm((float(given[0]), float(given[1]), float(given[2])))
+    if length == 0.0:
+        raise ComponentError(f"{name} has no length; give the direction of {what}")
+    if not isfinite(length):
+        raise ComponentError(f"{name} is {list(given)}; give finite components of {what}")
+    return scaled(1.0 / length, (float(given[0]), float(given[1]), float(given[2])))
+
+
+def axis_frame(axis: Sequence[float], what: str, name: str = "axis") -> Quaternion:
+    """Frame whose x axis has the direction of `what`; ComponentError where that is no direction."""
+    return frame_with_x_along(unit_direction(axis, name, what))
 
 
 def relative_pose(u: list[float], axis_on_port: Quaternion) -> Pose:

@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite, pow
+from math import pow
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import Vector3, cross, dot, mean, norm, rotate, scaled, subtract
+from ._component import Component, Port, Quantity, Vector
+from ._frames import Vector3, cross, dot, mean, rotate, scaled, subtract
 from ._midstep import MidStepRate
-from ._relative import as_floats, dissipated_energies, gives_end_point, pair
+from ._relative import as_floats, dissipated_energies, gives_end_point, pair, unit_direction
 
 _NORMAL, _ARM, _HEAT, _WRENCH, _RATE = slice(0, 3), slice(3, 6), 6, slice(7, 19), slice(19, 23)
 _NARROW = 1e-3
@@ -73,7 +73,7 @@ class Contact(Component):
 
     def __init__(self, normal: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
         self._endpoint = gives_end_point(wrench_mode)
-        self._direction = _unit(normal)
+        self._direction = unit_direction(normal, "normal", "the plane's normal")
         self._declare(
             {"normal": tuple(normal), "wrench_mode": wrench_mode},
             ports=[Port("inboard", "connection"), Port("outboard", "connection")],
@@ -194,19 +194,6 @@ def mean_rise(start: float, end: float) -> float:
 
 def _pushing(force: float) -> float:
     return 0.0 if force < 0.0 else force
-
-
-def _unit(normal: Sequence[float]) -> Vector3:
-    """The normal with unit length; ComponentError where it has none."""
-    if len(normal) != 3:
-        raise ComponentError(f"normal has {len(normal)} numbers; give the three components of a direction")
-    direction = (float(normal[0]), float(normal[1]), float(normal[2]))
-    length = norm(direction)
-    if not (length > 0.0 and isfinite(length)):
-        raise ComponentError(
-            f"normal is {list(direction)}; give a direction of finite length that is not zero"
-        )
-    return scaled(1.0 / length, direction)
 
 
 def _parameters() -> list[Quantity]:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from ._bushing import Memory, StepMotion, bushing_force, remembered
 from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
-from ._frames import Quaternion, Vector3, cross, mean, norm, rotate, rotate_back, scaled, subtract
-from ._relative import as_floats, gives_end_point, mean_direction, pair
+from ._frames import Quaternion, Vector3, cross, mean, rotate, rotate_back, subtract
+from ._relative import as_floats, gives_end_point, mean_direction, pair, unit_direction
 
 _START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
 _CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH = 16, 17, 18, 19, slice(20, 32)
@@ -72,10 +72,7 @@ class HoldDown(Component):
 
     def __init__(self, axis: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
         self._endpoint = gives_end_point(wrench_mode)
-        direction = (float(axis[0]), float(axis[1]), float(axis[2]))
-        if not norm(direction) > 0.0:
-            raise ComponentError("axis has no length; give the direction of the hold-down's preload")
-        self._direction = scaled(1.0 / norm(direction), direction)
+        self._direction = unit_direction(axis, "axis", "the hold-down's preload")
         self._declare(
             {"axis": tuple(axis), "wrench_mode": wrench_mode},
             ports=[Port("inboard", "connection"), Port("outboard", "connection")],

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._bushing import Memory, StepMotion, bushing_force, remembered
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import conjugate, frame_with_x_along, multiply, nearest_turn, rotate
+from ._component import Component, Port, Quantity, Vector
+from ._frames import conjugate, multiply, nearest_turn, rotate
 from ._midstep import MidStepRate
 from ._relative import (
     Pose,
     as_floats,
+    axis_frame,
     conjugate_torque,
     dissipated_energies,
     gives_end_point,
@@ -80,12 +81,7 @@ class Rail(Component):
 
     def __init__(self, normal: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
         self._endpoint = gives_end_point(wrench_mode)
-        try:
-            self._axes = frame_with_x_along((normal[0], normal[1], normal[2]))
-        except ValueError:
-            raise ComponentError(
-                "normal has no length; give the direction normal to the rail's plane"
-            ) from None
+        self._axes = axis_frame(normal, "the normal to the rail's plane", "normal")
         self._declare(
             {"normal": tuple(normal), "wrench_mode": wrench_mode},
             ports=[Port("trolley", "connection")],

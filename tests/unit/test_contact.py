@@ -306,10 +306,10 @@ def test_end_point_force_of_a_turning_plane():
 @pytest.mark.parametrize(
     ("normal", "sentence"),
     [
-        ((0.0, 0.0, 0.0), "not zero"),
+        ((0.0, 0.0, 0.0), "no length"),
         ((0.0, 1.0), "three components"),
-        ((np.inf, 0.0, 1.0), "finite length"),
-        ((np.nan, 0.0, 1.0), "finite length"),
+        ((np.inf, 0.0, 1.0), "finite components"),
+        ((np.nan, 0.0, 1.0), "finite components"),
     ],
 )
 def test_normals_that_are_none(normal, sentence):

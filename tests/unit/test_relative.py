@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from components import ComponentError
 from components._frames import multiply, rotate
 from components._relative import axis_frame, conjugate_torque, relative_pose, relative_rates
 from tests.references.relative_motion import port_motion
@@ -59,3 +60,18 @@ def test_torque_has_the_power_of_its_loads(turn_a, turn_b, spin_a, spin_b, loads
     torque = rotate(pose.frame, conjugate_torque(loads[0], loads[1:], pose.swing))
     power = np.dot(torque, np.subtract(spin_b, spin_a))
     assert power == pytest.approx(np.dot(loads, (rates.twist, *rates.swing)), abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("axis", "sentence"),
+    [
+        ((0.0, 1.0), "axis has 2 numbers; give the three components of a hinge line"),
+        ((0.0, 0.0, 1.0, 0.0), "axis has 4 numbers"),
+        ((0.0, 0.0, 0.0), "axis has no length; give the direction of a hinge line"),
+        ((0.0, np.inf, 0.0), "give finite components of a hinge line"),
+        ((0.0, np.nan, 0.0), "give finite components of a hinge line"),
+    ],
+)
+def test_what_is_no_direction_is_refused_by_a_sentence(axis, sentence):
+    with pytest.raises(ComponentError, match=sentence):
+        axis_frame(axis, "a hinge line")
