@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
+from math import degrees
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any
@@ -113,6 +114,8 @@ def run_command(
     """Deploy SCENE, the name of a scene or a scene file, and write its result."""
     if with_verify and master != "implicit":
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
+    if master != "implicit" and step is None:
+        raise click.UsageError("an explicit master needs a --step that is stable; for rigid wings try 2e-5 s")
     _tell_of_python(backend)
     file = find_scene(scene)
     load = partial(as_fmus, backend=backend)
@@ -141,6 +144,7 @@ def run_command(
             with progress(assembly.name, end) as watch:
                 verified = verify(assembly, outcome, numbers, end, watch, load)
         contents[phase] = _content(outcome, verified)
+        _tell_of_open_ends(outcome)
         if not as_json:
             _report(outcome, verified)
     if as_json:
@@ -150,6 +154,17 @@ def run_command(
 def _tell_of_held(flexible: frozenset[str], assembly: Assembly) -> None:
     for name in sorted(flexible - {"all"} - set(assembly.flexible)):
         _warn(f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid")
+
+
+def _tell_of_open_ends(outcome: Outcome) -> None:
+    """Lines that have not latched, and peaks that may lie beyond the end."""
+    found = outcome.headline
+    for line, angle in found.unlatched_angles.items():
+        _warn(f"{line} has not latched; at {found.end_time:g} s it stands at {degrees(angle):.2f} deg")
+    for line in found.peaks_at_end:
+        _warn(
+            f"the latch torque of {line} is largest at the very end, {found.end_time:g} s; run longer for its peak"
+        )
 
 
 def _phases(

@@ -8,6 +8,7 @@ import platform
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -147,10 +148,9 @@ def _follow(
     participants: list[Participant] = [*network.bodies, *network.connections]
     clocks = [_timed(p) for p in participants]
     groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
+    provenance = _provenance(assembly, participants) | _settings(settings, end, kind)
     start = perf_counter()
-    with ResultWriter(
-        output, groups, _provenance(assembly, participants), assembly.geometry, assembly.hinge_lines
-    ) as writer:
+    with ResultWriter(output, groups, provenance, assembly.geometry, assembly.hinge_lines) as writer:
         runner = (
             Master(network, assembly.hinge_lines, writer, settings)
             if kind == "implicit"
@@ -206,4 +206,17 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
         if isinstance(participant, FmuParticipant):
             digest = hashlib.sha256(participant.path.read_bytes()).hexdigest()
             found[f"fmu.{participant.name}"] = digest
+    return found
+
+
+def _settings(settings: Settings, end: float, kind: MasterKind) -> dict[str, str]:
+    """What this run was asked for, which its scene may not say, and when."""
+    found = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "master": kind,
+        "until": f"{end:g} s",
+        "tolerance": f"{settings.tolerance:g}",
+    }
+    if settings.fixed_step is not None:
+        found["step"] = f"{settings.fixed_step:g} s"
     return found

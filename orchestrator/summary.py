@@ -45,16 +45,19 @@ class Number(NamedTuple):
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
-    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line. interface_*_peaks:
-    magnitude of each component (x, y, z), empty where the base is free. cable_forces: lowest and highest.
-    motor_energy: released up to the last latch-up. energy_residual: largest, relative to motor_energy; None
-    where there is none.
+    unlatched_angles: where lines with a latch stand at the end without having latched (rad).
+    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
+    lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
+    (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
+    last latch-up. energy_residual: largest, relative to motor_energy; None where there is none.
     """
 
     complete: bool
     end_time: float
     latch_times: Mapping[str, float]
+    unlatched_angles: Mapping[str, float]
     latch_torque_peaks: Mapping[str, float]
+    peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
     damper_torque_peaks: Mapping[str, float]
@@ -71,6 +74,8 @@ class Headline:
         yield Number("end time", "", self.end_time, "s")
         for line, time in self.latch_times.items():
             yield Number("latch time", line, time, "s")
+        for line, angle in self.unlatched_angles.items():
+            yield Number("angle, not latched", line, angle, "rad")
         for line, torque in self.latch_torque_peaks.items():
             yield Number("latch torque peak", line, torque, "N.m")
         for axis, force in zip("xyz", self.interface_force_peaks, strict=False):
@@ -92,16 +97,23 @@ class Headline:
 def headline(result: Result) -> Headline:
     """Headline numbers of a result; what a scene does not have is left empty."""
     times = latch_times(result)
+    torques = {
+        line.name: peak(result, line_latch_torque(result, line))
+        for line in result.hinge_lines
+        if line.name in times
+    }
     released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
     return Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
-        latch_torque_peaks={
-            line.name: abs(peak(result, line_latch_torque(result, line)).value)
+        unlatched_angles={
+            line.name: float(result.signal(line.sensor, "angle")[-1])
             for line in result.hinge_lines
-            if line.name in times
+            if line.latches and line.name not in times and result.has(line.sensor, "angle")
         },
+        latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
+        peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, "interface_force"),
         interface_torque_peaks=_component_peaks(result, "interface_torque"),
         damper_torque_peaks={

@@ -8,7 +8,7 @@ from orchestrator.analysis.impact import impacts
 from .scene_runs import RUNS
 
 RIGID = ("all",)
-PEAKS = {"rigid": 124.79, "semi-flexible": 113.95}
+PEAKS = {"rigid": 124.79, "semi-flexible": 114.64}
 """N.m; Fanfold, 2026-11-21, tolerance 1e-4: a change must be meant."""
 
 

@@ -86,6 +86,8 @@ def test_run_shows_numbers_and_writes_the_result():
     assert found.time[-1] == pytest.approx(0.05)
     assert json.loads(found.provenance["scene_tree"]) == tomllib.loads(TWO_PANELS)
     assert len(found.provenance["fmu.root"]) == 64
+    asked = {name: found.provenance[name] for name in ("master", "until", "tolerance")}
+    assert asked == {"master": "implicit", "until": "0.05 s", "tolerance": "0.0001"}
 
 
 def test_json_of_a_run_that_latches():
@@ -373,3 +375,23 @@ def test_what_takes_one_run_asks_for_a_phase(tmp_path):
     ended = fanfold("run", path, "--until", 0.01)
     assert ended.exit_code == 2
     assert "choose a phase with --variant: first, second" in ended.stderr
+
+
+def test_lines_that_do_not_latch_are_told_of(tmp_path):
+    """The first question: does it always open. Here friction exceeds the motor's torque."""
+    path = tmp_path / "stuck.toml"
+    latch = "friction_preload = 5.0\nlatch = { stiffness = 2000, effective_inertia = 5 }\nhinges ="
+    text = TWO_PANELS.replace("hinges =", latch, 1)
+    path.write_text(text, encoding="utf-8")
+    found = fanfold("run", path, "--until", 0.2)
+    assert found.exit_code == 0
+    assert "root_line has not latched; at 0.2 s it stands at" in found.stderr
+    assert "not latched" in found.stdout
+    angles = json.loads(fanfold("run", path, "--until", 0.2, "--json").stdout)["unlatched_angles"]
+    assert abs(angles["root_line"]) < 0.05
+
+
+def test_an_explicit_master_needs_a_step():
+    refusal = fanfold("run", SCENE, "--master", "jacobi")
+    assert refusal.exit_code == 2
+    assert "needs a --step" in refusal.stderr
