@@ -33,6 +33,8 @@ class Constants:
     bending_arm: float
     friction_preload: float
     stiction_velocity: float
+    latches: bool
+    locks: bool
     latch: Law
     latch_angle: float
     latch_stiffness: float

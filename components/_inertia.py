@@ -18,6 +18,9 @@ from .modal import ModalData
 
 CouplingLevel = Literal["rigid", "constant", "partial", "full"]
 
+# what is left, from a reduction, of the interactions that a body's symmetry forbids
+_ROUNDING = 1e-10
+
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
@@ -56,8 +59,9 @@ class InertiaCoupling:
         i9 = 0.25 * (i9 + i9.transpose(1, 0, 2, 3))
         quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
         i5 = 0.5 * (data.invariant5 - data.invariant5.transpose(2, 1, 0))
-        self._gyroscopic = np.ascontiguousarray(i5.transpose(1, 2, 0).reshape(3 * m, m))
-        self._tensors = np.ascontiguousarray(np.vstack([quadratic, self._gyroscopic]))
+        tensors = np.vstack([quadratic, i5.transpose(1, 2, 0).reshape(3 * m, m)])
+        tensors[abs(tensors) < _ROUNDING * abs(tensors).max()] = 0.0
+        self._tensors, self._gyroscopic = tensors, tensors[6 * m :]
 
     def native_data(self) -> dict[str, ArrayLike]:
         """What the kernel of `fmus/native/inertia.h` reads; of the tensors, the triangles."""

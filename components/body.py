@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._body_ports import BodyPorts
 from ._body_variables import continuous_states, observations, parameters
 from ._component import Component, ComponentError, Port, Vector
 from ._example_modes import example_modal_data
@@ -117,7 +118,9 @@ class Body(Component):
             observations=observations(self.modes),
         )
         self.continuous = continuous_states(data.frequency)
-        self._place_ports(data, ports)
+        self._placed = BodyPorts(data, ports)
+        self.arms = self._placed.arms
+        self.translation, self.rotation = self._placed.translation, self._placed.rotation
 
     @staticmethod
     def _check(data: ModalData) -> None:
@@ -135,29 +138,6 @@ class Body(Component):
             )
         if not np.all(data.frequency > 0.0):
             raise ComponentError("every mode must have a positive frequency; remove the rigid modes first")
-
-    def _place_ports(self, data: ModalData, ports: Sequence[Mapping[str, Any]]) -> None:
-        count, modes = len(ports), self.modes
-        self.arms = np.zeros((count, 3))
-        self.translation = np.zeros((count, 3, modes))
-        self.rotation = np.zeros((count, 3, modes))
-        self.port_orientation = np.tile(np.array([1.0, 0.0, 0.0, 0.0]), (count, 1))
-        for k, port in enumerate(ports):
-            if port["point"] not in data.point_names:
-                known = ", ".join(data.point_names)
-                raise ComponentError(
-                    f"port {port['name']}: there is no point {port['point']!r}; points are {known}"
-                )
-            i = data.point_names.index(port["point"])
-            offset = np.asarray(port.get("offset", (0.0, 0.0, 0.0)), dtype=float)
-            self.arms[k] = data.point_positions[i] - data.center_of_mass + offset
-            self.translation[k] = data.translation[i] - skew(offset) @ data.rotation[i]
-            self.rotation[k] = data.rotation[i]
-            turn = port.get("orientation", (1.0, 0.0, 0.0, 0.0))
-            self.port_orientation[k] = normalized((turn[0], turn[1], turn[2], turn[3]))
-        self._turned_ports = bool(np.any(self.port_orientation[:, 1:] != 0.0))
-        self._phi = self.translation.reshape(3 * count, modes)
-        self._psi = self.rotation.reshape(3 * count, modes)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -239,7 +219,7 @@ class Body(Component):
         m, prop = self.modes, c.propagator(h)
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         eta0, pi0, momentum, omega = x[_ETA : _ETA + m], x[_ETA + m :], x[_L], x[_W]
-        world_arms = (self.arms + (self._phi @ eta0).reshape(-1, 3)) @ a0.T
+        world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
         eta_mean, rate_mean = eta0, self._inertia.modal_rate(omega, eta0, pi0)
         for _ in range(_MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
@@ -247,13 +227,15 @@ class Body(Component):
             a1 = a_mid @ half
             b, inertia, nonlinear = self._inertia.at(omega, eta_mean, rate_mean)
             drag = omega @ b
-            force = nonlinear + self._modal_force(0.5 * (a0 + a1), a_mid, eta_mean, load.force, load.torque)
+            force = nonlinear + self._placed.modal_force(
+                0.5 * (a0 + a1), a_mid, eta_mean, load.force, load.torque
+            )
             rate0 = pi0 - drag
             eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force
             rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
             pi1 = rate1 + drag
             eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
-            arms = self.arms + (self._phi @ eta1).reshape(-1, 3)
+            arms = self.arms + self._placed.displacements(eta1)
             moment = sum_of_moments(0.5 * (world_arms + arms @ a1.T), load.force) + load.torque_sum
             body_momentum = (momentum + (0.5 * h) * moment) @ a_mid
             if self._inertia.varies:
@@ -279,9 +261,11 @@ class Body(Component):
         result = np.zeros_like(x)
         for _ in range(3):
             if m:
-                eta = self._modal_force(a1, a1, result[_ETA : _ETA + m], force, torque) / c.frequency**2
+                eta = (
+                    self._placed.modal_force(a1, a1, result[_ETA : _ETA + m], force, torque) / c.frequency**2
+                )
                 result[_ETA : _ETA + m] = eta
-                arms = self.arms + (self._phi @ eta).reshape(-1, 3)
+                arms = self.arms + self._placed.displacements(eta)
             moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
             turn = h * h * (self._inertia.inverse @ (moment @ a1))
             q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
@@ -290,17 +274,6 @@ class Body(Component):
         result[_R] = x[_R] + h * h * (force.sum(0) / self.data.mass + c.gravity)
         result[_D] = x[_D]
         return result
-
-    def _modal_force(
-        self, a_force: Vector, a_torque: Vector, eta: Vector, force: Vector, torque: Vector
-    ) -> Vector:
-        """Generalised forces (M,) of world wrenches: Phi^T A^T f + Psi^T Jl(Psi eta)^T A^T tau."""
-        body_torque = torque @ a_torque
-        turn = skew((self._psi @ eta).reshape(-1, 3))
-        once = (turn @ body_torque[:, :, None])[:, :, 0]
-        twice = (turn @ once[:, :, None])[:, :, 0]
-        conjugate_torque = body_torque - 0.5 * once + twice / 6.0
-        return (force @ a_force).ravel() @ self._phi + conjugate_torque.ravel() @ self._psi
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose and velocity of every port, world axes."""
@@ -316,38 +289,19 @@ class Body(Component):
         if m:
             eta = x[_ETA : _ETA + m]
             rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
-            deflection = (self._phi @ eta).reshape(-1, 3)
+            deflection = self._placed.displacements(eta)
             arms = arms + deflection
-            velocity = arms @ spin.T + (self._phi @ rate).reshape(-1, 3)
-            turns = (self._psi @ eta).reshape(-1, 3)
-            twist = (self._psi @ rate).reshape(-1, 3)
+            velocity = arms @ spin.T + self._placed.displacements(rate)
+            turns = self._placed.turns(eta)
+            twist = self._placed.turns(rate)
             turn = skew(turns)
             once = (turn @ twist[:, :, None])[:, :, 0]
             rate_of_turn = omega + twist + 0.5 * once + (turn @ once[:, :, None])[:, :, 0] / 6.0
         y[:, 0:3] = x[_R] + arms @ a.T
-        y[:, 3:7] = self._port_quaternions(q, turns)
+        y[:, 3:7] = self._placed.quaternions(q, turns)
         y[:, 7:10] = x[_P] / self.data.mass + velocity @ a.T
         y[:, 10:13] = rate_of_turn @ a.T
         return y.ravel()
-
-    def _port_quaternions(self, q: tuple[float, float, float, float], turns: Vector) -> Vector:
-        """Q * exp(turn) * port orientation for every port, shape (K, 4)."""
-        if not self.modes:
-            local = self.port_orientation
-        else:
-            angle = np.sqrt((turns * turns).sum(1))
-            local = np.empty((len(turns), 4))
-            local[:, 0] = np.cos(0.5 * angle)
-            local[:, 1:] = turns * (0.5 * np.sinc(angle / (2.0 * np.pi)))[:, None]
-            if self._turned_ports:
-                local = np.array(
-                    [
-                        multiply(tuple(a), tuple(b))
-                        for a, b in zip(local.tolist(), self.port_orientation.tolist(), strict=True)
-                    ]
-                )
-        quaternions: Vector = local @ left_product(q).T
-        return quaternions
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose of the construction frame, momenta, energies and modal coordinates."""
@@ -387,10 +341,10 @@ class Body(Component):
         omega, eta = complete[_W], x[_ETA : _ETA + m]
         wrench = u.reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
-        arms = (self.arms + (self._phi @ eta).reshape(-1, 3)) @ a.T
+        arms = (self.arms + self._placed.displacements(eta)) @ a.T
         rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
         friction = 2.0 * c.damping_ratio * c.frequency * rate
-        load = self._inertia.at(omega, eta, rate).forces + self._modal_force(a, a, eta, force, torque)
+        load = self._inertia.at(omega, eta, rate).forces + self._placed.modal_force(a, a, eta, force, torque)
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
         return np.concatenate(
             (
@@ -414,7 +368,7 @@ class Body(Component):
             "arms": self.arms,
             "translation": self.translation,
             "rotation": self.rotation,
-            "port_orientation": self.port_orientation,
+            "port_orientation": self._placed.orientation,
             **self._inertia.native_data(),
         }
 

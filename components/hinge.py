@@ -14,9 +14,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import StepMotion, bushing_force, inertial_force, remembered
+from ._bushing import remembered
 from ._component import Component, ComponentError, Port, Vector
-from ._frames import Vector3, mean, nearest_turn, rotate
+from ._frames import mean, nearest_turn, rotate
+from ._hinge_loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
 from ._hinge_state import (
     ANGLE,
     HEAT,
@@ -25,20 +26,16 @@ from ._hinge_state import (
     LATCHED,
     WRENCH,
     Constants,
-    Loads,
     State,
     coordinates_of,
-    mean_swing,
     motion_of,
     rates_of,
-    shifted,
 )
 from ._hinge_variables import inputs, observations, outputs, parameters
 from ._midstep import MidStepRate
 from ._relative import (
     as_floats,
     axis_frame,
-    conjugate_torque,
     dissipated_energies,
     gives_end_point,
     mean_direction,
@@ -46,12 +43,11 @@ from ._relative import (
     relative_pose,
     relative_rates,
 )
-from .laws import Law, Linear, Table, mean_force, stiction_factors
+from .laws import Law, Linear, Table
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
-_FORCE_SMOOTHING = 1.0
 _REACHED = 1e-9  # distance (rad) from the latch angle that a solver may leave when it has found the event
 
 
@@ -131,6 +127,8 @@ class Hinge(Component):
             bending_arm=one["friction_bending_arm"],
             friction_preload=one["friction_preload"],
             stiction_velocity=one["stiction_velocity"],
+            latches=self.latch != "none",
+            locks=self._locks,
             latch=self._latch_table or Linear(stiffness),
             latch_angle=one["latch_angle"],
             latch_stiffness=stiffness,
@@ -172,9 +170,7 @@ class Hinge(Component):
             return self._endpoint_step(c, old, moved, h).pack()
         impulse = values[27] > 0.5
         motions = [motion_of(old, moved, i, h) for i in range(6)]
-        loads = (
-            self._impulse_loads(c, old, moved, h) if impulse else self._mean_loads(c, old, moved, motions, h)
-        )
+        loads = impulse_loads(c, old, moved, h) if impulse else mean_loads(c, old, moved, motions, h)
         force = mean_direction(old.frame, pose.frame, loads.force)
         torque = mean_direction(old.frame, pose.frame, loads.torque)
         memories = [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
@@ -189,111 +185,10 @@ class Hinge(Component):
             damping_energy=old.damping_energy + loads.heat[2],
         ).pack()
 
-    def _mean_loads(self, c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
-        """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
-        elastic: list[float] = []
-        heat = 0.0
-        for i, motion in enumerate(motions):
-            moved = shifted(motion, c.aligned_angle) if i == 3 else motion
-            force, lost = bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
-            elastic.append(force)
-            heat += lost
-        force_on_b = (elastic[0], elastic[1], elastic[2])
-        change = new.angle - old.angle
-        friction = self._friction(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
-        latch, latch_heat = self._latch(c, old, motions[3])
-        twist = (
-            elastic[3]
-            + mean_force(c.motor, old.angle, new.angle, c.end_weight)
-            + mean_force(c.harness, old.angle, new.angle, c.end_weight)
-            + friction
-            + latch
-        )
-        if old.holding:
-            twist -= c.hold_stiffness * (new.angle - old.hold_angle)
-        return Loads(
-            force_on_b,
-            conjugate_torque(twist, (elastic[4], elastic[5]), mean_swing(old, new)),
-            latch,
-            friction,
-            (-friction * change, latch_heat, heat),
-        )
-
-    @staticmethod
-    def _friction(
-        c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
-    ) -> float:
-        """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
-        preload = 0.0 if latched else c.friction_preload
-        square = force[1] * force[1] + force[2] * force[2]
-        normal = square / sqrt(square + _FORCE_SMOOTHING**2)
-        if c.bending_arm > 0.0:
-            normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.bending_arm
-        sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
-        return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
-
-    def _latch(self, c: Constants, old: State, motion: StepMotion) -> tuple[float, float]:
-        """Mean latch torque, and the energy it turned to heat."""
-        if not old.latched or self.latch == "none":
-            return 0.0, 0.0
-        deflection = shifted(motion, old.latched_angle)
-        change = deflection.end - deflection.start
-        extra = -c.latch_damping * change / motion.h
-        if c.end_weight == 0.5:
-            extra += inertial_force(c.latch_stiffness, deflection)
-        return mean_force(c.latch, deflection.start, deflection.end) + extra, -extra * change
-
-    def _impulse_loads(self, c: Constants, old: State, new: State, h: float) -> Loads:
-        """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
-
-        An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
-        would only do so after ringing at its own frequency.
-        """
-        locked = old.latched > 0.5 and self._locks
-        stiff = [k > 0.0 for k in c.stiffness]
-        load = [
-            -(c.lock_mass if i < 3 else c.lock_inertia) / h * new.rates[i]
-            if stiff[i] or (i == 3 and locked)
-            else 0.0
-            for i in range(6)
-        ]
-        work = [-f * (b - a) for f, a, b in zip(load, old.coordinates, new.coordinates, strict=True)]
-        latch = work[3] if locked else 0.0
-        return Loads(
-            (load[0], load[1], load[2]),
-            conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
-            0.0,
-            0.0,
-            (0.0, latch, sum(work) - latch),
-        )
-
-    def _endpoint_loads(self, c: Constants, s: State) -> Loads:
-        """Loads of one instant from coordinates and rates; heat as power (W)."""
-        q, w = list(s.coordinates), s.rates
-        q[3] -= c.aligned_angle
-        load = [-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)]
-        force = (load[0], load[1], load[2])
-        friction = self._friction(c, s.latched > 0.5, force, (load[4], load[5]), w[3])
-        latch = viscous = 0.0
-        if s.latched and self.latch != "none":
-            viscous = -c.latch_damping * w[3]
-            latch = c.latch.value(s.angle - s.latched_angle) + viscous
-        twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
-        if s.holding:
-            twist -= c.hold_stiffness * (s.angle - s.hold_angle)
-        damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
-        return Loads(
-            force,
-            conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
-            latch,
-            friction,
-            (-friction * w[3], -viscous * w[3], damping),
-        )
-
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
         moved = self._latched(c, moved, c.latch_angle)
-        power = self._endpoint_loads(c, moved).heat
+        power = endpoint_loads(c, moved).heat
         added = [0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True)]
         return moved._replace(
             friction_energy=old.friction_energy + added[0],
@@ -332,7 +227,7 @@ class Hinge(Component):
         if not self._endpoint:
             return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED])))
         s = self._now(c, x, u)
-        loads = self._endpoint_loads(c, s)
+        loads = endpoint_loads(c, s)
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
         return np.array((*wrench, c.latch_angle - s.angle, s.latched))
 
@@ -342,7 +237,7 @@ class Hinge(Component):
         rate = s.rates[3]
         if not self._endpoint:
             s = s._replace(rates=(*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:]))
-        loads = self._endpoint_loads(c, s)
+        loads = endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)
         return np.array(
             (
@@ -357,26 +252,14 @@ class Hinge(Component):
                 sqrt(loads.torque[1] ** 2 + loads.torque[2] ** 2),
                 c.motor.potential(c.stowed_angle) - c.motor.potential(s.angle),
                 *heat,
-                self._stored(c, s),
+                stored_energy(c, s),
                 sum(heat),
             )
         )
 
-    def _stored(self, c: Constants, s: State) -> float:
-        """Energy in bushing, motor, harness, latch and hold."""
-        q = list(s.coordinates)
-        q[3] -= c.aligned_angle
-        energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
-        energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
-        if s.latched and self.latch != "none":
-            energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
-        if s.holding:
-            energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
-        return energy
-
     def rates(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Heat (W) of friction, latch and damping."""
-        return np.array(self._endpoint_loads(c, self._now(c, x, u)).heat)
+        return np.array(endpoint_loads(c, self._now(c, x, u)).heat)
 
     def indicators(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Angle left up to where the latch engages by itself; one where it does not."""

@@ -5,6 +5,8 @@
 #ifndef FANFOLD_BODY_EXCHANGE_H
 #define FANFOLD_BODY_EXCHANGE_H
 
+#include "body_modes.h"
+
 enum { HEAT_RATE = 13, MODE_RATES = 14 };
 
 void NAME(body_complete)(void *self, real *x);
@@ -13,7 +15,8 @@ int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, 
 /* A quaternion of unit length, and the angular velocity that belongs to the momenta. */
 void NAME(body_complete)(void *self, real *x) {
     Body *body = self;
-    Work work = work_of(body);
+    LocalWork stack;
+    Work work = work_of(body, &stack);
     Quaternion q = quaternion_normalized(quaternion_of(x + ORIENTATION));
     real a[9];
     quaternion_store(q, x + ORIENTATION);
@@ -39,8 +42,8 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     for (size_t j = 0; j < m; j++) {
         real rate = work->rate_mean[j], friction = 2.0 * ratio[j] * frequency[j] * rate;
         heat += friction * rate;
-        rates[MODE_RATES + j] = rate;
-        rates[MODE_RATES + m + j] =
+        rates[MODE_RATES + body->order[j]] = rate;
+        rates[MODE_RATES + m + body->order[j]] =
             work->force[j] + work->port_force[j] - friction - frequency[j] * frequency[j] * work->eta_mean[j];
     }
     rates[HEAT_RATE] = heat;
@@ -61,7 +64,8 @@ static inline Quaternion exchange_turning(Quaternion q, Vector3 omega) {
 int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     Body *body = self;
     if (body->quasi_static) return refuse(why, "quasi_static is 1; rates exist only where a body follows time");
-    Work work = work_of(body);
+    LocalWork stack;
+    Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     real a[9];
     rotation_matrix(quaternion_of(x + ORIENTATION), a);

@@ -1,5 +1,4 @@
-/* Products of a body's constant matrices with vectors over its modes: rows combined, and matrices of which only
-   the triangle is kept. Most of the time of a step passes here. */
+/* Products of a body's port shapes with vectors over its modes or its ports, and what vectors are made of. */
 
 #ifndef FANFOLD_BODY_PRODUCTS_H
 #define FANFOLD_BODY_PRODUCTS_H
@@ -21,6 +20,24 @@
 
 static inline size_t padded(size_t count) { return (count + FANFOLD_LANES - 1) / FANFOLD_LANES * FANFOLD_LANES; }
 
+/* GCC and Clang: so many doubles, computed with at once. Compilers do not vectorise the sums by themselves. */
+typedef double Lanes __attribute__((vector_size(FANFOLD_LANES * sizeof(double))));
+
+#ifdef __clang__
+#define LANES_PICKED(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#else
+typedef long long LaneNumbers __attribute__((vector_size(FANFOLD_LANES * sizeof(long long))));
+#define LANES_PICKED(a, b, i, j, k, l) __builtin_shuffle(a, b, (LaneNumbers){i, j, k, l})
+#endif
+
+/* sum = the sums over the lanes of s0, s1, s2, s3, made at once; these are used up. */
+#define LANES_SUM(sum, s0, s1, s2, s3)                                                  \
+    do {                                                                                \
+        s0 = LANES_PICKED(s0, s1, 0, 4, 2, 6) + LANES_PICKED(s0, s1, 1, 5, 3, 7);       \
+        s2 = LANES_PICKED(s2, s3, 0, 4, 2, 6) + LANES_PICKED(s2, s3, 1, 5, 3, 7);       \
+        sum = LANES_PICKED(s0, s2, 0, 1, 4, 5) + LANES_PICKED(s0, s2, 2, 3, 6, 7);      \
+    } while (0)
+
 /* out = sum of weight[k] times row k, for two sets of weights that share the rows; `count` rows of `length`
    numbers, both multiples of FANFOLD_LANES. */
 FANFOLD_VECTORISED static void rows_combined_twice_double(const double *restrict rows, size_t count,
@@ -40,90 +57,50 @@ FANFOLD_VECTORISED static void rows_combined_twice_double(const double *restrict
     }
 }
 
-/* The blocks of a (modes, modes) matrix that are kept when it equals its transpose, or minus it: those on and
-   above the diagonal, of FANFOLD_LANES rows and columns each. */
-static inline size_t triangle_size(size_t modes) {
-    size_t blocks = modes / FANFOLD_LANES;
-    return blocks * (blocks + 1) / 2 * FANFOLD_LANES * FANFOLD_LANES;
-}
-
-/* `parts` stacked matrices (m, m), each equal to `sign` times its transpose, as the blocks that are kept: by
-   block row, then by part. A block holds, row by row, what its rows of the weight give to the columns; only the
-   triangle is read. */
-static inline void triangles_pack(const double *stacked, size_t parts, double sign, size_t m, double *blocks) {
-    size_t n = padded(m);
-    for (size_t first = 0; first < n; first += FANFOLD_LANES)
-        for (size_t part = 0; part < parts; part++)
-            for (size_t next = first; next < n; next += FANFOLD_LANES)
-                for (size_t k = first; k < first + FANFOLD_LANES; k++)
-                    for (size_t j = next; j < next + FANFOLD_LANES; j++, blocks++) {
-                        const double *matrix = stacked + part * m * m;
-                        if (k < m && j < m) *blocks = k <= j ? matrix[j * m + k] : sign * matrix[k * m + j];
-                    }
-}
-
-/* GCC and Clang: so many doubles, computed with at once. Compilers do not vectorise the sums by themselves. */
-typedef double Lanes __attribute__((vector_size(FANFOLD_LANES * sizeof(double))));
-
-#ifdef __clang__
-#define LANES_PICKED(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#else
-typedef long long LaneNumbers __attribute__((vector_size(FANFOLD_LANES * sizeof(long long))));
-#define LANES_PICKED(a, b, i, j, k, l) __builtin_shuffle(a, b, (LaneNumbers){i, j, k, l})
-#endif
-
-/* out = each of the matrices times weight; a block gives to its columns and, off the diagonal, to its rows. */
-FANFOLD_VECTORISED static void triangles_combined_double(const double *restrict blocks, size_t parts, double sign,
-                                                         size_t n, const double *restrict weight,
-                                                         double *restrict out) {
-    Lanes r0, r1, r2, r3, x, y;
-    for (size_t i = 0; i < parts * n; i++) out[i] = 0.0;
-    for (size_t k = 0; k < n; k += FANFOLD_LANES) {
-        double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
-        for (size_t part = 0; part < parts; part++) {
-            double *own = out + part * n;
-            Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0}, diagonal = {0.0};
-            for (size_t j = k; j < n; j += FANFOLD_LANES, blocks += FANFOLD_LANES * FANFOLD_LANES) {
-                memcpy(&r0, blocks, sizeof r0);
-                memcpy(&r1, blocks + FANFOLD_LANES, sizeof r1);
-                memcpy(&r2, blocks + 2 * FANFOLD_LANES, sizeof r2);
-                memcpy(&r3, blocks + 3 * FANFOLD_LANES, sizeof r3);
-                if (j == k) {
-                    diagonal = w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
-                    continue;
-                }
-                memcpy(&x, weight + j, sizeof x);
-                memcpy(&y, own + j, sizeof y);
-                y += w0 * r0 + w1 * r1 + w2 * r2 + w3 * r3;
-                memcpy(own + j, &y, sizeof y);
-                s0 += r0 * x;
-                s1 += r1 * x;
-                s2 += r2 * x;
-                s3 += r3 * x;
-            }
-            /* the four sums over lanes, made at once */
-            r0 = LANES_PICKED(s0, s1, 0, 4, 2, 6) + LANES_PICKED(s0, s1, 1, 5, 3, 7);
-            r1 = LANES_PICKED(s2, s3, 0, 4, 2, 6) + LANES_PICKED(s2, s3, 1, 5, 3, 7);
-            r2 = LANES_PICKED(r0, r1, 0, 1, 4, 5) + LANES_PICKED(r0, r1, 2, 3, 6, 7);
-            memcpy(&y, own + k, sizeof y);
-            y += diagonal + sign * r2;
-            memcpy(own + k, &y, sizeof y);
+/* out[k] = scalar product of row k with `weight`, of the same rows. */
+FANFOLD_VECTORISED static void rows_projected_double(const double *restrict rows, size_t count, size_t length,
+                                                     const double *restrict weight, double *restrict out) {
+    Lanes r0, r1, r2, r3, w;
+    for (size_t k = 0; k < count; k += FANFOLD_LANES) {
+        const double *row = rows + k * length;
+        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0};
+        for (size_t i = 0; i < length; i += FANFOLD_LANES, row += FANFOLD_LANES) {
+            memcpy(&w, weight + i, sizeof w);
+            memcpy(&r0, row, sizeof r0);
+            memcpy(&r1, row + length, sizeof r1);
+            memcpy(&r2, row + 2 * length, sizeof r2);
+            memcpy(&r3, row + 3 * length, sizeof r3);
+            s0 += r0 * w;
+            s1 += r1 * w;
+            s2 += r2 * w;
+            s3 += r3 * w;
         }
+        LANES_SUM(w, s0, s1, s2, s3);
+        memcpy(out + k, &w, sizeof w);
     }
 }
 
 #ifdef FANFOLD_COMPLEX
 
+/* Values and slopes of numbers, apart. */
+static inline void values_and_slopes(const real *numbers, size_t count, double *value, double *slope) {
+    for (size_t k = 0; k < count; k++) {
+        value[k] = creal(numbers[k]);
+        slope[k] = cimag(numbers[k]);
+    }
+}
+
+static inline void joined(const double *value, const double *slope, size_t count, real *numbers) {
+    for (size_t i = 0; i < count; i++) numbers[i] = complex_of(value[i], slope[i]);
+}
+
 /* Values and slopes are two sets of weights; `split` holds 2 (count + length) doubles. */
 static inline void rows_combined(const double *rows, size_t count, size_t length, const real *weight, real *out,
                                  double *split) {
     double *value = split, *slope = value + count, *value_out = slope + count, *slope_out = value_out + length;
-    for (size_t k = 0; k < count; k++) {
-        value[k] = creal(weight[k]);
-        slope[k] = cimag(weight[k]);
-    }
+    values_and_slopes(weight, count, value, slope);
     rows_combined_twice_double(rows, count, length, value, slope, value_out, slope_out);
-    for (size_t i = 0; i < length; i++) out[i] = complex_of(value_out[i], slope_out[i]);
+    joined(value_out, slope_out, length, out);
 }
 
 static inline void rows_combined_twice(const double *rows, size_t count, size_t length, const real *weight,
@@ -132,17 +109,13 @@ static inline void rows_combined_twice(const double *rows, size_t count, size_t 
     rows_combined(rows, count, length, other, other_out, split);
 }
 
-/* `split` holds 2 (n + parts n) doubles. */
-static inline void triangles_combined(const double *blocks, size_t parts, double sign, size_t n, const real *weight,
-                                      real *out, double *split) {
-    double *value = split, *slope = value + n, *value_out = slope + n, *slope_out = value_out + parts * n;
-    for (size_t k = 0; k < n; k++) {
-        value[k] = creal(weight[k]);
-        slope[k] = cimag(weight[k]);
-    }
-    triangles_combined_double(blocks, parts, sign, n, value, value_out);
-    triangles_combined_double(blocks, parts, sign, n, slope, slope_out);
-    for (size_t i = 0; i < parts * n; i++) out[i] = complex_of(value_out[i], slope_out[i]);
+static inline void rows_projected(const double *rows, size_t count, size_t length, const real *weight, real *out,
+                                  double *split) {
+    double *value = split, *slope = value + length, *value_out = slope + length, *slope_out = value_out + count;
+    values_and_slopes(weight, length, value, slope);
+    rows_projected_double(rows, count, length, value, value_out);
+    rows_projected_double(rows, count, length, slope, slope_out);
+    joined(value_out, slope_out, count, out);
 }
 
 #else
@@ -171,10 +144,10 @@ static inline void rows_combined_twice(const double *rows, size_t count, size_t 
     rows_combined_twice_double(rows, count, length, weight, other, out, other_out);
 }
 
-static inline void triangles_combined(const double *blocks, size_t parts, double sign, size_t n, const real *weight,
-                                      real *out, double *split) {
+static inline void rows_projected(const double *rows, size_t count, size_t length, const real *weight, real *out,
+                                  double *split) {
     (void)split;
-    triangles_combined_double(blocks, parts, sign, n, weight, out);
+    rows_projected_double(rows, count, length, weight, out);
 }
 
 #endif

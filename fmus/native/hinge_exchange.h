@@ -6,6 +6,8 @@
 #ifndef FANFOLD_HINGE_EXCHANGE_H
 #define FANFOLD_HINGE_EXCHANGE_H
 
+#include "hinge_step.h"
+
 /* Distance (rad) from the latch angle that a solver may leave when it has found the event. */
 #define REACHED 1e-9
 

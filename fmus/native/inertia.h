@@ -2,17 +2,16 @@
 
        J(eta) = I7 - (I8_j + I8_j^T) eta_j - I9_jk eta_j eta_k        B(eta) = I5_j eta_j
 
-   Symmetric matrices are held as (xx, yy, zz, xy, xz, yz). Of I9, symmetric in its modes, and of I5, which is
-   antisymmetric, only the triangle is kept: a chain of bodies has to stay in the cache. */
+   Symmetric matrices are held as (xx, yy, zz, xy, xz, yz). I9 is symmetric in its modes, I5 antisymmetric. */
 
 #ifndef FANFOLD_INERTIA_H
 #define FANFOLD_INERTIA_H
 
 #include <stddef.h>
 
-#include "body_products.h"
 #include "frames.h"
 #include "real.h"
+#include "triangles.h"
 
 /* Scalar product in independent partial sums, which a compiler may keep in one register. */
 static inline real dot_product(const real *a, const real *b, size_t count) {
@@ -27,9 +26,9 @@ typedef struct {
     int varies, full;
     size_t modes;
     double inertia[6], inverse[9];
-    double *slope;      /* 6 rows of modes */
-    double *quadratic;  /* 6 triangles */
-    double *gyroscopic; /* 3 triangles */
+    double *slope;        /* 6 rows of modes */
+    Triangles quadratic;  /* 6 */
+    Triangles gyroscopic; /* 3 */
 } InertiaCoupling;
 
 /* Working memory of a coupling: `quadratic` 6 modes, `b` and `b_rate` 3 modes each. */
@@ -40,12 +39,12 @@ typedef struct {
 
 /* The six products of I9 with eta, and B. */
 static inline void quadratic_at(const InertiaCoupling *coupling, const real *eta, const CouplingScratch *scratch) {
-    triangles_combined(coupling->quadratic, 6, 1.0, coupling->modes, eta, scratch->quadratic, scratch->split);
+    triangles_combined(&coupling->quadratic, eta, scratch->quadratic, scratch->split);
 }
 
 static inline void gyroscopic_of(const InertiaCoupling *coupling, const real *eta, real *b,
                                  const CouplingScratch *scratch) {
-    triangles_combined(coupling->gyroscopic, 3, -1.0, coupling->modes, eta, b, scratch->split);
+    triangles_combined(&coupling->gyroscopic, eta, b, scratch->split);
 }
 
 /* J - B B^T at eta, from the products `scratch` holds at the full level, at a level that varies. */

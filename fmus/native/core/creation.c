@@ -34,13 +34,14 @@ static int make_state(Instance *instance, Reason *why) {
     return continuous_create(instance, why);
 }
 
-static int check_token(const Instance *instance, const char *token, Reason *why) {
+static int check_token(Instance *instance, const char *token, Reason *why) {
     const char *own = data_text(&instance->data, "token");
     if (!own || strlen(own) < 16)
         return refuse(why, "the component's data have no instantiation token");
     if (!token || strcmp(own, token) != 0)
         return refuse(why, "the model description has the token %.80s, the resources have %.80s; they do not "
                            "belong together", token ? token : "(none)", own);
+    memcpy(instance->owner, own + strlen(own) - sizeof instance->owner, sizeof instance->owner);
     return 1;
 }
 

@@ -44,6 +44,7 @@ typedef struct {
     const Kernel *kernel;
     void *self;
     const char *name;
+    char owner[16]; /* end of the token: instances of equal resources take each other's states */
     Logger logger;
     void *host;
     Sizes sizes;

@@ -7,12 +7,6 @@
 #include "continuous.h"
 #include "instance.h"
 
-/* What makes two instances' states interchangeable: the content of their resources. */
-static void write_owner(const Instance *instance, char *owner) {
-    const char *token = data_text(&instance->data, "token");
-    memcpy(owner, token + strlen(token) - 16, 16);
-}
-
 Status instance_save(Instance *instance, SavedState **state) {
     size_t known = instance->ends[1];
     SavedState *saved = *state;
@@ -22,7 +16,7 @@ Status instance_save(Instance *instance, SavedState **state) {
         saved = malloc(sizeof *saved + (known + instance->states) * sizeof(double));
         if (!saved)
             return instance_fail(instance, STATUS_ERROR, "no memory to save the state");
-        write_owner(instance, saved->owner);
+        memcpy(saved->owner, instance->owner, sizeof saved->owner);
         saved->known = known;
         saved->states = instance->states;
         *state = saved;
@@ -41,10 +35,8 @@ Status instance_save(Instance *instance, SavedState **state) {
 }
 
 Status instance_restore(Instance *instance, const SavedState *state) {
-    char owner[16];
-    write_owner(instance, owner);
     if (!state || state->known != instance->ends[1] || state->states != instance->states ||
-        memcmp(state->owner, owner, sizeof owner) != 0)
+        memcmp(state->owner, instance->owner, sizeof state->owner) != 0)
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
     if (state->exchange != instance->continuous.used)
         return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");

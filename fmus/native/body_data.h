@@ -1,0 +1,192 @@
+/* Making a body from data that are not trusted: part of body.c. */
+
+#ifndef FANFOLD_BODY_DATA_H
+#define FANFOLD_BODY_DATA_H
+
+#include "body_model.h"
+
+#define MOST_MODES 1024
+#define MOST_PORTS 1024
+
+/* The array of that name with `count` finite numbers. */
+static const double *finite_array(const Data *data, const char *name, size_t count, Reason *why) {
+    const double *values = data_array(data, name, count, why);
+    for (size_t i = 0; values && i < count; i++)
+        if (!isfinite(values[i])) {
+            refuse(why, "the body's data have a value of %s that is not finite", name);
+            return NULL;
+        }
+    return values;
+}
+
+/* Copies `count` finite numbers. */
+static int copy_array(const Data *data, const char *name, size_t count, double *place, Reason *why) {
+    const double *values = finite_array(data, name, count, why);
+    if (!values) return 0;
+    memcpy(place, values, count * sizeof(double));
+    return 1;
+}
+
+/* Numbers of ports and of modes, from the sizes of two arrays. */
+static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *why) {
+    size_t arms = 0, modes = 0;
+    if (!data_any(data, "arms", &arms, why) || !data_any(data, "frequency", &modes, why)) return 0;
+    if (arms % 3 != 0 || arms / 3 > MOST_PORTS)
+        return refuse(why, "the body's data have %lu numbers for arms; it takes 3 a port, for at most %d ports",
+                      (unsigned long)arms, MOST_PORTS);
+    if (modes > MOST_MODES)
+        return refuse(why, "the body's data have %lu modes; there can be at most %d", (unsigned long)modes,
+                      MOST_MODES);
+    body->ports = arms / 3;
+    body->modes = modes;
+    body->padded_modes = padded(modes);
+    body->coordinates = padded(arms);
+    if (sizes->inputs != WRENCH * body->ports || sizes->outputs != MOTION * body->ports ||
+        sizes->observations != 16 + modes)
+        return refuse(why, "the body's variables do not fit its %lu ports and %lu modes", (unsigned long)body->ports,
+                      (unsigned long)modes);
+    return 1;
+}
+
+static int remembered_allocate(Remembered *remembered, size_t bytes, Memory *memory) {
+    remembered->eta = allocate(memory, bytes);
+    remembered->b = allocate(memory, 3 * bytes);
+    return remembered->eta && remembered->b;
+}
+
+/* Working memory that is too large for the stack; 0 without memory. */
+static int allocate_work(Body *body, Memory *memory) {
+    size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates);
+    if (numbers <= LOCAL_WORK_SIZE) return 1;
+    body->work = allocate(memory, numbers * sizeof(double));
+    body->work_complex = allocate(memory, numbers * sizeof(double complex));
+    return body->work && body->work_complex;
+}
+
+static int allocate_all(Body *body, Memory *memory, Reason *why) {
+    size_t n = body->padded_modes, l = body->coordinates, mode = (n + 1) * sizeof(double);
+    body->damping_ratio = allocate(memory, mode);
+    body->order = allocate(memory, (n + 1) * sizeof *body->order);
+    body->arms = allocate(memory, (l + 1) * sizeof(double));
+    body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
+    body->shapes = allocate(memory, 2 * l * mode);
+    body->coupling.slope = allocate(memory, 6 * mode);
+    if (!body->damping_ratio || !body->order || !body->arms || !body->port_orientation || !body->shapes ||
+        !body->coupling.slope || !allocate_work(body, memory) ||
+        !oscillators_allocate(&body->oscillators, n, memory) ||
+        !remembered_allocate(&body->at_start, mode, memory) || !remembered_allocate(&body->at_end, mode, memory) ||
+        !remembered_allocate(&body->at_end_complex, 2 * mode, memory))
+        return refuse(why, "no memory for a body of %lu modes", (unsigned long)body->modes);
+    return 1;
+}
+
+static int read_mass(Body *body, const Data *data, Reason *why) {
+    if (!copy_array(data, "mass", 1, &body->mass, why)) return 0;
+    if (!(body->mass > 0.0)) return refuse(why, "mass is %g kg; it must be positive", body->mass);
+    return copy_array(data, "center_of_mass", 3, body->center_of_mass, why) &&
+           copy_array(data, "inertia", 6, body->coupling.inertia, why) &&
+           copy_array(data, "inverse_inertia", 9, body->coupling.inverse, why);
+}
+
+static int read_oscillators(Body *body, const Data *data, Reason *why) {
+    Oscillators *oscillators = &body->oscillators;
+    const double *frequency = finite_array(data, "frequency", body->modes, why);
+    const double *ratio = frequency ? finite_array(data, "damping_ratio", body->modes, why) : NULL;
+    if (!ratio) return 0;
+    for (size_t j = 0; j < body->modes; j++) {
+        double own = oscillators->frequency[j] = frequency[body->order[j]];
+        body->damping_ratio[j] = ratio[body->order[j]];
+        if (!(own > 0.0))
+            return refuse(why, "every mode must have a positive frequency; remove the rigid modes first");
+        if (!(body->damping_ratio[j] >= 0.0)) return refuse(why, "modal damping ratios must not be negative");
+        oscillators->compliance[j] = 1.0 / (own * own);
+    }
+    return 1;
+}
+
+/* Shapes of one kind (ports, 3, modes), stored from coordinate `first` on. */
+static int read_shapes(Body *body, const Data *data, const char *name, size_t first, Reason *why) {
+    size_t m = body->modes, length = 2 * body->coordinates;
+    const double *shapes = finite_array(data, name, 3 * body->ports * m, why);
+    if (!shapes) return 0;
+    for (size_t i = 0; i < 3 * body->ports; i++)
+        for (size_t j = 0; j < m; j++) body->shapes[j * length + first + i] = shapes[i * m + body->order[j]];
+    return 1;
+}
+
+static int read_ports(Body *body, const Data *data, Reason *why) {
+    return copy_array(data, "arms", 3 * body->ports, body->arms, why) &&
+           copy_array(data, "port_orientation", 4 * body->ports, body->port_orientation, why) &&
+           read_shapes(body, data, "translation", 0, why) &&
+           read_shapes(body, data, "rotation", body->coordinates, why);
+}
+
+static int read_level(Body *body, const Data *data, Reason *why) {
+    double varies = 0.0, full = 0.0;
+    if (!copy_array(data, "inertia_varies", 1, &varies, why) || !copy_array(data, "full_coupling", 1, &full, why))
+        return 0;
+    body->coupling.modes = body->padded_modes;
+    body->coupling.varies = body->modes && varies != 0.0;
+    body->coupling.full = body->coupling.varies && full != 0.0;
+    return 1;
+}
+
+/* The invariants that the level keeps, and the order of the modes that suits them. */
+static int read_coupling(Body *body, const Data *data, Memory *memory, Reason *why) {
+    InertiaCoupling *coupling = &body->coupling;
+    size_t m = body->modes, n = body->padded_modes;
+    for (size_t j = 0; j < m; j++) body->order[j] = (unsigned short)j;
+    if (coupling->full) {
+        const double *tensors = finite_array(data, "tensors", 9 * m * m, why);
+        if (!tensors) return 0;
+        const StackedMatrices quadratic = {tensors, 6, m, 1.0, body->order};
+        const StackedMatrices gyroscopic = {tensors + 6 * m * m, 3, m, -1.0, body->order};
+        order_by_interaction(&gyroscopic, body->order);
+        if (!triangles_create(&coupling->quadratic, &quadratic, memory) ||
+            !triangles_create(&coupling->gyroscopic, &gyroscopic, memory))
+            return refuse(why, "no memory for the inertia of %lu modes", (unsigned long)m);
+    }
+    if (!coupling->varies) return 1;
+    const double *slope = finite_array(data, "slope", 6 * m, why);
+    if (!slope) return 0;
+    for (size_t p = 0; p < 6; p++)
+        for (size_t j = 0; j < m; j++) coupling->slope[p * n + j] = slope[p * m + body->order[j]];
+    return 1;
+}
+
+/* Offset of a parameter that lies within the parameters. */
+static int find(const Data *data, const Sizes *sizes, const char *name, size_t size, size_t *place, Reason *why) {
+    long offset = data_offset(data, "parameter", name, size, why);
+    if (offset < 0) return 0;
+    *place = (size_t)offset;
+    if (*place > sizes->parameters || size > sizes->parameters - *place)
+        return refuse(why, "parameter %s lies outside of the parameters", name);
+    return 1;
+}
+
+static int find_parameters(Body *body, const Data *data, const Sizes *sizes, Reason *why) {
+    return find(data, sizes, "initial_position", 3, &body->at_position, why) &&
+           find(data, sizes, "initial_orientation", 4, &body->at_orientation, why) &&
+           find(data, sizes, "initial_velocity", 3, &body->at_velocity, why) &&
+           find(data, sizes, "initial_angular_velocity", 3, &body->at_angular_velocity, why) &&
+           find(data, sizes, "gravity", 3, &body->at_gravity, why) &&
+           find(data, sizes, "damping_scale", 1, &body->at_damping, why) &&
+           find(data, sizes, "quasi_static", 1, &body->at_static, why);
+}
+
+static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
+    Body *body = allocate(memory, sizeof *body);
+    if (!body) {
+        refuse(why, "no memory for a body");
+        return NULL;
+    }
+    body->damping_scale = -1.0; /* none yet */
+    if (!read_sizes(body, data, sizes, why) || !read_level(body, data, why) || !allocate_all(body, memory, why) ||
+        !read_mass(body, data, why) || !read_coupling(body, data, memory, why) ||
+        !read_oscillators(body, data, why) || !read_ports(body, data, why) || !find_parameters(body, data, sizes, why))
+        return NULL;
+    *states = MODES + 2 * body->modes;
+    return body;
+}
+
+#endif

@@ -1,0 +1,125 @@
+/* What a body is made of, and what its calls work on: part of body.c, of either number type. */
+
+#ifndef FANFOLD_BODY_MODEL_H
+#define FANFOLD_BODY_MODEL_H
+
+#include <string.h>
+#include "inertia.h"
+#include "kernel.h"
+#include "matrices.h"
+#include "oscillators.h"
+
+enum { POSITION = 0, ORIENTATION = 3, MOMENTUM = 7, SPIN = 10, OMEGA = 13, HEAT = 16, MODES = 17 };
+enum { WRENCH = 6, MOTION = 13 };
+
+/* B of the modal coordinates it was last evaluated for: a state is asked for it several times. */
+typedef struct {
+    int known;
+    void *eta, *b;
+} Remembered;
+
+typedef struct {
+    size_t ports, modes, padded_modes, coordinates; /* coordinates: 3 a port, padded */
+    double mass, center_of_mass[3];
+    InertiaCoupling coupling;
+    Oscillators oscillators;
+    double *damping_ratio;    /* before the scale */
+    double *arms;             /* 3 a port */
+    double *port_orientation; /* 4 a port */
+    double *shapes;           /* modes rows of 2 coordinates: translations, then rotations */
+    unsigned short *order;    /* mode j here is mode order[j] of the state and of the data */
+    size_t at_position, at_orientation, at_velocity, at_angular_velocity, at_gravity, at_damping, at_static;
+    double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
+    double gravity[3], damping_scale;
+    int quasi_static;
+    Remembered at_start, at_end, at_end_complex;
+    void *work, *work_complex; /* of a large body */
+} Body;
+
+/* Working memory of one number type. Vectors over modes are padded, with zeros. */
+typedef struct {
+    real *eta_start, *pi_start, *eta_mean, *rate_mean, *rate_start;
+    real *eta, *pi, *pi_mean, *force, *port_force, *drag;
+    real *wrenches;   /* 2 coordinates: forces and torques conjugate to the modes, body axes */
+    real *deflection; /* 2 coordinates: of the ports, and their turns */
+    real *rates;      /* 2 coordinates: the same for the modal rates */
+    real *arms;       /* coordinates */
+    CouplingScratch coupling;
+} Work;
+
+#define WORK_BY_MODE 11
+#define WORK_BY_PORT 7
+#define WORK_OF_COUPLING 12
+/* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
+#define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
+#define WORK_SIZE(modes, coordinates) \
+    ((WORK_BY_MODE + WORK_OF_COUPLING) * (modes) + WORK_BY_PORT * (coordinates) + WORK_SPLIT(modes, coordinates))
+
+/* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
+   large bodies, of 50 modes and more, is their own. */
+#define LOCAL_WORK_SIZE 2048
+typedef struct {
+#ifdef __GNUC__
+    __attribute__((aligned(64)))
+#endif
+    real numbers[LOCAL_WORK_SIZE];
+} LocalWork;
+
+/* The working memory, cut out of its block. */
+static inline Work work_of(const Body *body, LocalWork *local) {
+#ifdef FANFOLD_COMPLEX
+    real *next = body->work_complex ? body->work_complex : local->numbers;
+#else
+    real *next = body->work ? body->work : local->numbers;
+#endif
+    size_t n = body->padded_modes, l = body->coordinates;
+    Work work;
+    work.eta_start = next;
+    work.pi_start = next + n;
+    work.eta_mean = next + 2 * n;
+    work.rate_mean = next + 3 * n;
+    work.rate_start = next + 4 * n;
+    work.eta = next + 5 * n;
+    work.pi = next + 6 * n;
+    work.pi_mean = next + 7 * n;
+    work.force = next + 8 * n;
+    work.port_force = next + 9 * n;
+    work.drag = next + 10 * n;
+    next += WORK_BY_MODE * n;
+    work.wrenches = next;
+    work.deflection = next + 2 * l;
+    work.rates = next + 4 * l;
+    work.arms = next + 6 * l;
+    next += WORK_BY_PORT * l;
+    work.coupling.quadratic = next;
+    work.coupling.b = next + 6 * n;
+    work.coupling.b_rate = next + 9 * n;
+    work.coupling.split = (double *)(next + WORK_OF_COUPLING * n);
+    return work;
+}
+
+/* Held wrenches of all ports, world axes, and their sums. */
+typedef struct {
+    const real *wrenches;
+    Vector3 force, torque;
+} Load;
+
+static inline Load load_of(const Body *body, const real *u) {
+    Load load = {u, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    for (size_t k = 0; k < body->ports; k++) {
+        load.force = vector_add(load.force, vector_of(u + WRENCH * k));
+        load.torque = vector_add(load.torque, vector_of(u + WRENCH * k + 3));
+    }
+    return load;
+}
+
+/* Sum of the moments of the ports' forces on arms in the axes of rotation a. */
+static inline Vector3 moment_of(const Body *body, const Load *load, const real *arms, const real a[9]) {
+    Vector3 sum = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k < body->ports; k++)
+        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)),
+                                           vector_of(load->wrenches + WRENCH * k)));
+    return sum;
+}
+
+#endif

@@ -1,0 +1,57 @@
+/* Poses and velocities of a body's ports: part of body.c, of either number type. */
+
+#ifndef FANFOLD_BODY_PORTS_H
+#define FANFOLD_BODY_PORTS_H
+
+#include "body_modes.h"
+
+/* Deflections, turns and their rates at the ports; zeros for a rigid body. */
+static inline void deform_ports(Body *body, const real *x, Vector3 omega, const Work *work) {
+    size_t n = body->padded_modes, l = body->coordinates;
+    const real *rate = work->pi;
+    if (!n) {
+        for (size_t i = 0; i < 2 * l; i++) work->deflection[i] = work->rates[i] = 0.0;
+        return;
+    }
+    load_modes(body, x, work->eta, work->pi);
+    if (body->coupling.full) {
+        modal_rate(n, omega, gyroscopic_at(body, work->eta, work), work->pi, work->rate_mean);
+        rate = work->rate_mean;
+    }
+    rows_combined_twice(body->shapes, n, 2 * l, work->eta, rate, work->deflection, work->rates,
+                        work->coupling.split);
+}
+
+void NAME(body_outputs)(void *self, const real *x, const real *u, real *y);
+
+/* Pose and velocity of every port, world axes. */
+void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
+    Body *body = self;
+    (void)u;
+    LocalWork stack;
+    Work work = work_of(body, &stack);
+    size_t l = body->coordinates;
+    Quaternion q = quaternion_of(x + ORIENTATION);
+    Vector3 position = vector_of(x + POSITION), omega = vector_of(x + OMEGA);
+    Vector3 velocity = vector_scaled(1.0 / body->mass, vector_of(x + MOMENTUM));
+    real a[9];
+    rotation_matrix(q, a);
+    deform_ports(body, x, omega, &work);
+    for (size_t k = 0; k < body->ports; k++, y += MOTION) {
+        const double *own = body->port_orientation + 4 * k;
+        Vector3 turn = vector_of(work.deflection + l + 3 * k), twist = vector_of(work.rates + l + 3 * k);
+        Vector3 arm = vector_add(constant_vector(body->arms + 3 * k), vector_of(work.deflection + 3 * k));
+        Vector3 once = vector_cross(turn, twist), twice = vector_cross(turn, once);
+        Vector3 rate_of_turn = vector_add(vector_add(omega, twist),
+                                          vector_add(vector_scaled(0.5, once), vector_scaled(1.0 / 6.0, twice)));
+        Vector3 relative = vector_add(vector_cross(omega, arm), vector_of(work.rates + 3 * k));
+        Quaternion local = {own[0], own[1], own[2], own[3]};
+        if (body->modes) local = quaternion_multiply(quaternion_exponential(turn), local);
+        vector_store(vector_add(position, matrix_times(a, arm)), y);
+        quaternion_store(quaternion_multiply(q, local), y + 3);
+        vector_store(vector_add(velocity, matrix_times(a, relative)), y + 7);
+        vector_store(matrix_times(a, rate_of_turn), y + 10);
+    }
+}
+
+#endif

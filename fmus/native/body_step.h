@@ -1,0 +1,187 @@
+/* One step of a body: part of body.c, of either number type. The dynamic step iterates on the angular velocity of
+   mid-step by the rule of the Python component, so that the iterates agree. */
+
+#ifndef FANFOLD_BODY_STEP_H
+#define FANFOLD_BODY_STEP_H
+
+#include "body_modes.h"
+
+#define MAX_ITERATIONS 12
+#define MAX_SLOPE_ITERATIONS 40
+#define ANGLE_TOLERANCE 1e-12
+#define SLOPE_TOLERANCE 1e-12
+#define STATIC_ITERATIONS 3
+
+/* Outcome of a step's iteration: angular velocity of mid-step, moment of the forces at the start, heat. */
+typedef struct {
+    Vector3 omega, moment_start;
+    real heat;
+} Turned;
+
+#ifdef FANFOLD_COMPLEX
+
+#define ITERATIONS MAX_SLOPE_ITERATIONS
+
+/* Whether slopes have come to rest relative to the largest of them. */
+static inline int slopes_converged(const real *last, const real *next, size_t count) {
+    double change = 0.0, largest = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        change = fmax(change, fabs(cimag(next[i]) - cimag(last[i])));
+        largest = fmax(largest, fabs(cimag(next[i])));
+    }
+    return change <= SLOPE_TOLERANCE * largest;
+}
+
+#else
+
+#define ITERATIONS MAX_ITERATIONS
+
+static inline int slopes_converged(const real *last, const real *next, size_t count) {
+    (void)last, (void)next, (void)count;
+    return 1;
+}
+
+#endif
+
+/* Whether an iteration has come to rest; never with values that are not finite. */
+static inline int converged(Vector3 last, Vector3 next, double h) {
+    const real before[3] = {last.x, last.y, last.z}, after[3] = {next.x, next.y, next.z};
+    for (size_t i = 0; i < 3; i++)
+        if (!(h * fabs(value_of(after[i] - before[i])) < ANGLE_TOLERANCE)) return 0;
+    return slopes_converged(before, after, 3);
+}
+
+/* Rotations of mid-step and of the end of the step, turned from the start by half a step twice. */
+static inline void turn_on(const real a_start[9], Vector3 omega, double h, real a_mid[9], real a_end[9]) {
+    real half[9];
+    rotation_matrix(quaternion_exponential(vector_scaled(0.5 * h, omega)), half);
+    matrix_product(a_start, half, a_mid);
+    matrix_product(a_mid, half, a_end);
+}
+
+/* Angular momentum of mid-step, body axes. */
+static inline Vector3 momentum_of_mid_step(const double *x, const Load *load, Vector3 moment_start,
+                                           Vector3 moment_end, double h, const real a_mid[9]) {
+    Vector3 moment = vector_add(vector_mean(moment_start, moment_end), load->torque);
+    return transposed_times(a_mid, vector_add(constant_vector(x + SPIN), vector_scaled(0.5 * h, moment)));
+}
+
+/* Angular velocity of mid-step, iterated on the moments of the forces at both ends. */
+static inline Turned turned_rigid(const Body *body, const double *x, const Load *load, double h,
+                                  const real a_start[9], const Work *work) {
+    real a_mid[9], a_end[9];
+    undeformed_arms(body, work);
+    Turned turned = {constant_vector(x + OMEGA), moment_of(body, load, work->arms, a_start), 0.0};
+    for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
+        turn_on(a_start, turned.omega, h, a_mid, a_end);
+        Vector3 moment_end = moment_of(body, load, work->arms, a_end);
+        Vector3 momentum = momentum_of_mid_step(x, load, turned.moment_start, moment_end, h, a_mid);
+        Vector3 next = constant_times(body->coupling.inverse, momentum);
+        done = converged(turned.omega, next, h);
+        turned.omega = next;
+    }
+    return turned;
+}
+
+/* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. */
+static inline Turned turned_flexible(Body *body, const double *x, const Load *load, double h,
+                                     const real a_start[9], const Work *work) {
+    size_t n = body->padded_modes, l = body->coordinates;
+    const Propagator *prop = oscillators_propagator(&body->oscillators, h);
+    real a_mid[9], a_end[9], a_mean[9], inertia[6] = {0.0};
+    real *turns_start = work->rates + l, *turns = work->rates;
+    start_modes(body, x, work);
+    deformed_arms(body, work->eta_start, work);
+    for (size_t i = 0; i < l; i++) turns[i] = turns_start[i] = work->deflection[l + i];
+    Turned turned = {constant_vector(x + OMEGA), moment_of(body, load, work->arms, a_start), 0.0};
+    for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
+        turn_on(a_start, turned.omega, h, a_mid, a_end);
+        for (size_t e = 0; e < 9; e++) a_mean[e] = 0.5 * (a_start[e] + a_end[e]);
+        couple(body, turned.omega, work, inertia);
+        modal_force(body, load, a_mean, a_mid, turns, work);
+        propagate(prop, n, work);
+        deformed_arms(body, work->eta, work);
+        for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (turns_start[e] + work->deflection[l + e]);
+        Vector3 moment_end = moment_of(body, load, work->arms, a_end);
+        Vector3 momentum = momentum_of_mid_step(x, load, turned.moment_start, moment_end, h, a_mid);
+        Vector3 next = solved(body, inertia, momentum, work->pi_mean, work);
+        done = converged(turned.omega, next, h);
+        turned.omega = next;
+    }
+    turned.heat = dissipated(prop, body->oscillators.compliance, n, work);
+    return turned;
+}
+
+/* One step under wrenches held in world axes. */
+static inline void dynamic_step(Body *body, const double *x, const real *u, double h, real *x_next) {
+    LocalWork stack;
+    Work work = work_of(body, &stack);
+    Load load = load_of(body, u);
+    Quaternion q = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
+    real a_start[9], a_end[9];
+    rotation_matrix(q, a_start);
+    Turned turned = body->modes ? turned_flexible(body, x, &load, h, a_start, &work)
+                                : turned_rigid(body, x, &load, h, a_start, &work);
+    Vector3 weight = constant_vector(body->gravity);
+    Vector3 pull = vector_add(load.force, vector_scaled(body->mass, weight));
+    Vector3 momentum = vector_add(constant_vector(x + MOMENTUM), vector_scaled(h, pull));
+    Vector3 travel = vector_scaled(0.5 * h / body->mass, vector_add(constant_vector(x + MOMENTUM), momentum));
+    Quaternion half_turn = quaternion_exponential(vector_scaled(0.5 * h, turned.omega));
+    q = quaternion_normalized(quaternion_multiply(q, quaternion_multiply(half_turn, half_turn)));
+    rotation_matrix(q, a_end);
+    Vector3 moment = vector_mean(turned.moment_start, moment_of(body, &load, work.arms, a_end));
+    Vector3 spin = vector_add(constant_vector(x + SPIN), vector_scaled(h, vector_add(moment, load.torque)));
+    vector_store(momentum, x_next + MOMENTUM);
+    vector_store(vector_add(constant_vector(x + POSITION), travel), x_next + POSITION);
+    quaternion_store(q, x_next + ORIENTATION);
+    vector_store(spin, x_next + SPIN);
+    x_next[HEAT] = x[HEAT] + turned.heat;
+    store_modes(body, work.eta, work.pi, x_next);
+    vector_store(angular_velocity(body, transposed_times(a_end, spin), &work), x_next + OMEGA);
+}
+
+/* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
+static inline void static_step(Body *body, const double *x, const real *u, double h, real *x_next) {
+    LocalWork stack;
+    Work work = work_of(body, &stack);
+    Load load = load_of(body, u);
+    size_t n = body->padded_modes, l = body->coordinates;
+    const Quaternion start = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
+    Quaternion q = start;
+    real a[9];
+    rotation_matrix(q, a);
+    undeformed_arms(body, &work);
+    for (size_t i = 0; i < 2 * l; i++) work.deflection[i] = 0.0;
+    for (size_t j = 0; j < n; j++) work.pi[j] = 0.0;
+    for (int i = 0; i < STATIC_ITERATIONS; i++) {
+        if (n) {
+            modal_force(body, &load, a, a, work.deflection + l, &work);
+            for (size_t j = 0; j < n; j++) work.eta[j] = body->oscillators.compliance[j] * work.port_force[j];
+            deformed_arms(body, work.eta, &work);
+        }
+        Vector3 moment = vector_add(moment_of(body, &load, work.arms, a), load.torque);
+        Vector3 turn = constant_times(body->coupling.inverse, transposed_times(a, moment));
+        q = quaternion_normalized(quaternion_multiply(start, quaternion_exponential(vector_scaled(h * h, turn))));
+        rotation_matrix(q, a);
+    }
+    for (size_t i = 0; i < MODES; i++) x_next[i] = 0.0;
+    quaternion_store(q, x_next + ORIENTATION);
+    Vector3 pull = vector_add(vector_scaled(1.0 / body->mass, load.force), constant_vector(body->gravity));
+    vector_store(vector_add(constant_vector(x + POSITION), vector_scaled(h * h, pull)), x_next + POSITION);
+    x_next[HEAT] = x[HEAT];
+    store_modes(body, work.eta, work.pi, x_next);
+}
+
+int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
+
+int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
+    Body *body = self;
+    (void)why;
+    if (body->quasi_static)
+        static_step(body, x, u, h, x_next);
+    else
+        dynamic_step(body, x, u, h, x_next);
+    return 1;
+}
+
+#endif

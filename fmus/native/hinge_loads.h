@@ -1,0 +1,125 @@
+/* Loads of a hinge, mean over a step, of an impulse and of one instant: part of hinge.c, of either number type. */
+
+#ifndef FANFOLD_HINGE_LOADS_H
+#define FANFOLD_HINGE_LOADS_H
+
+#include "bushing.h"
+#include "hinge_model.h"
+
+/* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
+static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
+    double preload = grip->latched > 0.5 ? 0.0 : hinge->friction_preload;
+    if (hinge->friction == 0.0 && preload == 0.0) return 0.0;
+    real square = load[1] * load[1] + load[2] * load[2];
+    /* smoothed over one newton */
+    real normal = square / real_sqrt(square + 1.0);
+    if (hinge->bending_arm > 0.0)
+        normal += root_of_squares(load[4] * load[4] + load[5] * load[5]) / hinge->bending_arm;
+    StictionFactors sliding = stiction_factors(rate, hinge->stiction_velocity, hinge->static_ratio);
+    return -(hinge->friction * hinge->pin_radius * normal * sliding.dynamic + preload * sliding.constant);
+}
+
+/* Motion of a coordinate over the step. */
+static inline StepMotion step_motion(const double *x, const Motion *new, int i, double h) {
+    return (StepMotion){x[COORDINATES + i], new->coordinates[i], h, x[MEAN_RATES + i], x[END_RATES + i]};
+}
+
+/* Swing in the middle of a step. */
+static inline Transverse mean_swing(const double *x, const Motion *new) {
+    return (Transverse){
+        0.5 * (x[COORDINATES + 4] + new->coordinates[4]),
+        0.5 * (x[COORDINATES + 5] + new->coordinates[5]),
+    };
+}
+
+/* Mean latch torque, and the energy it turned to heat. */
+static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
+    StepMotion deflection = shifted_motion(motion, grip->latched_angle);
+    real change = deflection.end - deflection.start;
+    real extra = -hinge->latch_damping * change / motion.h;
+    if (hinge->end_weight == 0.5) extra += inertial_force(hinge->latch_stiffness, &deflection);
+    return (MeanLoad){law_mean_force(&hinge->latch, deflection.start, deflection.end) + extra, -extra * change};
+}
+
+/* Mean force of a law with its end weight. */
+static inline real weighted_mean_force(const Law *law, real start, real end, double end_weight) {
+    return law_mean_force(law, start, end) + law_end_force(law, start, end, end_weight);
+}
+
+/* Mean loads over a step from both its ends (discrete gradients and mean rates). */
+static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
+    real elastic[COORDINATE_COUNT], heat = 0.0;
+    StepMotion turn = step_motion(x, new, HINGE_ANGLE, h);
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        StepMotion motion = step_motion(x, new, i, h);
+        if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->aligned_angle);
+        MeanLoad load = bushing_load(hinge->stiffness[i], hinge->damping[i], &motion, hinge->end_weight);
+        elastic[i] = load.force;
+        heat += load.heat;
+    }
+    real change = turn.end - turn.start;
+    real friction = friction_torque(hinge, grip, elastic, change / h);
+    MeanLoad latch = {0.0, 0.0};
+    if (latch_acts(hinge, grip)) latch = mean_latch_load(hinge, grip, turn);
+    real twist = elastic[HINGE_ANGLE] + weighted_mean_force(&hinge->motor, turn.start, turn.end, hinge->end_weight) +
+                 weighted_mean_force(&hinge->harness, turn.start, turn.end, hinge->end_weight) + friction + latch.force;
+    if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
+    return (Loads){
+        {elastic[0], elastic[1], elastic[2]},
+        conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, mean_swing(x, new)),
+        latch.force,
+        friction,
+        {-friction * change, latch.heat, heat},
+    };
+}
+
+/* Loads that remove the relative rate in every stiff direction at the end of a vanishing step: an ideal joint
+   transmits a latch impulse through its constrained directions in no time. */
+static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
+    int locked = grip->latched > 0.5 && hinge->locks;
+    real load[COORDINATE_COUNT], latch = 0.0, sum = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        int stiff = hinge->stiffness[i] > 0.0 || (i == HINGE_ANGLE && locked);
+        double inertia = i < HINGE_ANGLE ? hinge->lock_mass : hinge->lock_inertia;
+        load[i] = stiff ? -inertia / h * new->rates[i] : 0.0;
+        real work = -load[i] * (new->coordinates[i] - x[COORDINATES + i]);
+        sum += work;
+        if (i == HINGE_ANGLE && locked) latch = work;
+    }
+    return (Loads){
+        {load[0], load[1], load[2]},
+        conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
+        0.0,
+        0.0,
+        {0.0, latch, sum - latch},
+    };
+}
+
+/* Loads of one instant from coordinates and rates; heat as power (W). */
+static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
+    real load[COORDINATE_COUNT], damping = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->aligned_angle : coordinates[i];
+        load[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
+        damping += hinge->damping[i] * rates[i] * rates[i];
+    }
+    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE];
+    real friction = friction_torque(hinge, grip, load, rate);
+    real latch = 0.0, viscous = 0.0;
+    if (latch_acts(hinge, grip)) {
+        viscous = -hinge->latch_damping * rate;
+        latch = law_value(&hinge->latch, angle - grip->latched_angle) + viscous;
+    }
+    real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) + friction +
+                 latch;
+    if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (angle - grip->hold_angle);
+    return (Loads){
+        {load[0], load[1], load[2]},
+        conjugate_torque(twist, (Transverse){load[4], load[5]}, (Transverse){coordinates[4], coordinates[5]}),
+        latch,
+        friction,
+        {-friction * rate, -viscous * rate, damping},
+    };
+}
+
+#endif
