@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, Final
 
@@ -15,12 +16,16 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from .noise import noise_floor, without_noise
 from .result import Result
 from .summary import Peak, latch_times, line_latch_torque, peak
 
 Vector = NDArray[np.float64]
 
 _ANY = ""
+_NUMBER = 7
+_LARGE_RATIO = 1e3
+_SAME_END = 1e-9  # of the end: what summing steps leaves
 PEAKS: Final = (
     ("interface_force", "interface force", _ANY),
     ("interface_torque", "interface torque", _ANY),
@@ -45,7 +50,7 @@ Vectors are compared component by component. Hinges have an axial force as well,
 class Compared:
     """One quantity of two results: magnitudes at the peak and their times (s), None where a result has none.
 
-    A latch event has no magnitude.
+    A latch event has no magnitude. noise_a, noise_b: it is round-off beside the component's other loads.
     """
 
     quantity: str
@@ -55,16 +60,24 @@ class Compared:
     b: float | None
     time_a: float | None
     time_b: float | None
+    noise_a: bool = False
+    noise_b: bool = False
 
     @property
     def ratio(self) -> float | None:
-        """B over A; None where either is missing or A is zero."""
-        return self.b / self.a if self.a and self.b is not None else None
+        """B over A; None where either is missing or round-off, or A is zero."""
+        return self.b / self.a if self.a and self.b is not None and not self._noisy else None
 
     @property
     def shift(self) -> float | None:
-        """Time of B minus time of A (s)."""
-        return self.time_b - self.time_a if self.time_a is not None and self.time_b is not None else None
+        """Time of B minus time of A (s); None where either is missing or round-off."""
+        if self.time_a is None or self.time_b is None or self._noisy:
+            return None
+        return self.time_b - self.time_a
+
+    @property
+    def _noisy(self) -> bool:
+        return self.noise_a or self.noise_b
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers, for JSON."""
@@ -81,8 +94,12 @@ class Comparison:
 
 
 def compare(a: Result, b: Result) -> Comparison:
-    """Latch events and latch torques by hinge line, then peaks of loads by component, but for what is zero in both."""
-    rows = (*_latch_rows(a, b), *_torque_rows(a, b), *_load_rows(a, b))
+    """Latch events and latch torques by hinge line, then peaks of loads by component.
+
+    What is zero or round-off in both is left out.
+    """
+    loads = (row for row in _with_noise(list(_load_rows(a, b))) if not _is_nothing(row))
+    rows = (*_latch_rows(a, b), *_torque_rows(a, b), *loads)
     return Comparison(rows, _only_in(a, b), _only_in(b, a))
 
 
@@ -106,7 +123,7 @@ def recording(result: Result, variable: str, mark: str = _ANY) -> list[str]:
 def _latch_rows(a: Result, b: Result) -> Iterator[Compared]:
     times_a, times_b = latch_times(a), latch_times(b)
     for line in in_either(tuple(times_a), tuple(times_b)):
-        yield Compared("latch-up", line, "", None, None, times_a.get(line), times_b.get(line))
+        yield Compared("latch-up", line, "s", None, None, times_a.get(line), times_b.get(line))
 
 
 def _torque_rows(a: Result, b: Result) -> Iterator[Compared]:
@@ -128,9 +145,34 @@ def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
             for k in range(columns):
                 of = f"{name} {'xyz'[k]}" if columns == 3 else name
                 peaks = [_peak_of(result, name, variable, k) for result in (a, b)]
-                if not any(p is not None and p.value for p in peaks):
-                    continue
                 yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
+
+
+def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:
+    """The rows, what is round-off marked: beside all loads of the same component and unit in the same result."""
+
+    def group(row: Compared) -> tuple[str, str]:
+        return row.of.partition(" ")[0], row.unit
+
+    floors = {
+        key: [
+            noise_floor(value for row in rows if group(row) == key and (value := values(row)) is not None)
+            for values in (attrgetter("a"), attrgetter("b"))
+        ]
+        for key in {group(row) for row in rows}
+    }
+    for row in rows:
+        floor_a, floor_b = floors[group(row)]
+        yield replace(row, noise_a=_is_noise(row.a, floor_a), noise_b=_is_noise(row.b, floor_b))
+
+
+def _is_noise(value: float | None, floor: float) -> bool:
+    return bool(value) and without_noise(value or 0.0, floor) == 0.0
+
+
+def _is_nothing(row: Compared) -> bool:
+    """Whether neither result has more than round-off."""
+    return (not row.a or row.noise_a) and (not row.b or row.noise_b)
 
 
 def _peak_of(result: Result, name: str, variable: str, column: int) -> Peak | None:
@@ -142,7 +184,7 @@ def _peak_of(result: Result, name: str, variable: str, column: int) -> Peak | No
 def _compared(quantity: str, of: str, unit: str, a: Peak | None, b: Peak | None) -> Compared:
     values = [None if p is None else abs(p.value) for p in (a, b)]
     times = [None if p is None else p.time for p in (a, b)]
-    return Compared(quantity, of, unit, *values, *times)
+    return Compared(quantity, of, unit, values[0], values[1], times[0], times[1])
 
 
 def _only_in(result: Result, other: Result) -> tuple[str, ...]:
@@ -156,10 +198,11 @@ def _only_in(result: Result, other: Result) -> tuple[str, ...]:
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
-    table = Table(title=f"A = {names[0]}, B = {names[1]}", box=SIMPLE_HEAD, pad_edge=False)
-    table.add_column("quantity, of", no_wrap=True)
+    title = f"A = {names[0]}, B = {names[1]}"
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("quantity, of")
     for heading in ("A", "B", "B / A", "at A, s", "shift, s"):
-        table.add_column(heading, justify="right", no_wrap=True)
+        table.add_column(heading, justify="right", min_width=_NUMBER)
     table.add_column("unit", no_wrap=True)
     previous = ""
     for row in found.rows:
@@ -172,12 +215,35 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
 
 
 def cells(row: Compared) -> tuple[str, ...]:
-    """The six numbers of a row as texts; empty where there is none."""
-    formats: tuple[tuple[float | None, str], ...] = (
-        (row.a, ".5g"), (row.b, ".5g"), (row.ratio, ".4f"),
-        (row.time_a, ".4f"), (row.time_b, ".4f"), (row.shift, "+.4f"),
-    )  # fmt: skip
-    return tuple("" if value is None else format(value, form) for value, form in formats)
+    """A, B, ratio, time of A, time of B and shift of a row as texts; empty where there is none.
+
+    A and B of a latch event are its times.
+    """
+    if row.a is None and row.b is None:
+        return _text(row.time_a, ".5f"), _text(row.time_b, ".5f"), "", "", "", _text(row.shift, "+.5f")
+    return (
+        "noise" if row.noise_a else _text(row.a, ".5g"),
+        "noise" if row.noise_b else _text(row.b, ".5g"),
+        _text(row.ratio, ".4f" if abs(row.ratio or 0.0) < _LARGE_RATIO else ".4g"),
+        "" if row.noise_a else _text(row.time_a, ".4f"),
+        "" if row.noise_b else _text(row.time_b, ".4f"),
+        _text(row.shift, "+.4f"),
+    )
+
+
+def _text(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def end_note(a: Result, b: Result, names: tuple[str, str]) -> str:
+    """A sentence where two results end at different times; empty where they do not."""
+    ends = float(a.time[-1]), float(b.time[-1])
+    if abs(ends[1] - ends[0]) <= _SAME_END * max(ends):
+        return ""
+    return (
+        f"{names[0]} ends at {ends[0]:.6g} s, {names[1]} at {ends[1]:.6g} s: "
+        "peaks are those of runs of different length"
+    )
 
 
 def by_component(signals: Sequence[str]) -> dict[str, list[str]]:
@@ -207,6 +273,8 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     console = Console()
     console.print(comparison_table(found, names))
     say: Callable[[str], None] = lambda text: console.print(text, soft_wrap=True, highlight=False)  # noqa: E731
+    if note := end_note(first, second, names):
+        say(note)
     for name, result, signals in zip(names, (first, second), (found.only_a, found.only_b), strict=True):
         if not result.complete:
             say(f"{name} was interrupted at {result.time[-1]:.6g} s")

@@ -57,7 +57,13 @@ def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
             if panels:
                 names = labels(a, b)
                 caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
-                yield Drawing(name, caption, _overlay(title, panels, columns, names))
+                curves = tuple(_curve_name(text, result) for text, result in zip(names, (a, b), strict=True))
+                yield Drawing(name, caption, _overlay(title, panels, columns, (curves[0], curves[1])))
+
+
+def _curve_name(name: str, result: Result) -> str:
+    """For the legend."""
+    return name if result.complete else f"{name}, interrupted at t = {result.time[-1]:.6g} s"
 
 
 def _overlay(title: str, panels: Sequence[Panel], columns: int, names: tuple[str, str]) -> Figure:

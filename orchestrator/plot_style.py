@@ -33,6 +33,7 @@ STYLE: Final[Any] = {
 WIDTH = 7.2
 _LEGEND_WIDTH = 100  # characters, a handle counting as seven
 _EVENT_LABELS = 12
+_LABEL_WIDTH = 0.024  # of the axes, upright
 
 
 def new_figure(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
@@ -54,16 +55,13 @@ def draw(axes: Axes, time: Vector, curves: Iterable[tuple[str, Vector]], first: 
 def finish(axes: Axes, result: Result, label: str) -> None:
     """Axis labels, event marks and legend."""
     left, right = axes.get_xlim()
-    line_of = {hinge: line.name for line in result.hinge_lines for hinge in line.hinges}
-    marks: dict[float, str] = {}
-    for time, name, _ in result.events:
-        place = line_of.get(name, name)
-        marks[time] = f"{marks[time]}, {place}" if time in marks else place
-    for time, names in marks.items():
-        if left <= time <= right:
-            axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
-            if len(marks) <= _EVENT_LABELS:
-                _label_event(axes, time, names)
+    inside = [(time, name) for time, name in _event_places(result) if left <= time <= right]
+    for time, _ in inside:
+        axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
+    labels_of_events = _merged(inside, _LABEL_WIDTH * (right - left))
+    if len(labels_of_events) <= _EVENT_LABELS:
+        for time, names in labels_of_events:
+            _label_event(axes, time, ", ".join(dict.fromkeys(names)))
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
     labels = axes.get_legend_handles_labels()[1]
@@ -72,6 +70,29 @@ def finish(axes: Axes, result: Result, label: str) -> None:
         axes.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns, frameon=False
         )
+
+
+def tell_of_interruption(figure: Figure, result: Result) -> None:
+    """Say in the title of a figure that its run did not come to its end."""
+    if not result.complete:
+        figure.suptitle(f"{figure.get_suptitle()}; interrupted at t = {result.time[-1]:.6g} s")
+
+
+def _event_places(result: Result) -> list[tuple[float, str]]:
+    """Times of the events, in order, and the hinge line or component each belongs to."""
+    line_of = {hinge: line.name for line in result.hinge_lines for hinge in line.hinges}
+    return sorted((time, line_of.get(name, name)) for time, name, _ in result.events)
+
+
+def _merged(events: Sequence[tuple[float, str]], width: float) -> list[tuple[float, list[str]]]:
+    """Events in order of time; those whose labels, as wide as given (s), would cover each other as one."""
+    found: list[tuple[float, list[str]]] = []
+    for time, name in events:
+        if found and time - found[-1][0] < width:
+            found[-1][1].append(name)
+        else:
+            found.append((time, [name]))
+    return found
 
 
 def _label_event(axes: Axes, time: float, names: str) -> None:

@@ -8,14 +8,15 @@ from typing import Final, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from .plot_shapes import shapes
-from .plot_style import COLOURS, STYLE, draw, finish, new_figure
+from .plot_style import COLOURS, STYLE, draw, finish, new_figure, tell_of_interruption
 from .result import Result
-from .summary import latch_times, line_latch_torque, peak
+from .summary import Peak, extremes, latch_times, line_latch_torque, peak
 
 Vector = NDArray[np.float64]
 
@@ -56,6 +57,7 @@ def draw_all(result: Result) -> Iterator[Drawing]:
         for name, draw_it in _FIGURES.items():
             figure = draw_it(result)
             if figure is not None:
+                tell_of_interruption(figure, result)
                 yield Drawing(name, (draw_it.__doc__ or name).strip(), figure)
 
 
@@ -83,25 +85,42 @@ def deployment_angles(result: Result) -> Figure | None:
 
 
 def latch_torques(result: Result) -> Figure | None:
-    """Latch torque of every hinge line, and a close-up after each latch-up."""
+    """Latch torque of every hinge line; close-ups of each line's own ringing, until another line latches."""
     times = latch_times(result)
     lines = [line for line in result.hinge_lines if line.name in times]
     if not lines:
         return None
     figure, axes = new_figure("Latch torque, sum over the hinges of a line", [1.4] + [1.0] * len(lines))
     torques = [(line.name, line_latch_torque(result, line)) for line in lines]
-    draw(axes[0], result.time, torques)
-    finish(axes[0], result, "latch torque, N.m")
     for k, (close_up, (name, torque)) in enumerate(zip(axes[1:], torques, strict=True)):
-        start, end = times[name], _ringing_end(result.time, torque, times[name])
-        top = peak(result, torque)
-        shown = (result.time >= start - 0.08 * (end - start)) & (result.time <= end)
+        start, following = times[name], min((t for t in times.values() if t > times[name]), default=np.inf)
+        top = _peak_between(result, torque, start, following)
+        end = min(following, max(top.time, _ringing_end(result.time, torque, start)))
+        left = start - 0.08 * (end - start)
+        shown = (result.time >= left) & (result.time <= end)
         draw(close_up, result.time[shown], [(name, torque[shown])], first=k)
-        label = f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s"
-        close_up.plot(top.time, top.value, "ko", markerfacecolor="none", label=label)
-        close_up.set_xlim(start - 0.08 * (end - start), end)
+        _mark(close_up, top, f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s")
+        close_up.set_xlim(left, end)
         finish(close_up, result, "latch torque, N.m")
+        largest, label = peak(result, torque), name
+        if abs(largest.value) > abs(top.value):
+            _mark(axes[0], largest)
+            label = f"{name}, largest {largest.value:.4g} N.m at {largest.time:.2f} s"
+        draw(axes[0], result.time, [(label, torque)], first=k)
+    finish(axes[0], result, "latch torque, N.m")
     return figure
+
+
+def _peak_between(result: Result, values: Vector, start: float, end: float) -> Peak:
+    """Value of largest magnitude from one instant until another, which is left out, with its sign."""
+    part = slice(int(np.searchsorted(result.time, start)), int(np.searchsorted(result.time, end)))
+    low, high = extremes(result.time[part], values[part], [time for time, _, _ in result.events])
+    return high if abs(high.value) >= abs(low.value) else low
+
+
+def _mark(axes: Axes, top: Peak, label: str | None = None) -> None:
+    """A ring around a peak, whole at the edge of the axes as well."""
+    axes.plot(top.time, top.value, "ko", markerfacecolor="none", label=label, clip_on=False)
 
 
 def cable_forces(result: Result) -> Figure | None:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import click
 
-from .compare import by_component, cells, compare, labels
+from .compare import by_component, cells, compare, end_note, labels
 from .result import Result, ResultError
-from .summary import headline
+from .summary import headline, headline_rows
 
 _SCENE = ("scene", "scene_tree", "flexible")
 _DIGEST = "fmu."
@@ -47,11 +47,7 @@ def _numbers(result: Result) -> Iterator[str]:
     from .report_page import heading, table
 
     yield heading("Headline numbers")
-    rows = []
-    for number in headline(result).numbers():
-        value = format(number.value, ".6f" if number.unit == "s" else ".5g")
-        rows.append((number.quantity, number.of, value, "" if number.unit == "1" else number.unit))
-    yield table(("quantity", "of", "value", "unit"), rows, numeric=(2,))
+    yield table(("quantity", "of", "value", "unit"), headline_rows(headline(result)), numeric=(2,))
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))
@@ -85,6 +81,8 @@ def _comparison(result: Result, other: Result) -> Iterator[str]:
     yield paragraph(f"A is {result.path.name}, B is {other.path.name}.")
     if not other.complete:
         yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
+    if note := end_note(result, other, names):
+        yield paragraph(f"{note}.")
     rows = [(row.quantity, row.of, *cells(row), row.unit) for row in found.rows]
     headings = ("quantity", "of", "A", "B", "B / A", "at A, s", "at B, s", "shift, s", "unit")
     yield table(headings, rows, numeric=range(2, 8))

@@ -38,6 +38,15 @@ def unknown_places(
             yield f"{port.key}: {port.body} has no point {port.point!r}; its points are {', '.join(known)}"
 
 
+def unknown_bodies(lines: Iterable[HingeLine], bodies: Collection[str]) -> Iterator[str]:
+    """Ends of lines at bodies that do not exist."""
+    for line in lines:
+        for side, body in (("inboard", line.inboard), ("outboard", line.outboard)):
+            if body not in bodies:
+                known = ", ".join(bodies)
+                yield f"hinge_line.{line.name}.{side}: there is no body {body!r}; bodies are {known}"
+
+
 def repeated_ports(found: Iterable[Attachment], lines: Iterable[HingeLine]) -> Iterator[str]:
     """Connections that take a body twice, and points of a body that carry two hinges."""
     hinges = {hinge.name for line in lines for hinge in line.hinges}
@@ -53,9 +62,8 @@ def repeated_ports(found: Iterable[Attachment], lines: Iterable[HingeLine]) -> I
                 yield f"{port.key}: point {port.point} of {port.body} already carries hinge {other}"
 
 
-def unknown_hinges(dampers: Iterable[Damper], lines: Iterable[HingeLine]) -> Iterator[str]:
+def unknown_hinges(dampers: Iterable[Damper], hinges: Collection[str]) -> Iterator[str]:
     """Dampers at hinges that do not exist."""
-    hinges = [hinge.name for line in lines for hinge in line.hinges]
     for damper in dampers:
         if damper.hinge not in hinges:
             known = ", ".join(hinges)
@@ -78,24 +86,24 @@ def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3]
             yield f"{key}.point: {at.body} has no point {at.point!r}; its points are {', '.join(known)}"
 
 
-def broken_tree(
-    base: str, bodies: Iterable[str], lines: Iterable[HingeLine], placed: Collection[str] = ()
-) -> Iterator[str]:
-    """Bodies that are not the outboard end of exactly one chain of hinge lines from the base, nor placed."""
-    inboard_of: dict[str, str] = {}
+def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) -> Iterator[str]:
+    """Lines that carry the base or a body that another carries; placed bodies that lines carry."""
+    carried: set[str] = set()
     for line in lines:
         if line.outboard == base:
             yield f"hinge_line.{line.name}.outboard: {base} is the base; name it as the inboard body"
-        elif line.outboard in inboard_of:
+        elif line.outboard in carried:
             yield f"hinge_line.{line.name}.outboard: {line.outboard} is that of another line already"
-        else:
-            inboard_of[line.outboard] = line.inboard
+        carried.add(line.outboard)
     for body in placed:
-        if body in inboard_of:
+        if body in carried:
             yield f"body.{body}.place: hinge lines carry this body, so its place follows from them; leave it out"
+
+
+def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -> Iterator[str]:
+    """Bodies that are not the outboard end of a chain of hinge lines from the base."""
+    inboard_of = {line.outboard: line.inboard for line in lines}
     for body in bodies:
-        if body in placed:
-            continue
         path = [body]
         while (inner := inboard_of.get(path[-1])) is not None and inner not in path:
             path.append(inner)

@@ -7,8 +7,9 @@ name away. Everything else replaces what was there. A merge that cannot be is a 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,37 +20,58 @@ Tree = dict[str, Any]
 _EXTENDS, _VARIANT, _REMOVE = "extends", "variant", "remove"
 
 
-def read_layers(
-    path: Path, find: Callable[[str], Path], variants: Sequence[str] = (), settings: Sequence[str] = ()
-) -> Tree:
-    """The tree of a scene file with variants and settings ("key.key=value") laid over it, in order.
+@dataclass(frozen=True, slots=True)
+class Layers:
+    """A scene file over what it extends, and its variants; `added` are keys of entries that the file adds by name."""
 
-    find: the file that a name after `extends` means. SceneError where a layer is missing or cannot be read.
+    file: str
+    tree: Tree
+    variants: Mapping[str, Tree]
+    added: frozenset[str]
+
+    def over(self, variants: Sequence[str], settings: Sequence[str] = ()) -> tuple[Tree, frozenset[str]]:
+        """The tree with variants and settings ("key.key=value") laid over it in order, and the keys of added entries.
+
+        SceneError where a variant does not exist or a layer cannot be merged.
+        """
+        unknown = [name for name in variants if name not in self.variants]
+        if unknown:
+            names = ", ".join(self.variants) or "none"
+            raise SceneError(
+                [f"{self.file}: there is no variant {name!r}; variants are {names}" for name in unknown]
+            )
+        tree, added = self.tree, set(self.added)
+        for name in variants:
+            tree = _merged_layer(f"{self.file}: variant.{name}.", tree, self.variants[name], added)
+        for setting in settings:
+            tree = _merged_layer(f"{self.file}: ", tree, _setting(self.file, setting, tree), added)
+        return tree, frozenset(added)
+
+
+def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
+    """The layers of a scene file; find: the file that a name after `extends` means.
+
+    SceneError where a layer is missing or cannot be read.
     """
-    tree = _with_extended(path, find, ())
+    added: set[str] = set()
+    tree = _with_extended(path, find, (), added)
     known = tree.pop(_VARIANT, {})
     if not isinstance(known, dict) or not all(isinstance(layer, dict) for layer in known.values()):
         raise SceneError([f"{path.name}: variant: give a table [variant.NAME] for each variant"])
-    unknown = [name for name in variants if name not in known]
-    if unknown:
-        names = ", ".join(known) or "none"
-        raise SceneError(
-            [f"{path.name}: there is no variant {name!r}; variants are {names}" for name in unknown]
-        )
-    for name in variants:
-        tree = merged(tree, known[name])
-    for setting in settings:
-        tree = merged(tree, _setting(path.name, setting, tree))
-    return tree
+    return Layers(path.name, tree, known, frozenset(added))
 
 
-def variant_names(path: Path, find: Callable[[str], Path]) -> tuple[str, ...]:
-    """Names of the variants of a scene file, in its order."""
-    known = _with_extended(path, find, ()).get(_VARIANT, {})
-    return tuple(known) if isinstance(known, dict) else ()
+def _merged_layer(place: str, below: Tree, above: Tree, added: set[str]) -> Tree:
+    """A merge whose problems say where the layer is from."""
+    try:
+        return merged(below, above, added)
+    except SceneError as error:
+        raise SceneError([place + problem for problem in error.problems]) from None
 
 
-def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, ...]) -> Tree:
+def _with_extended(
+    path: Path, find: Callable[[str], Path], within: tuple[Path, ...], added: set[str]
+) -> Tree:
     """The tree of a file merged over the one that it extends."""
     place = path.resolve()  # one file has many relative paths
     if place in within:
@@ -64,7 +86,8 @@ def _with_extended(path: Path, find: Callable[[str], Path], within: tuple[Path, 
         raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
     beside = path.parent / name
     below = beside if beside.is_file() else find(name)
-    return merged(_with_extended(below, find, (*within, place)), tree)
+    under = _with_extended(below, find, (*within, place), added)
+    return _merged_layer(f"{path.name}: ", under, tree, added)
 
 
 def _read(path: Path) -> Tree:
@@ -78,15 +101,15 @@ def _read(path: Path) -> Tree:
         raise SceneError([f"{path.name}: {error}"]) from None
 
 
-def merged(below: Tree, above: Tree) -> Tree:
-    """A new tree: `above` laid over `below`."""
+def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
+    """A new tree: `above` laid over `below`; keys of entries that are new in an array go into `added`."""
     tree = deepcopy(below)
     for key, value in above.items():
-        old = tree.get(key)
+        old, place = tree.get(key), f"{within}{key}"
         if isinstance(old, dict) and isinstance(value, dict):
-            tree[key] = merged(old, value)
+            tree[key] = merged(old, value, added, f"{place}.")
         elif _is_named(old) and _is_named(value):
-            tree[key] = _merged_entries(key, old, value)
+            tree[key] = _merged_entries(place, old, value, added)
         else:
             tree[key] = deepcopy(value)
     return tree
@@ -99,14 +122,16 @@ def _is_named(value: object) -> bool:
     )
 
 
-def _merged_entries(key: str, below: Any, above: Any) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
+def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
     entries = {entry["name"]: entry for entry in below}
     if len(entries) < len(below):  # the later would hide the earlier, and nobody could say so any more
         raise SceneError([f"{key}: two entries have the same name, so a layer cannot tell which it is about"])
     for entry in above:
         name = entry["name"]
         if entry.get(_REMOVE) is not True:
-            entries[name] = merged(entries.get(name, {}), entry)
+            if name not in entries:
+                added.add(f"{key}.{name}")
+            entries[name] = merged(entries.get(name, {}), entry, added, f"{key}.{name}.")
         elif entries.pop(name, None) is None:
             known = ", ".join(entries) or "none"
             raise SceneError([f"{key}.{name}: there is no such entry to remove; entries are {known}"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from math import degrees
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -25,6 +26,9 @@ from .units import (
     TurningStiffnesses,
 )
 
+_ROUNDED = 1.001
+"""Stiffnesses that are given to three or four digits may miss their series by this factor."""
+_ANGLE_ROUND_OFF = 1e-9
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
@@ -34,7 +38,7 @@ class Joint(Table):
     axial_stiffness: Stiffness = 2e6
     radial_stiffness: Stiffness = 5e6
     cross_stiffness: TurningStiffness = 2e4
-    damping_ratio: Ratio = 0.05
+    damping_ratio: Annotated[Ratio, Field(le=1.0)] = 0.05
     damping_frequency: PositiveFrequency = 184.0
 
 
@@ -136,6 +140,13 @@ class Latch(Table):
                 raise ValueError(
                     f"{side}_stiffness {stiffness:g} N.m/rad is less than the line's {self.stiffness:g}"
                 )
+        if self.inboard_stiffness is not None and self.outboard_stiffness is not None:
+            both = 1.0 / (1.0 / self.inboard_stiffness + 1.0 / self.outboard_stiffness)
+            if self.stiffness > _ROUNDED * both:
+                raise ValueError(
+                    f"inboard_stiffness and outboard_stiffness in series are {both:g} N.m/rad, less than the line's "
+                    f"{self.stiffness:g}, which they are part of"
+                )
         return self
 
 
@@ -176,6 +187,11 @@ class HingeLine(Table):
         """Name of the hinge whose angle latches the line: the marked one, else the first."""
         return next((hinge.name for hinge in self.hinges if hinge.sensor), self.hinges[0].name)
 
+    @property
+    def _starts_beyond_its_latch(self) -> bool:
+        latches = self.latch is not None and not self.held
+        return latches and self.initial_angle > self.deployed_angle + _ANGLE_ROUND_OFF
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if not self.hinges:
@@ -186,4 +202,9 @@ class HingeLine(Table):
             raise ValueError("give a table harness and mark the hinges that carry it, or neither")
         if not self.deployed_angle > self.stowed_angle:
             raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
+        if self._starts_beyond_its_latch:
+            start, latch = degrees(self.initial_angle), degrees(self.deployed_angle)
+            raise ValueError(
+                f"start_angle {start:g} deg is beyond the latch angle {latch:g} deg; the line would never latch"
+            )
         return self

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import TypeVar
-
-from pydantic import ValidationError
-from pydantic_core import ErrorDetails
 
 from components import ComponentError
 from components._frames import Vector3
@@ -16,17 +13,17 @@ from components._frames import Vector3
 from . import scene_check
 from .scene_bodies import attachments, body_points, scene_points, start_poses
 from .scene_body_tables import Base, Body
-from .scene_components import connection_problems
+from .scene_components import buried_contacts, connection_problems
 from .scene_connection_tables import Ccl, Connection, Damper
-from .scene_layers import Tree, read_layers, variant_names
+from .scene_entries import Entries, EntryReader
+from .scene_layers import Layers, Tree, read_layers
 from .scene_line_tables import Friction, HingeLine, Joint
 from .scene_schema import Header, Scene
-from .scene_table import SceneError, Table
-
-T = TypeVar("T", bound=Table)
+from .scene_table import SceneError
 
 _TABLES = {"scene", "base", "joint", "friction"}
 _ARRAYS = {"body", "hinge_line", "ccl", "damper", "connection"}
+_ANY_HEADER = Header(name="any", until=1.0)
 
 
 def _scene_folder() -> Path:
@@ -48,151 +45,149 @@ def find_scene(name_or_path: str) -> Path:
 
 
 def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> Scene:
-    """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it."""
-    scene = read_scene(path.name, read_layers(path, find_scene, variants, settings))
-    known = scene_variants(path) if scene.header.phases else ()
-    problems = [
-        f"{path.name}: scene.phases: there is no variant {phase!r}; variants are {', '.join(known) or 'none'}"
-        for phase in scene.header.phases
-        if phase not in known
-    ]
-    if problems:
-        raise SceneError(problems)
+    """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it.
+
+    Every variant of the file, chosen or not, must be a sound scene when it alone is laid over the file.
+    """
+    layers = read_layers(path, find_scene)
+    scene, problems = _checked(path.name, *layers.over(variants, settings))
+    below = _checked(path.name, *layers.over(()))[1] if layers.variants else []
+    own = {name: [p for p in _problems_of(layers, name) if p not in below] for name in layers.variants}
+    told = {problem for name in variants for problem in own[name]}
+    sentences = [problem for problem in problems if problem not in told]
+    sentences += [f"variant.{name}.{problem}" for name, found in own.items() for problem in found]
+    if scene is not None:
+        known = ", ".join(layers.variants) or "none"
+        sentences += [
+            f"scene.phases: there is no variant {phase!r}; variants are {known}"
+            for phase in scene.header.phases
+            if phase not in layers.variants
+        ]
+    if scene is None or sentences:
+        raise SceneError([f"{path.name}: {sentence}" for sentence in sentences])
     return scene
+
+
+def _problems_of(layers: Layers, variant: str) -> list[str]:
+    """What is wrong with a file under one of its variants alone."""
+    try:
+        return _checked(layers.file, *layers.over([variant]))[1]
+    except SceneError as error:
+        place = f"{layers.file}: variant.{variant}."
+        return [problem.removeprefix(place) for problem in error.problems]
 
 
 def scene_variants(path: Path) -> tuple[str, ...]:
     """Names of the variants of a scene file."""
-    return variant_names(path, find_scene)
+    return tuple(read_layers(path, find_scene).variants)
 
 
 def read_scene(file: str, tree: Tree) -> Scene:
     """Check a tree of tables; SceneError with everything that is wrong with it."""
-    reader = _Reader(tree)
-    scene = reader.scene(file)
-    if scene is None or reader.problems:
-        raise SceneError([f"{file}: {problem}" for problem in reader.problems])
+    scene, problems = _checked(file, tree)
+    if scene is None:
+        raise SceneError([f"{file}: {problem}" for problem in problems])
     return scene
 
 
-class _Reader:
-    """Checks every table on its own, then what can be checked between those that are sound."""
+def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene | None, list[str]]:
+    """The scene of a tree, None where it has problems, and these."""
+    reader = EntryReader(tree, added)
+    known = ", ".join(sorted(_TABLES | _ARRAYS))
+    reader.note(
+        f"{key}: is not a known table; tables are {known}" for key in tree if key not in _TABLES | _ARRAYS
+    )
+    header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
+    joint, friction = (
+        reader.table("joint", Joint, required=False),
+        reader.table("friction", Friction, required=False),
+    )
+    bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
+    loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
+    connections = reader.tables("connection", Connection)
+    placed = _References(reader, base, bodies, lines, loops, dampers, connections).check()
+    refused = {c.name for c in connections.saying("kind") if reader.note(connection_problems(c))}
+    if base is None or not placed:
+        return None, reader.problems
+    # where bodies stand and touch can be told whatever else is wrong
+    scene = Scene(
+        file, tree, header or _ANY_HEADER, base, joint or Joint(), friction or Friction(),
+        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
+    )  # fmt: skip
+    points = scene_points(scene)
+    poses = start_poses(scene, points)
+    if not reader.note(scene_check.open_hinges(scene, points, poses)):
+        reader.note(buried_contacts(scene, points, poses, refused))
+    return None if reader.problems else scene, reader.problems
 
-    def __init__(self, raw: Tree) -> None:
-        self.raw = raw
-        known = ", ".join(sorted(_TABLES | _ARRAYS))
-        self.problems = [
-            f"{key}: is not a known table; tables are {known}" for key in raw if key not in _TABLES | _ARRAYS
+
+@dataclass(frozen=True, slots=True)
+class _References:
+    """What the tables of a scene say about each other, as far as they say enough."""
+
+    reader: EntryReader
+    base: Base | None
+    bodies: Entries[Body]
+    lines: Entries[HingeLine]
+    loops: Entries[Ccl]
+    dampers: Entries[Damper]
+    connections: Entries[Connection]
+
+    def check(self) -> bool:
+        """Note all problems; whether the start poses of all bodies can be told."""
+        note, lines = self.reader.note, self.lines.saying("inboard", "outboard", "hinges")
+        note(scene_check.repeated_names(self._named()))
+        points = self._points()
+        note(scene_check.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
+        if self.base is None:
+            return False
+        known = [line for line in lines if line.inboard in points and line.outboard in points]
+        loops, connections = self.loops.saying("pulley_1", "pulley_2"), self.connections.saying("ports")
+        found = list(attachments(known, loops, (), connections))  # dampers sit where hinges do
+        placed = [body.name for body in self.bodies.sound if body.place is not None]
+        lost = [
+            note(scene_check.unknown_bodies(lines, points)),
+            note(scene_check.unknown_places(found, points)),
+            note(scene_check.misplaced(self.bodies.sound, points)),
+            note(scene_check.repeated_ports(found, known)),
+            note(scene_check.misdirected(self.base.name, known, placed)),
         ]
+        if len(known) < self.lines.total or lost[-1]:
+            return False  # of a broken tree nobody can say what hangs on it
+        carried = [body.name for body in self.bodies.sound if body.place is None]
+        lost.append(note(scene_check.disconnected(self.base.name, carried, known)))
+        all_sound = len(self.lines.sound) == self.lines.total and None not in points.values()
+        return all_sound and not any(lost)
 
-    def scene(self, file: str) -> Scene | None:
-        """The scene; None, or problems, if something is wrong."""
-        header, base = self._table("scene", Header), self._table("base", Base)
-        joint, friction = self._table("joint", Joint), self._table("friction", Friction)
-        bodies, lines = self._tables("body", Body), self._tables("hinge_line", HingeLine)
-        loops, dampers = self._tables("ccl", Ccl), self._tables("damper", Damper)
-        connections = self._tables("connection", Connection)
-        self._check_references(base, bodies, lines, loops, dampers, connections)
-        for connection in connections:
-            self.problems += connection_problems(connection)
-        if self.problems or header is None or base is None or joint is None or friction is None:
-            return None
-        scene = Scene(
-            file, self.raw, header, base, joint, friction, bodies, lines, loops, dampers, connections
-        )
-        points = scene_points(scene)
-        self.problems += scene_check.open_hinges(scene, points, start_poses(scene, points))
-        return scene
+    def _named(self) -> Iterator[tuple[str, str]]:
+        """Keys and names of all components, sound or not."""
+        if self.base is not None:
+            yield "base", self.base.name
+        for key, entries in (
+            ("body", self.bodies), ("hinge_line", self.lines), ("ccl", self.loops), ("damper", self.dampers),
+            ("connection", self.connections),
+        ):  # fmt: skip
+            for name in entries.names:
+                yield f"{key}.{name}", name
+        for line in self.lines.saying("hinges"):
+            for hinge in line.hinges:
+                yield f"hinge_line.{line.name}.hinges.{hinge.name}", hinge.name
 
-    def _table(self, key: str, model: type[T]) -> T | None:
-        raw = self.raw.get(key, {})
-        if key in ("scene", "base") and key not in self.raw:
-            self.problems.append(f"{key}: is missing")
-            return None
-        return self._validated(model, raw, key)
+    def _hinges(self) -> list[str]:
+        """Names of all hinges, those of unsound lines too."""
+        lines = [line for line in self.reader.entries("hinge_line") if isinstance(line.get("hinges"), list)]
+        hinges = [hinge for line in lines for hinge in line["hinges"] if isinstance(hinge, dict)]
+        return [hinge["name"] for hinge in hinges if isinstance(hinge.get("name"), str)]
 
-    def _tables(self, key: str, model: type[T]) -> tuple[T, ...]:
-        entries = self.raw.get(key, [])
-        if not isinstance(entries, list):
-            self.problems.append(f"{key}: is one table; write it as [[{key}]], because there can be several")
-            return ()
-        found = [self._validated(model, raw, _entry(key, raw, i)) for i, raw in enumerate(entries)]
-        return tuple(table for table in found if table is not None)
-
-    def _validated(self, model: type[T], raw: object, key: str) -> T | None:
-        try:
-            return model.model_validate(raw)
-        except ValidationError as error:
-            self.problems += [f"{_key(key, raw, e['loc'])}: {_sentence(e)}" for e in error.errors()]
-            return None
-
-    def _names(self, key: str) -> list[str]:
-        """Names of all entries, sound or not."""
-        entries = self.raw.get(key, [])
-        named = [e.get("name") for e in entries if isinstance(e, dict)] if isinstance(entries, list) else []
-        return [name for name in named if isinstance(name, str)]
-
-    def _check_references(
-        self,
-        base: Base | None,
-        bodies: tuple[Body, ...],
-        lines: tuple[HingeLine, ...],
-        loops: tuple[Ccl, ...],
-        dampers: tuple[Damper, ...],
-        connections: tuple[Connection, ...],
-    ) -> None:
-        named = [("base", base.name)] if base else []
-        named += [(key, name) for key in _ARRAYS for name in self._names(key)]
-        named += [(f"hinge_line.{line.name}.hinges", hinge.name) for line in lines for hinge in line.hinges]
-        self.problems += scene_check.repeated_names((f"{key}.{name}", name) for key, name in named)
-        found = list(attachments(lines, loops, dampers, connections))
-        points: dict[str, Mapping[str, Vector3] | None] = dict.fromkeys(self._names("body"))
-        points |= {body.name: self._points(body) for body in bodies}
-        if base is None:
-            return
-        self.problems += scene_check.unknown_places(found, {base.name: base.points, **points})
-        self.problems += scene_check.misplaced(bodies, {base.name: base.points, **points})
-        self.problems += scene_check.repeated_ports(found, lines)
-        if len(lines) == len(self.raw.get("hinge_line", [])):
-            self.problems += scene_check.unknown_hinges(dampers, lines)
-            placed = [body.name for body in bodies if body.place is not None]
-            self.problems += scene_check.broken_tree(base.name, self._names("body"), lines, placed)
-
-    def _points(self, body: Body) -> Mapping[str, Vector3] | None:
-        try:
-            return body_points(body)
-        except ComponentError as error:
-            self.problems.append(f"body.{body.name}.catalogue: {error}")
-            return None
-
-
-def _entry(key: str, raw: object, position: int) -> str:
-    """Key of an entry of an array: by its name if it has one."""
-    name = raw.get("name") if isinstance(raw, dict) else None
-    return f"{key}.{name}" if isinstance(name, str) else f"{key}[{position + 1}]"
-
-
-def _key(key: str, raw: object, location: tuple[int | str, ...]) -> str:
-    """Dotted key of a place inside a table."""
-    for step in location:
-        if isinstance(step, int):
-            raw = raw[step] if isinstance(raw, list) and step < len(raw) else None
-            key = _entry(key, raw, step)
-        else:
-            raw = raw.get(step) if isinstance(raw, dict) else None
-            key = f"{key}.{step}"
-    return key
-
-
-def _sentence(error: ErrorDetails) -> str:
-    """What a validation error means to the author of the file."""
-    context = error.get("ctx", {})
-    if error["type"] == "missing":
-        return "is missing"
-    if error["type"] == "extra_forbidden":
-        return "is not a known key"
-    if error["type"] == "value_error":
-        return str(context["error"])
-    if error["type"] == "literal_error":
-        return f"is {error['input']!r}; it must be {context['expected']}"
-    return f"is {error['input']!r}; {error['msg'][0].lower()}{error['msg'][1:]}"
+    def _points(self) -> dict[str, Mapping[str, Vector3] | None]:
+        """Points by body, the base's first; None where a body does not tell its points."""
+        points: dict[str, Mapping[str, Vector3] | None] = {}
+        if self.base is not None:
+            points[self.base.name] = self.base.points
+        points |= dict.fromkeys(self.bodies.names)
+        for body in self.bodies.sound:
+            try:
+                points[body.name] = body_points(body)
+            except ComponentError as error:
+                self.reader.note([f"body.{body.name}.catalogue: {error}"])
+        return points

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from .scene_body_tables import Base, Body
 from .scene_connection_tables import Ccl, Connection, Damper
@@ -19,7 +21,7 @@ class Header(Table):
     name: SceneName
     description: str = ""
     until: Duration
-    tolerance: PositiveRatio = 1e-4
+    tolerance: Annotated[PositiveRatio, Field(ge=1e-10, le=0.1)] = 1e-4
     largest_step: Duration = 0.02
     preload: bool = False
     gravity: Acceleration = ORIGIN

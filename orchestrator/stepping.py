@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, log, sqrt
 
 from .convergence import Solution
 from .coupling import Coupling
+from .participant import ParticipantError
 
 _RATIO = sqrt(2.0)
 _ERROR_SHARE = 0.03
@@ -20,6 +22,7 @@ _STEPS_AFTER_GROWTH = 3
 _STEPS_AFTER_SHRINKING = 8
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
+_SEARCH = "the static search before the run"
 
 
 class StepError(Exception):
@@ -125,11 +128,22 @@ def find_event(distance: Callable[[float], float], before: float, after: float, 
 
 
 def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Exception:
-    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError."""
+    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError.
+
+    The search for static equilibrium comes before t = 0; its times mean nothing to a reader.
+    """
     if solution.failure is not None:
-        return solution.failure
+        return solution.failure if time >= 0.0 else ParticipantError(_of_search(str(solution.failure)))
+    what, advice = f"the step of {h:.3g} s from t = {time:.6f} s", "or start from a smaller step"
+    if time < 0.0:
+        what, advice = _SEARCH, "and whether it starts far from equilibrium"
     return StepError(
-        f"the step of {h:.3g} s from t = {time:.6f} s does not converge: after {solution.iterations} iterations the "
+        f"{what} does not converge: after {solution.iterations} iterations the "
         f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
-        "times its tolerance; loosen the tolerance, check that connection's stiffness, or start from a smaller step"
+        f"times its tolerance; loosen the tolerance, check that connection's stiffness, {advice}"
     )
+
+
+def _of_search(sentence: str) -> str:
+    """A participant's error without the time of the static search."""
+    return re.sub(r" (after the step of \S+ s )?(at|from) t = -\S+ s", f" during {_SEARCH}", sentence)

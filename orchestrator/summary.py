@@ -12,9 +12,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from .assembly import HingeLine
+from .noise import noise_floor, without_noise
 from .result import Result
 
 Vector = NDArray[np.float64]
@@ -128,19 +130,58 @@ def headline(result: Result) -> Headline:
 
 def headline_table(found: Headline) -> Table:
     """The headline numbers as a table for a terminal."""
-    table = Table(title=None if found.complete else "The run was interrupted; numbers up to there")
+    table = Table(
+        title=None if found.complete else "The run was interrupted; numbers up to there",
+        box=SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
     table.add_column("quantity")
     table.add_column("of")
-    table.add_column("value", justify="right")
+    table.add_column("value", justify="right", min_width=7)
     table.add_column("unit")
     previous = ""
-    for number in found.numbers():
-        digits = ".6f" if number.unit == "s" else ".5g"
-        shown = "" if number.quantity == previous else number.quantity
-        unit = "" if number.unit == "1" else number.unit
-        table.add_row(shown, number.of, format(number.value, digits), unit)
-        previous = number.quantity
+    for quantity, of, value, unit in headline_rows(found):
+        table.add_row("" if quantity == previous else quantity, of, value, unit)
+        previous = quantity
     return table
+
+
+def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str]]:
+    """Quantity, of, value and unit of every headline number as texts.
+
+    Round-off beside the largest of a load's components reads 0; cable forces that are nothing are left out.
+    """
+    floors = _floors(found)
+    absent = {
+        (f"{variable.replace('_', ' ')} {extreme}", name)
+        for name, forces in found.cable_forces.items()
+        for variable, (low, high) in forces.items()
+        for extreme in ("lowest", "highest")
+        if max(abs(low), abs(high)) <= floors[name]
+    }
+    for number in found.numbers():
+        if (number.quantity, number.of) in absent:
+            continue
+        of = number.of
+        if number.quantity == "motor energy" and not found.latch_times:
+            of = "over the run"
+        floor = floors.get(number.quantity, floors.get(number.of, 0.0))
+        digits = ".6f" if number.unit == "s" else ".5g"
+        value = format(without_noise(number.value, floor), digits)
+        yield number.quantity, of, value, "" if number.unit == "1" else number.unit
+
+
+def _floors(found: Headline) -> dict[str, float]:
+    """Magnitudes of round-off: of the interface loads by quantity, of cable forces by loop."""
+    return {
+        "interface force peak": noise_floor(found.interface_force_peaks),
+        "interface torque peak": noise_floor(found.interface_torque_peaks),
+        **{
+            name: noise_floor(force for extremes in forces.values() for force in extremes)
+            for name, forces in found.cable_forces.items()
+        },
+    }
 
 
 def latch_times(result: Result) -> dict[str, float]:

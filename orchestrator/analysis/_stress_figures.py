@@ -39,7 +39,10 @@ def draw_field(
         FigureCanvasAgg(figure)
         axes = figure.subplots()
         shown = _field(axes, x, y, _MEGA * peak.value, _triangles(plate, recovery.nodes))
-        figure.colorbar(shown, ax=axes, label="peak von Mises stress, MPa", format="%.3g")
+        label = "peak von Mises stress, MPa"
+        if isinstance(shown.norm, PowerNorm):
+            label += ", square-root scale"
+        figure.colorbar(shown, ax=axes, label=label, format="%.3g")
         for (x0, x1), (y0, y1) in plate.inserts.values():
             insert = Rectangle((x0, y0), x1 - x0, y1 - y0, facecolor="0.85", edgecolor="k", hatch="////")
             axes.add_patch(insert)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
@@ -149,9 +151,25 @@ def draw_changes(
         for k, (line, (values, changes)) in enumerate(curves.items()):
             draw(axes, np.array(values), [(line, np.array(changes))], first=k)
             axes.lines[-1].set_marker("o")
-        axes.set(xlabel=label, ylabel="change of latch torque peak, %", yscale="log")
-        if log:
+        axes.set(xlabel=label, ylabel="change of latch torque peak, %")
+        _plain_decades(axes, [change for _, changes in curves.values() for change in changes])
+        studied = sorted({value for values, _ in curves.values() for value in values})
+        if log and studied and studied[0] > 0.0:
             axes.set_xscale("log")
+            axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks(studied, [f"{value:g}" for value in studied])
         axes.margins(x=0.05)
         axes.legend(loc="best", frameon=False)
         figure.savefig(path)
+
+
+def _plain_decades(axes: Axes, changes: Sequence[float]) -> None:
+    """A logarithmic y axis over whole decades, at least one, with plain numbers; linear where nothing changed."""
+    above = [change for change in changes if change > 0.0]
+    if not above:
+        return
+    low, high = np.floor(np.log10(min(above))), np.ceil(np.log10(max(above)))
+    axes.set(yscale="log", ylim=(10.0**low, 10.0 ** max(high, low + 1.0)))
+    axes.yaxis.set_major_locator(LogLocator(numticks=8))
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())

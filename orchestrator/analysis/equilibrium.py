@@ -7,13 +7,14 @@ is what a drive or a hold-down would have to give.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from math import ceil, pi
 from typing import NamedTuple
 
 import click
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -22,6 +23,7 @@ from components._frames import exponential, multiply, rotate
 from components._hinge_state import State
 
 from ..cli_options import fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..noise import NOISE, noise_floor
 from ..scene import Scene, SceneError
 from ..scene_pieces import joined
 from ._configuration import (
@@ -40,6 +42,11 @@ from ._statics import settle
 _LARGEST_STEP = pi / 36.0
 """rad that a swept line turns between two equilibria"""
 _LOAD_UNITS = ("N", "N.m")
+_BASE_LOADS = (("force", "N"), ("torque", "N.m"))
+_NUMBER = 7
+
+Column = tuple[str, list[str]]
+"""Heading and cells of a table"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,41 +274,80 @@ def command(
 
 
 def _print_loads(found: Equilibrium) -> None:
-    table = Table(title="static equilibrium")
-    for heading in ("connection", "load"):
-        table.add_column(heading, no_wrap=True)
-    table.add_column("value", justify="right")
+    table = _table("static equilibrium")
+    table.add_column("connection")
+    table.add_column("load")
+    table.add_column("value", justify="right", min_width=_NUMBER)
     table.add_column("unit")
     for line, torque in found.holding_torques.items():
-        table.add_row(
-            line, f"holding torque at {np.rad2deg(found.angles[line]):.4g} deg", f"{torque:.6g}", "N.m"
+        angle = np.rad2deg(found.angles[line])
+        table.add_row(line, f"holding torque at {angle:.3f} deg", f"{torque:.5g}", "N.m")
+    rows = list(_load_rows(found))
+    floors = {unit: noise_floor(value for _, _, value, kind in rows if kind == unit) for unit in _LOAD_UNITS}
+    shown = [row for row in rows if abs(row[2]) > floors[row[3]]]
+    previous = ""
+    for connection, name, value, unit in shown:
+        table.add_row("" if connection == previous else connection, name, f"{value:.5g}", unit)
+        previous = connection
+    console = Console()
+    console.print(table)
+    if len(shown) < len(rows):
+        console.print(
+            f"{len(rows) - len(shown)} loads are left out: zero, or below {NOISE:g} of the largest of their unit"
         )
+
+
+def _load_rows(found: Equilibrium) -> Iterator[tuple[str, str, float, str]]:
+    """Connection, load, value and unit; the base last."""
     for connection, loads in found.loads.items():
         for name, (value, unit) in loads.items():
-            table.add_row(connection, name.replace("_", " "), f"{value:.6g}", unit)
-    names = [f"{what} {axis}" for what in ("force", "torque") for axis in "xyz"]
-    for name, value in zip(names, found.base_load, strict=True):
-        table.add_row("base", name, f"{value:.6g}", "N" if name.startswith("force") else "N.m")
-    Console().print(table)
+            yield connection, name.replace("_", " "), value, unit
+    names = [(f"{what} {axis}", unit) for what, unit in _BASE_LOADS for axis in "xyz"]
+    for (name, unit), value in zip(names, found.base_load, strict=True):
+        yield "base", name, value, unit
 
 
 def _print_sweep(found: list[Equilibrium]) -> None:
-    table = Table(title="quasi-static sweep")
-    for line in found[0].angles:
-        table.add_column(f"{line}, deg", justify="right")
-    for line in found[0].holding_torques:
-        table.add_column(f"torque to hold {line}, N.m", justify="right")
-    tensions = [
-        (connection, name)
-        for connection, loads in found[0].loads.items()
-        for name in loads
-        if name.startswith("tension")
+    first = found[0]
+    columns = [
+        (f"hold\n{line},\nN.m", [f"{one.holding_torques[line]:.5g}" for one in found])
+        for line in first.holding_torques
     ]
-    for connection, name in tensions:
-        table.add_column(f"{connection} {name.replace('_', ' ')}, N", justify="right")
-    for one in found:
-        angles = (f"{np.rad2deg(angle):.3f}" for angle in one.angles.values())
-        torques = (f"{torque:.5g}" for torque in one.holding_torques.values())
-        forces = (f"{one.loads[connection][name][0]:.5g}" for connection, name in tensions)
-        table.add_row(*angles, *torques, *forces)
-    Console().print(table)
+    columns += [
+        (f"{name}\n{load.rpartition('_')[2]}, N", [f"{one.loads[name][load][0]:.5g}" for one in found])
+        for name, loads in first.loads.items()
+        for load in loads
+        if load.startswith("tension")
+    ]
+    angles = [
+        (f"{line},\ndeg", [f"{np.rad2deg(one.angles[line]) + 0.0:.2f}" for one in found])
+        for line in first.angles
+    ]
+    console = Console()
+    for part in _that_fit(angles, columns, console.width):
+        table = _table("quasi-static sweep: angles, torques to hold them, tensions of strands a and b")
+        for heading, _ in part:
+            table.add_column(heading, justify="right", no_wrap=True)
+        for row in zip(*(cells for _, cells in part), strict=True):
+            table.add_row(*row)
+        console.print(table)
+
+
+def _that_fit(angles: list[Column], columns: list[Column], width: int) -> Iterator[list[Column]]:
+    """Tables as wide as the terminal at most, each with all angles in front and at least one more column."""
+    part = list(angles)
+    for column in columns:
+        if len(part) > len(angles) and 1 + sum(2 + _width(one) for one in (*part, column)) > width:
+            yield part
+            part = list(angles)
+        part.append(column)
+    yield part
+
+
+def _width(column: Column) -> int:
+    heading, cells = column
+    return max(map(len, (*heading.split("\n"), *cells)))
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)

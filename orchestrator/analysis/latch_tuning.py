@@ -28,6 +28,7 @@ from ..scene import Scene, SceneError, choose_fidelity
 from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene_connections import LatchSetting, hinge_parts
 from ..scene_line_tables import HingeLine
+from ..scene_pieces import held_bodies
 from ..units import to_si
 from ._configuration import configuration, with_angles
 from ._linear import LinearModel, linearise, normal_modes
@@ -140,7 +141,8 @@ def without(total: float, part: float) -> float:
     if part <= total:
         raise SceneError(
             [
-                f"the hinges' stiffness {part:.6g} N.m/rad must be above the total {total:.6g} N.m/rad it is a part of"
+                f"--hinge-stiffness: {part:.6g} N.m/rad must be above the total {total:.6g} N.m/rad that the hinges "
+                "are part of; if the frequency is that of the structure alone, say --stiffness-of structure"
             ]
         )
     return 1.0 / (1.0 / total - 1.0 / part)
@@ -198,13 +200,17 @@ def tune(
     line: HingeLine,
     flexible: Mapping[str, bool],
     frequency: float | None = None,
-    kind: Kind = "total",
+    kind: Kind | None = None,
     hinges: float | None = None,
 ) -> Tuning:
     """Tune the latch spring of a line to a frequency (Hz), by default that of the flexible pair.
 
-    kind: what the frequency belongs to. hinges: measured stiffness of the line's hinges together, N.m/rad.
+    kind: what the frequency belongs to, by default "total" if it is given and "structure" if it is that of the
+    flexible pair, whose hinges are locked. hinges: measured stiffness of the line's hinges together, N.m/rad.
+    SceneError where a body of the pair is part of a held piece.
     """
+    _refuse_held(scene, line)
+    kind = kind or ("structure" if frequency is None else "total")
     overlap = None
     if frequency is None:
         if not any(flexible.get(name, False) for name in (line.inboard, line.outboard)):
@@ -226,6 +232,19 @@ def tune(
         line.name, rigid.inertias, rigid.inertia, frequency, overlap, total, structure, hinges,
         len(line.hinges), check,
     )  # fmt: skip
+
+
+def _refuse_held(scene: Scene, line: HingeLine) -> None:
+    """A held piece turns as a whole; single bodies would give its inertia wrongly."""
+    held = held_bodies(scene)
+    problems = [
+        f"{scene.file}: hinge_line.{line.name}: {body} is part of a piece that held hinge lines join, and latch-tuning "
+        "takes single bodies; leave these lines free for it (held = false)"
+        for body in (line.inboard, line.outboard)
+        if body in held
+    ]
+    if problems:
+        raise SceneError(problems)
 
 
 def find_line(scene: Scene, name: str) -> HingeLine:
@@ -255,8 +274,9 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
     help="Frequency to meet, Hz; by default that of the flexible pair.",
 )  # fmt: skip
 @click.option(
-    "--stiffness-of", "kind", type=click.Choice(["total", "structure"]), default="total", show_default=True,
-    help="What the frequency belongs to: with flexible hinges the total, with rigid ones the structure.",
+    "--stiffness-of", "kind", type=click.Choice(["total", "structure"]),
+    help="What the frequency belongs to: with flexible hinges the total, with rigid ones the structure; by default "
+    "the total with --frequency, else the structure, because the hinges of the flexible pair are locked.",
 )  # fmt: skip
 @click.option(
     "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
@@ -271,7 +291,7 @@ def command(
     flexible: frozenset[str],
     name: str,
     frequency: float | None,
-    kind: Kind,
+    kind: Kind | None,
     hinges: float | None,
     as_json: bool,
 ) -> None:
@@ -289,6 +309,7 @@ def command(
         click.echo(json.dumps(content))
         return
     _print(tuning)
+    click.echo(_scope(loaded_scene, line))
     for angle, torque in law:
         click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
 
@@ -302,15 +323,23 @@ def _latch_law(line: HingeLine, tuning: Tuning) -> list[tuple[float, float]]:
     return list(zip(angles, curve.torque, strict=True))
 
 
+def _scope(scene: Scene, line: HingeLine) -> str:
+    """What the stiffness is tuned for, in a sentence."""
+    rest = "bodies further out are not part of the pair"
+    if line.inboard == scene.base.name:
+        return f"tuned for {scene.base.name} and {line.outboard} alone; the rest of the wing is not part of the pair"
+    return f"tuned for {line.inboard} and {line.outboard} alone, free in space; {rest}"
+
+
 def _print(tuning: Tuning) -> None:
     table = Table(title=f"latch spring of {tuning.line}")
     table.add_column("quantity")
     table.add_column("value", justify="right")
     table.add_column("unit")
     inboard, outboard = tuning.inertias
-    table.add_row(
-        "inertia about the line, inboard", f"{inboard:.6g}" if np.isfinite(inboard) else "ground", "kg.m2"
-    )
+    fixed = not np.isfinite(inboard)
+    inner, unit = ("fixed", "") if fixed else (f"{inboard:.6g}", "kg.m2")
+    table.add_row("inertia about the line, inboard", inner, unit)
     table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")
     table.add_row("effective inertia", f"{tuning.inertia:.6g}", "kg.m2")
     table.add_row("frequency to meet", f"{tuning.frequency:.7g}", "Hz")

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
@@ -25,6 +26,9 @@ from ._linear import (
     modal_damping,
     normal_modes,
 )
+
+_ROUNDED_UP = (9.995, 99.95)
+"""%: from here on two decimals, and one, take more than four characters"""
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along, then rotations about the world axes."""
@@ -129,17 +133,32 @@ def command(
 
 
 def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
-    table = Table(title="normal modes; effective masses in % of the rigid ones")
-    for heading in ("mode", "frequency, Hz", "damping, %", *DIRECTIONS):
-        table.add_column(heading, justify="right", no_wrap=True)
+    table = Table(
+        title="normal modes; effective masses in % of the rigid ones",
+        box=SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("mode", justify="right", no_wrap=True)
+    table.add_column("freq.,\nHz", justify="right", min_width=7)
+    table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
+    for heading in DIRECTIONS:
+        table.add_column(heading, justify="right", min_width=4, no_wrap=True)
     table.add_column("moves most")
     for mode in modes:
-        masses = (f"{100.0 * fraction:.2f}" for fraction in mode.effective_mass_fractions)
+        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
-        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} ({mode.share:.0%})")
+        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {mode.share:.0%}")
     console = Console()
     console.print(table)
     console.print(
         f"{free} free motions (0 Hz); nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
     )
+
+
+def _percent(fraction: float) -> str:
+    """Four characters at most, as a negative fraction there is none."""
+    percent = 100.0 * fraction
+    decimals = next((2 - k for k, limit in enumerate(_ROUNDED_UP) if percent < limit), 0)
+    return f"{percent:.{decimals}f}"

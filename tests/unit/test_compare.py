@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
+from rich.console import Console
 
 from orchestrator import compare_plots
 from orchestrator.cli import main
-from orchestrator.compare import Compared, compare, labels
+from orchestrator.compare import Compared, cells, compare, comparison_table, end_note, labels
 from orchestrator.result import Result
 from tests.references import synthetic_result as reference
 
@@ -58,7 +59,7 @@ def test_latch_events_shift(rows):
         row = rows["latch-up", line.name]
         assert row.time_a == line.latch_time
         assert row.shift == pytest.approx(LATER, rel=1e-12)
-        assert (row.a, row.b, row.ratio) == (None, None, None)
+        assert (row.a, row.b, row.ratio, row.unit) == (None, None, None, "s")
 
 
 def test_peaks_are_the_true_ones_with_ratio_and_shift(rows):
@@ -199,3 +200,40 @@ def test_what_is_no_result_is_told(both, tmp_path):
     result = fanfold(both[0].path, tmp_path / "no.h5")
     assert result.exit_code == 1
     assert "nor any other HDF5 file" in result.stderr
+
+
+def test_round_off_is_no_load(both, tmp_path):
+    """1e-9 N beside 3 N is noise: no ratio, no shift, and no row where both have no more."""
+    noisy = reference.write(tmp_path / "noisy.h5")
+    with h5py.File(noisy, "r+") as file:
+        file["signals"]["base"]["interface_force"][:, 0] = 1e-9
+        file["signals"]["base"]["interface_force"][:, 1] = 1e-9
+    found = compare(Result.open(noisy), both[1])
+    rows = {row.of: row for row in found.rows if row.quantity == "interface force peak"}
+    assert set(rows) == {"base x", "base z"}
+    assert (rows["base x"].noise_a, rows["base x"].noise_b) == (True, False)
+    assert (rows["base x"].ratio, rows["base x"].shift) == (None, None)
+    assert cells(rows["base x"])[0] == "noise"
+    assert rows["base z"].ratio == pytest.approx(STRONGER, rel=1e-9)
+
+
+def test_table_at_80_columns_is_whole(both):
+    """Latch-ups show both times; nothing is cut."""
+    console = Console(width=80, record=True)
+    console.print(comparison_table(compare(*both), ("a", "b")))
+    text = console.export_text()
+    assert "\u2026" not in text
+    (row,) = (line.split() for line in text.splitlines() if line.split()[:2] == ["hl1", "6.00000"])
+    assert row == ["hl1", "6.00000", "6.25000", "+0.25000", "s"]
+
+
+def test_different_ends_are_told(both):
+    assert "a ends at 14 s, b at 14.25 s" in end_note(*both, ("a", "b"))
+    assert end_note(both[0], both[0], ("a", "b")) == ""
+
+
+def test_interrupted_run_is_named_in_the_legend(both):
+    stopped = replace(both[1], complete=False)
+    drawing = next(compare_plots.draw_comparison(both[0], stopped))
+    (legend,) = drawing.figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["a", "b, interrupted at t = 14.25 s"]

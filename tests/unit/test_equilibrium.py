@@ -228,3 +228,25 @@ def test_command(tmp_path):
         assert refused.exit_code in (1, 2)
         assert isinstance(refused.exception, SystemExit)
         assert words in refused.stderr
+
+
+@pytest.mark.parametrize(
+    "sweep", [(), ("--sweep", "HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:180deg", "--steps", "1")]
+)
+def test_tables_fit_80_columns(sweep):
+    """Nothing is cut, and round-off (1e-10 N at the base, beside 80 N of the loops) is no load."""
+    arguments = ["analyse", "equilibrium", "amos3", "--rigid", "all", *sweep]
+    result = CliRunner().invoke(main, arguments, env={"COLUMNS": "80"})
+    assert result.exit_code == 0, result.output
+    assert max(map(len, result.stdout.splitlines())) <= 80
+    assert "\u2026" not in result.stdout
+    if sweep:
+        ends = [
+            line.split()
+            for line in result.stdout.splitlines()
+            if line.split()[:3] == ["90.00", "180.00", "180.00"]
+        ]
+        assert sum(len(words) - 3 for words in ends) == 7  # three torques and four tensions
+    else:
+        assert "base" not in result.stdout
+        assert "loads are left out" in result.stdout

@@ -127,3 +127,15 @@ def test_command_refuses_with_a_sentence(arguments, words):
     assert result.exit_code in (1, 2)
     assert isinstance(result.exception, SystemExit)
     assert words in result.stderr
+
+
+def test_table_fits_80_columns():
+    """Nothing is cut: a hundred percent and the body that moves most are there."""
+    arguments = ["analyse", "modes", "amos3", "--rigid", "all", "--count", "12"]
+    result = CliRunner().invoke(main, arguments, env={"COLUMNS": "80"})
+    assert result.exit_code == 0, result.output
+    assert "\u2026" not in result.stdout
+    rows = [line.split() for line in result.stdout.splitlines() if line.split() and line.split()[0].isdigit()]
+    assert [row[0] for row in rows if len(row) == 11 and row[10].endswith("%")] == [
+        f"{k}" for k in range(1, 13)
+    ]

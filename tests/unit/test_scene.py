@@ -46,7 +46,12 @@ CCL = (
 )
 LATCH = "latch = { stiffness = 2000, outboard_stiffness = 2500, effective_inertia = 5 }\n"
 HINGES = 'hinges = [{ name = "root", inboard = "root", outboard = "root" }]'
-COMPLETE = TWO_PANELS.replace(HINGES, LATCH + HINGES) + DAMPER + CCL
+STOP = (
+    '[[connection]]\nname = "stop"\nkind = "contact"\nstructure = { normal = [1.0, 0.0, 0.0] }\n'
+    'ports = { inboard = { body = "base", point = "root" }, outboard = { body = "inner", point = "tip_left" } }\n'
+    'parameters = { gap = "0 m", reference_penetration = "1 mm" }\n'
+)
+COMPLETE = TWO_PANELS.replace(HINGES, LATCH + HINGES) + DAMPER + CCL + STOP
 
 BAD = {
     "unknown key": ('name = "inner"', 'name = "inner"\ncolour = 1', "body.inner.colour: is not a known key"),
@@ -129,6 +134,47 @@ BAD = {
         "right = [0.1, -0.5, 0.0]",
         "middle_right: its points",
     ),
+    "overdamped joint": (
+        "[base]",
+        "[joint]\ndamping_ratio = 5\n[base]",
+        "joint.damping_ratio: is 5; it must be at most 1",
+    ),
+    "tolerance, high": (
+        "until = 2.0",
+        "until = 2.0\ntolerance = 1",
+        "scene.tolerance: is 1; it must be at most 0.1",
+    ),
+    "tolerance, low": (
+        "until = 2.0",
+        "until = 2.0\ntolerance = 1e-11",
+        "tolerance: is 1e-11; it must be at least 1e-10",
+    ),
+    "beyond the latch": (
+        LATCH,
+        LATCH + 'start_angle = "90.1 deg"\n',
+        "hinge_line.root_line: start_angle 90.1 deg is beyond the latch angle 90 deg",
+    ),
+    "soft sides": (
+        "outboard_stiffness = 2500",
+        "inboard_stiffness = 9950, outboard_stiffness = 2500",
+        "inboard_stiffness and outboard_stiffness in series are 1997.99 N.m/rad, less than the line's 2000",
+    ),
+    "unknown component": ('"contact"', '"springy"', "connection.stop.kind: there is no component 'springy'"),
+    "refused parameter": (
+        '"1 mm"',
+        '"-1 mm"',
+        "connection.stop.parameters.reference_penetration: is '-1 mm'; it must be at least 1e-09 m",
+    ),
+    "buried contact": (
+        'gap = "0 m"',
+        'gap = "11 mm"',
+        "connection.stop: the contact starts 0.011 m deep, and its reference_penetration is 0.001 m; gap is",
+    ),
+    "unknown outboard body": (
+        'outboard = "inner"',
+        'outboard = "iner"',
+        "root_line.outboard: there is no body 'iner'",
+    ),
     "no TOML": ("[base]", "[base", "wing.toml: "),
 }
 
@@ -150,6 +196,66 @@ def test_all_problems_are_reported_at_once(tmp_path):
     for kind in kinds:
         assert any(BAD[kind][2] in problem for problem in found), kind
     assert len(found) == len(kinds)
+
+
+def test_problems_of_different_tables_do_not_hide_each_other(tmp_path):
+    """Also what needs other tables: references, components, where bodies stand."""
+    kinds = (
+        "not finite",
+        "unknown hinge",
+        "unknown component",
+        "strand",
+        "hinges off the line",
+        "overdamped joint",
+    )
+    text = COMPLETE + STOP.replace('"stop"', '"rest"').replace('"1 mm"', '"-1 mm"')
+    for kind in kinds:
+        text = text.replace(*BAD[kind][:2], 1)
+    found = problems_of(tmp_path, text)
+    for sentence in (
+        *(BAD[kind][2] for kind in kinds),
+        "connection.rest.parameters.reference_penetration: is '-1 mm'",
+    ):
+        assert any(sentence in problem for problem in found), sentence
+    assert len(found) == len(kinds) + 1
+
+
+def test_places_and_hinges_of_tables_with_other_problems_are_still_checked(tmp_path):
+    """A line with a bad axis still names its bodies, and its hinges still carry the damper."""
+    text = COMPLETE.replace('axis = "-y"', 'axis = "down"').replace('hinge = "root"', 'hinge = "middle_left"')
+    text = text.replace('outboard = "left"', 'outboard = "port"').replace('"5 N/mm"', '"5 N"')
+    found = problems_of(tmp_path, text.replace('point = "left"', 'point = "top"'))
+    assert len(found) == 4
+    for words in (
+        "axis: is 'down'",
+        "outer has no point 'port'",
+        "strand_stiffness",
+        "outer has no point 'top'",
+    ):
+        assert any(words in problem for problem in found), words
+
+
+def test_a_misspelt_body_of_a_line_is_one_problem(tmp_path):
+    """Two hinges, a damper and every body further out depend on it."""
+    text = COMPLETE.replace('hinge = "root"', 'hinge = "middle_left"')
+    for old, new in (('outboard = "outer"', 'outboard = "outr"'), ('inboard = "inner"', 'inboard = "iner"')):
+        assert len(problems_of(tmp_path, text.replace(old, new, 1))) == 1
+    assert len(problems_of(tmp_path, text.replace(*BAD["unknown outboard body"][:2], 1))) == 1
+
+
+def test_what_only_just_holds_is_accepted(tmp_path):
+    """Bounds are inclusive; ten reference penetrations, sides rounded to a part in a thousand, a start at the latch."""
+    changes = (
+        ('gap = "0 m"', 'gap = "10 mm"'),
+        ("outboard_stiffness = 2500", "inboard_stiffness = 9995, outboard_stiffness = 2500"),
+        ("until = 2.0", "until = 2.0\ntolerance = 0.1"),
+        (LATCH, LATCH + 'start_angle = "90 deg"\n'),
+    )
+    for old, new in changes:
+        assert old in COMPLETE
+        load_text(tmp_path, COMPLETE.replace(old, new, 1))
+    beyond = COMPLETE.replace(LATCH, LATCH + 'held = true\nstart_angle = "91 deg"\n', 1)
+    assert load_text(tmp_path, beyond).hinge_lines[0].held
 
 
 def test_a_sound_scene_has_no_problems(tmp_path):

@@ -62,7 +62,7 @@ def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
         ("ports.outboard", "ports.tip", "connection.brake.ports.tip: is no port; ports are inboard, outboard"),
         ("damping_coefficient", "damping", "connection.brake.parameters.damping: is no parameter; parameters are"),
         ("2 N.m.s/deg", "2 N", "connection.brake.parameters.damping_coefficient: is '2 N'; give a number"),
-        ("2 N.m.s/deg", "-2 N.m.s/deg", "connection.brake.parameters: damping_coefficient = -114.592 N.m.s/rad; it"),
+        ("2 N.m.s/deg", "-2 N.m.s/deg", "parameters.damping_coefficient: is '-2 N.m.s/deg'; it must be at least 0 "),
         ('point = "root" }\nports', 'point = "rot" }\nports', "connection.brake.ports.inboard: base has no point"),
     ],
 )  # fmt: skip

@@ -87,6 +87,50 @@ def test_impossible_layers_are_sentences(tmp_path, layers, sentence):
     assert sentence in problems_of(written(tmp_path, "wing.toml", TWO_PANELS + VARIANTS), *layers)
 
 
+BAD_VARIANTS = """
+[variant.slow]
+sene.until = 9.0
+[variant.stiff]
+hinge_line = [{ name = "HL7", held = true }, { name = "root_line", motor.stowed = "3 kg" }]
+[variant.less]
+body = [{ name = "outr", remove = true }]
+"""
+
+
+@pytest.mark.parametrize("chosen", [(), ("heavy",), ("slow",)])
+def test_every_variant_of_a_file_is_checked_chosen_or_not(tmp_path, chosen):
+    path = written(
+        tmp_path, "wing.toml", TWO_PANELS.replace("until = 2.0", "until = true") + VARIANTS + BAD_VARIANTS
+    )
+    with pytest.raises(SceneError) as caught:
+        load_scene(path, chosen)
+    starts = (
+        "wing.toml: scene.until: is True",
+        "wing.toml: variant.slow.sene: is not a known table",
+        "wing.toml: variant.stiff.hinge_line.HL7: there is no hinge_line 'HL7' to change; those are root_line, middle",
+        "wing.toml: variant.stiff.hinge_line.root_line.motor.stowed: is '3 kg'",
+        "wing.toml: variant.less.body.outr: there is no such entry to remove",
+    )
+    assert len(caught.value.problems) == len(starts)
+    for problem, start in zip(sorted(caught.value.problems), sorted(starts), strict=True):
+        assert problem.startswith(start)
+
+
+def test_an_entry_for_nothing_is_one_problem_and_tells_what_a_new_one_needs(tmp_path):
+    written(tmp_path, "below.toml", TWO_PANELS)
+    layer = """extends = "below.toml"
+body = [{ name = "iner", fixed_interface_modes = 3 }]
+hinge_line = [{ name = "root_line", hinges = [{ name = "rot", harness = true }] }]
+"""
+    found = problems_of(written(tmp_path, "above.toml", layer))
+    assert found == (
+        "above.toml: body.iner: there is no body 'iner' to change; those are inner, outer; "
+        "for a new one, give either a catalogue entry or a table rigid "
+        "above.toml: hinge_line.root_line.hinges.rot: there is no hinge 'rot' to change; those are root; "
+        "a new one needs inboard, outboard"
+    )
+
+
 def test_a_circle_of_scenes_and_an_unknown_one_are_sentences(tmp_path):
     a = written(tmp_path, "a.toml", 'extends = "b.toml"\n')
     written(tmp_path, "b.toml", 'extends = "a.toml"\n')

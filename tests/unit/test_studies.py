@@ -1,11 +1,14 @@
 """Mode and step studies of a panel that starts close to its latch angle."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.figure import Figure
 
+from orchestrator.analysis._studies import Case, draw_changes
 from orchestrator.cli import main
 
 
@@ -57,3 +60,23 @@ def test_more_modes_come_closer_from_above(tmp_path):
 def test_what_cannot_be_studied_is_told(tmp_path, name, arguments, code, sentence):
     result = study(tmp_path, name, *arguments, until=0.01, code=code)
     assert sentence in " ".join(result.stderr.replace("│", " ").split())
+
+
+def test_changes_have_plain_numbers_at_the_studied_values(tmp_path, monkeypatch):
+    """Interface: ticks at what was studied, and at least two on the other axis."""
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, _: drawn.append(figure))
+
+    def case(value, peak):
+        found = SimpleNamespace(latch_times={"HL": 1.0}, latch_torque_peaks={"HL": peak})
+        return Case(str(value), value, SimpleNamespace(headline=found))
+
+    cases = [case(2, 101.5), case(3, 100.3), case(5, 100.2), case(10, 100.0)]
+    draw_changes(tmp_path / "changes.png", "title", "modes", cases, cases[-1], log=True)
+    (axes,) = drawn[0].axes
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["2", "3", "5"]
+    assert not axes.get_xticklabels(minor=True)
+    low, high = axes.get_ylim()
+    assert (low, high) == (0.1, 10.0)
+    inside = [text.get_text() for text in axes.get_yticklabels() if low <= text.get_position()[1] <= high]
+    assert inside == ["0.1", "1", "10"]

@@ -1,6 +1,7 @@
 """Headline numbers against the closed forms of a made-up deployment."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from orchestrator.result import Result
-from orchestrator.summary import extremes, headline, headline_table, line_latch_torque, peak
+from orchestrator.summary import extremes, headline, headline_rows, headline_table, line_latch_torque, peak
 from tests.references import synthetic_result as reference
 
 
@@ -82,6 +83,24 @@ def test_table_shows_every_number(found):
     text = console.export_text()
     assert "latch torque peak" in text
     assert "8.200000" in text
+
+
+def test_round_off_reads_zero_and_absent_forces_are_left_out(found):
+    """1e-9 N beside 200 N, minus zero, and the lateral force of a free loop."""
+    forces = {"tension_a": (-0.0, 40.0), "lateral_force": (-0.0, -1e-12)}
+    noisy = replace(found, interface_force_peaks=(200.0, 1.2e-9, 0.03), cable_forces={"loop": forces})
+    shown = {(quantity, of): value for quantity, of, value, _ in headline_rows(noisy)}
+    assert [shown["interface force peak", axis] for axis in "xyz"] == ["200", "0", "0.03"]
+    assert shown["tension a lowest", "loop"] == "0"
+    assert not [key for key in shown if key[0].startswith("lateral")]
+
+
+def test_motor_energy_says_until_when(found):
+    def until(headline):
+        return next(of for quantity, of, _, _ in headline_rows(headline) if quantity == "motor energy")
+
+    assert until(found) == "up to the last latch-up"
+    assert until(replace(found, latch_times={})) == "over the run"
 
 
 def test_scene_without_anything_to_judge_gives_an_empty_headline(tmp_path):
