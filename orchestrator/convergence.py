@@ -15,6 +15,7 @@ MAX_ITERATIONS = 14
 REFRESHED = (2, 4, 8)
 """Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
 SLOW = 0.15
+"""Contraction beyond which turning pays; probing costs several iterations, see `is_too_slow`."""
 DIVERGED = 50.0
 STEEPEST = 0.9
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
@@ -22,6 +23,9 @@ NEAR = 1e-2
 """Largest relative correction of wrenches that are near a solution; beyond it they may be absurd."""
 CREDIBLE = 1e12
 """Largest residual over wrench at a solution; stiff joints leave up to 1e5, matrices of an absurd motion 1e30."""
+
+AGREED = 300.0
+"""Largest residual over the tolerance of a correction that needs no further sweep."""
 
 
 class Solution(NamedTuple):
@@ -55,6 +59,11 @@ class Tolerance:
     def is_near(self, correction: float) -> bool:
         """Whether a scaled correction is small enough for the wrenches to be those of a solution nearby."""
         return correction * self.relative <= NEAR
+
+
+def is_too_slow(correction: float, last: float, iteration: int) -> bool:
+    """Whether the contraction of two scaled corrections does not get there in the iterations that are left."""
+    return correction * (correction / last) ** (MAX_ITERATIONS - iteration) > 1.0
 
 
 def is_credible(wrenches: Vector, residual: Vector) -> bool:

@@ -66,6 +66,7 @@ class Limits(Structure):
         ("round_off", c_double),
         ("near", c_double),
         ("credible", c_double),
+        ("agreed", c_double),
         ("most", c_size_t),
         ("refreshed", c_size_t * 3),
     )

@@ -12,13 +12,14 @@ from .coupling import Coupling
 from .participant import ParticipantError
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARE = 0.03
+_ERROR_SHARE = 0.02
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 _GROWTH_MARGIN = 0.5
-_REJECTED = 3.0
+_REJECTED, _REJECTED_STIRRED = 3.0, 10.0
 _FORGET = 0.8
-_STEPS_AFTER_GROWTH = 3
+_STIRRED_STEPS = 3
+_STEPS_AFTER_GROWTH = _STIRRED_STEPS + 1
 _STEPS_AFTER_SHRINKING = 8
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
@@ -35,12 +36,15 @@ class StepSizes:
 
     A change of step stirs up whatever is stiff, so steps change seldom: an error a little above what is
     allowed is accepted and the next step made smaller, and after a change the size stays for a while.
+    Errors of the first steps after a change are those of the stirring, which smaller steps would only renew:
+    they stand unless they are large, and say nothing about the next size.
     """
 
     largest: float
     smallest: float
     level: int = 0
     wait: int = 0
+    stirred: int = 0
     worst: float = 0.0
 
     @property
@@ -62,10 +66,14 @@ class StepSizes:
     def judge(self, error: float) -> bool:
         """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
         can_shrink = self.size > 2.0 * self.smallest
-        if error > _REJECTED and can_shrink:
+        stirred = self.stirred > 0
+        if error > (_REJECTED_STIRRED if stirred else _REJECTED) and can_shrink:
             self.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(_RATIO))))))
             return False
         self.wait -= 1
+        if stirred:
+            self.stirred -= 1
+            return True
         self.worst = max(error, _FORGET * self.worst)
         if error > 1.0 and can_shrink:
             self.shrink(1)
@@ -77,7 +85,7 @@ class StepSizes:
         return True
 
     def _changed(self, wait: int) -> None:
-        self.wait, self.worst = wait, 0.0
+        self.wait, self.stirred, self.worst = wait, _STIRRED_STEPS, 0.0
 
 
 class ErrorEstimate:

@@ -149,6 +149,15 @@ static int is_credible(const Network *n) {
     return largest_of(n->residual, n->size, &row) <= n->limits.credible * wrench;
 }
 
+/* Whether residuals are as small as the accuracy asked of the recorded loads, or as rounding lets them be.
+
+   A stiff joint turns a small correction into a residual that is large beside it. */
+static int agrees(const Network *n) {
+    for (size_t i = 0; i < n->size; i++)
+        if (!(fabs(n->residual[i]) <= fmax(n->limits.agreed * n->scale[i], n->round_off[i]))) return 0;
+    return 1;
+}
+
 /* Keep the step and take it. */
 static int apply(Network *n, const double *step) {
     n->last = n->correction;
@@ -165,19 +174,28 @@ static int restart(Network *n) {
     return apply(n, n->steps);
 }
 
+/* Whether the present contraction does not get there in the iterations that are left. */
+static int too_slow(const Network *n) {
+    return n->correction * pow(n->correction / n->last, (double)(n->limits.most - n->iteration)) > 1.0;
+}
+
 /* From residual and factors to the next wrenches. */
 static int correct(Network *n) {
     double *step = n->steps + n->kept * n->size;
     scaled_direction(n, step);
     update(n, step);
     n->correction = largest_of(step, n->size, &n->worst_row);
-    if (n->correction <= 1.0) return is_credible(n) ? CONVERGED : NOT_CONVERGED;
+    if (n->correction <= 1.0) {
+        if (!is_credible(n)) return NOT_CONVERGED;
+        if (n->last <= 1.0 || n->iteration == n->limits.most || agrees(n)) return CONVERGED;
+        return apply(n, step); /* once more */
+    }
     const int near = n->correction * n->tolerance.relative <= n->limits.near;
     if (near && within_round_off(n)) return CONVERGED;
     if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {
-            if (k > 0) return WANTS_PROBES;
+            if (k > 0) return too_slow(n) ? WANTS_PROBES : apply(n, step);
             assemble(n);
             return restart(n);
         }

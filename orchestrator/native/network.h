@@ -18,7 +18,7 @@ typedef struct {
 
 /* Numbers of the iteration, see orchestrator/convergence.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, near, credible;
+    double slow, diverged, steepest, round_off, near, credible, agreed;
     size_t most, refreshed[3];
 } Limits;
 
