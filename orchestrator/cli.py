@@ -21,8 +21,9 @@ from fmus import Backend, FmiVersion, check_fmu, native_library
 
 from . import analysis, compare, report
 from .assembly import Assembly
-from .cli_options import Number, backend_option, fidelity_options, scene_layers, scene_of_one_run
+from .cli_options import backend_option, fidelity_options, scene_layers, scene_of_one_run
 from .cli_progress import progress
+from .cli_types import Number
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
@@ -32,6 +33,7 @@ from .summary import headline_table
 from .verify import Verified, verify
 
 _PROBLEMS = (SceneError, RunError, ResultError)
+_INTERRUPTED = "interrupted; what it wrote up to there stays"
 
 
 class _Group(click.Group):
@@ -47,6 +49,8 @@ class _Group(click.Group):
             problem = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
         except _PROBLEMS as error:
             problem = str(error)
+        except KeyboardInterrupt:  # outside of a run, which says itself how far it came
+            problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
         for line in problem.splitlines():
             click.echo(f"fanfold: {line}", err=True)
         ctx.exit(1)
@@ -281,6 +285,13 @@ def export_command(
 
 class _Analyses(click.Group):
     """Every module of `orchestrator.analysis` is one analysis; only the one asked for is imported."""
+
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
+        """Run an analysis; a RunError says which one was interrupted."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise RunError(f"analyse {ctx.invoked_subcommand}: {_INTERRUPTED}") from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the analyses."""

@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import isfinite
-from typing import Any
 
 import click
+from click.core import ParameterSource
 
 from fmus import Backend, native_library
 
 from .scene import Scene, SceneError, find_scene, load_scene
-
-
-class Number(click.FloatRange):
-    """A number in a range; "nan" and "inf" are none."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """The number, or click's own refusal."""
-        number = super().convert(value, param, ctx)
-        return number if isfinite(number) else self.fail(f"{value} is not a finite number.", param, ctx)
 
 
 def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[str, ...]:
@@ -36,7 +26,8 @@ def scene_layers(command: Callable[..., None]) -> Callable[..., None]:
     """The options that lay variants and single settings over a scene."""
     command = click.option(
         "--set", "settings", multiple=True, metavar="KEY=VALUE",
-        help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5; repeatable.",
+        help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5 or 'hinge_line.HL.start_angle="
+        "90 deg'; plain numbers are SI, as in scene files; repeatable.",
     )(command)  # fmt: skip
     text = "Variants of the scene, with commas between, in order."
     return click.option(
@@ -61,6 +52,15 @@ def fidelity_options(command: Callable[..., None]) -> Callable[..., None]:
         text = f"Bodies to be {other}, by name with commas between, or all."
         command = click.option(option, default="", callback=names, metavar="NAMES", help=text)(command)
     return command
+
+
+def refuse_idle(option: str, needed: str) -> None:
+    """UsageError where an option of the present command is given that acts only together with another."""
+    context = click.get_current_context()
+    flags = {flag: param.name for param in context.command.params for flag in param.opts}
+    sources = {flag: context.get_parameter_source(str(flags[flag])) for flag in (option, needed)}
+    if sources[option] is ParameterSource.COMMANDLINE and sources[needed] is not ParameterSource.COMMANDLINE:
+        raise click.UsageError(f"{option} acts only together with {needed}; give both, or neither")
 
 
 def backend_option(command: Callable[..., None]) -> Callable[..., None]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from math import ceil, pi
@@ -11,10 +10,10 @@ from typing import Literal
 import click
 
 from ..cli_options import ordered_names
+from ..cli_types import given_quantity
 from ..scene import Scene, SceneError, assemble
 from ..scene_bodies import scene_points, start_poses
 from ..scene_line_tables import HingeLine
-from ..units import to_si
 from ._linear import LinearModel, linearise
 from ._mechanism import Mechanism
 from ._statics import settle
@@ -22,6 +21,8 @@ from ._statics import settle
 Named = Literal["stowed", "deployed", "current"]
 _LARGEST_TURN = pi / 6.0
 """rad between two poses on the way, so that connections count their angles on."""
+_MOST = 2.0 * pi * (1.0 + 1e-9)
+"""rad; no line turns further, and 360deg is rounded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +147,7 @@ def loaded(
     free = [line.name for line in scene.hinge_lines if not line.held and line.name not in target.latched]
     hinges = hinges_of(scene, free)
     mechanism.command("hold", 1.0, hinges)
-    settle(mechanism)
+    settle(mechanism, "--as-posed takes the hinge angles as they are, without equilibrium")
     mechanism.command("hold", 0.0, hinges)
     return mechanism
 
@@ -159,34 +160,42 @@ def scene_model(
 
 
 def angles_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, float]:
-    """Angles by hinge line: HL1=45deg,HL2=0.5rad; a plain number is in rad."""
-    result = {}
+    """Angles (rad) by hinge line from HL1=45deg,HL2=0.5rad; every angle has its unit."""
+    result: dict[str, float] = {}
     for entry in ordered_names(_, __, value):
-        name, equals, text = entry.partition("=")
-        if not equals or not name.strip():
+        name, equals, text = (part.strip() for part in entry.partition("="))
+        if not equals or not name:
             raise click.BadParameter(f"{entry!r} is not of the form HL1=45deg")
-        result[name.strip()] = angle_of(text)
+        if name in result:
+            raise click.BadParameter(f"{entry!r}: {name} has an angle already")
+        result[name] = angle_of(name, text)
     return result
 
 
-def angle_of(text: str) -> float:
-    """An angle such as 45deg, 45 deg or 0.5, in rad."""
-    parted = re.sub(r"^\s*(\S*?)\s*(deg|rad)?\s*$", lambda m: f"{m[1]} {m[2] or 'rad'}", text)
-    try:
-        return to_si(parted, "rad")
-    except ValueError as error:
-        raise click.BadParameter(f"the angle {error}") from None
+def angle_of(line: str, text: str) -> float:
+    """An angle of a line such as 45deg or "0.5 rad", in rad, not beyond one turn."""
+    angle = given_quantity(text, "rad", f"the angle of {line}")
+    if abs(angle) > _MOST:
+        raise click.BadParameter(f"the angle of {line} is {text!r}; give one within 360deg")
+    return angle
+
+
+def lines_given(_: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    """Lines as they were given, for an option where leaving it out is not the same as naming none."""
+    if value is not None and not value.replace(",", " ").strip():
+        raise click.BadParameter("name hinge lines with commas between, or say all or none", param=param)
+    return value
 
 
 def configuration_options(command: Callable[..., None]) -> Callable[..., None]:
     """The options that choose a configuration, for every analysis of a scene at rest."""
     command = click.option(
-        "--latched", metavar="LINES",
+        "--latched", metavar="LINES", callback=lines_given,
         help="Latched lines, with commas between, or all, or none; by default all if deployed, else none.",
     )(command)  # fmt: skip
     command = click.option(
         "--angle", "angles", default="", callback=angles_given, metavar="LINE=ANGLE,...",
-        help="Angles of single lines, such as HL1=45deg.",
+        help="Angles of single lines, each with deg or rad, such as HL1=45deg.",
     )(command)  # fmt: skip
     return click.option(
         "--configuration", "named", type=click.Choice(["stowed", "deployed", "current"]), default="current",

@@ -81,6 +81,15 @@ class Connection:
         """Remember the present pose, from which angles are counted on."""
         self.state = self.component.update(self._constants, self.state, self._inputs, False)
 
+    def memory(self) -> tuple[Vector, Vector]:
+        """State and parameters, which `remember` brings back."""
+        return self.state.copy(), self._parameters.copy()
+
+    def remember(self, state: Vector, parameters: Vector) -> None:
+        """Bring a state and its parameters back; the ports stay where they are."""
+        self.state, self._parameters = state.copy(), parameters.copy()
+        self._constants = self._prepared()
+
     def command(self, name: str, value: float) -> None:
         """Give a command where the component has it."""
         if name in self.component.input_layout:

@@ -7,7 +7,7 @@ rotation vector about it, then its modal coordinates. A fixed base has the six a
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -167,6 +167,13 @@ class PlacedBody:
         return np.diag(damping), np.diag(stiffness)
 
 
+class Pose(NamedTuple):
+    """Where a mechanism is: position (3,), quaternion and modal coordinates of bodies, memories of connections."""
+
+    bodies: Mapping[str, tuple[Vector, Quaternion, Vector]]
+    connections: Mapping[str, tuple[Vector, Vector]]
+
+
 class Mechanism:
     """An assembly at rest in a configuration that can be moved, with its connections' states following it."""
 
@@ -204,6 +211,20 @@ class Mechanism:
         self.carry()
         for connection in self.connections.values():
             connection.follow()
+
+    def pose(self) -> Pose:
+        """Where everything is, to come back to."""
+        bodies = {name: (b.position, b.orientation, b.eta) for name, b in self.bodies.items()}
+        return Pose(bodies, {name: connection.memory() for name, connection in self.connections.items()})
+
+    def come_back(self, pose: Pose) -> None:
+        """Come back to a pose."""
+        for name, (position, orientation, eta) in pose.bodies.items():
+            body = self.bodies[name]
+            body.position, body.orientation, body.eta = position, orientation, eta
+        self.carry()
+        for name, memory in pose.connections.items():
+            self.connections[name].remember(*memory)
 
     def move(self, step: Vector) -> None:
         """Move all bodies by small coordinates (size,)."""

@@ -19,14 +19,14 @@ _TOLERANCE = 1e-9
 """m and rad that the last iteration may move a port; Newton's next would be of the order of its square."""
 
 
-def settle(mechanism: Mechanism, free_lines: str = "") -> None:
-    """Move to equilibrium; SceneError where there is none near. `free_lines` are named in the message."""
+def settle(mechanism: Mechanism, advice: str) -> None:
+    """Move to equilibrium; SceneError where there is none near, with the advice of what to do then."""
     moved = np.zeros(mechanism.size)
     for _ in range(_MOST_ITERATIONS):
         model = linearise(mechanism)
         rows = model.other_rows
         if not moved.any():
-            _refuse_free_motions(model, free_lines)
+            _refuse_free_motions(model, advice)
         step = np.zeros(mechanism.size)
         step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
         motion = _port_motions(mechanism, step)
@@ -41,21 +41,17 @@ def settle(mechanism: Mechanism, free_lines: str = "") -> None:
             return
         if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _FARTHEST:
             break
-    raise SceneError([f"there is no static equilibrium near this configuration{_advice(free_lines)}"])
+    raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
 
 
-def _advice(free_lines: str) -> str:
-    return f"; hold or latch hinge lines that are free: {free_lines}" if free_lines else ""
-
-
-def _refuse_free_motions(model: LinearModel, free_lines: str) -> None:
+def _refuse_free_motions(model: LinearModel, advice: str) -> None:
     """Equilibrium is not unique where something moves without force."""
     free = int(normal_modes(model, model.base_constraints).is_free.sum())
     if free:
         raise SceneError(
             [
                 f"the configuration has {free} motion{'s' * (free > 1)} without stiffness, so its equilibrium is not "
-                f"unique{_advice(free_lines)}"
+                f"unique; {advice}"
             ]
         )
 

@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from ..assembly import Assembly
@@ -21,6 +20,7 @@ from ..plot_style import STYLE, draw, new_figure
 from ..result import Result
 from ..run import Outcome, RunError, run
 from ..summary import line_latch_torque
+from ._tables import plain_table
 
 Vector = NDArray[np.float64]
 
@@ -40,7 +40,10 @@ def refuse_unlatched(reference: Case) -> None:
     """RunError where no line latched, so that there is nothing to compare."""
     if not reference.outcome.headline.latch_times:
         end = reference.outcome.headline.end_time
-        raise RunError(f"{reference.label}: no hinge line latched within {end:g} s; set scene.until higher")
+        raise RunError(
+            f"{reference.label}: no hinge line latched within {end:g} s, so there is nothing to compare; "
+            f"run longer, such as --set scene.until={2.0 * end:g}"
+        )
 
 
 def run_case(
@@ -53,7 +56,7 @@ def run_case(
 
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
     """Latch times and latch torque peaks of every case, with their differences from the reference."""
-    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = plain_table(title)
     table.add_column("case")
     for heading in (
         "line",

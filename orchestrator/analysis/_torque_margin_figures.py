@@ -71,7 +71,8 @@ def _draw_margins(
     for margins in found:
         finite = np.where(np.isfinite(margins.margin), margins.margin, np.nan)
         at, value = angle[margins.worst], margins.margin[margins.worst]
-        label = f"{case}, {margins.rule} rule: worst {value:.2f} at {at:.0f} deg"
+        worst = f"worst {value:.2f} at {at:.0f} deg" if np.isfinite(value) else "no resisting torque"
+        label = f"{case}, {margins.rule} rule: {worst}"
         axes.plot(angle, finite, **style, linestyle=_DASHES[margins.rule], label=label)
         if np.isfinite(value):
             ring: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"}

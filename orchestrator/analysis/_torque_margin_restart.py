@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,7 +28,8 @@ class Restart:
     """What a line did after a start from rest: angles in rad, rate in rad/s, time in s (None if it did not open).
 
     moves: its opening rate exceeded the stiction velocity, below which the friction law stands for sticking.
-    opens: it latched, or reached its deployed angle where it has no latch.
+    still_opening: its opening rate at the end did, and it had not opened. opens: it latched, or reached its
+    deployed angle where it has no latch.
     """
 
     line: str
@@ -35,12 +37,22 @@ class Restart:
     end: float
     fastest: float
     moves: bool
+    still_opening: bool
     opened_at: float | None
 
     @property
     def opens(self) -> bool:
         """Whether the line came to the end of its travel."""
         return self.opened_at is not None
+
+
+class CaseRestart(NamedTuple):
+    """A restart of one case of a scene from a position as it was asked for, its result file, and every line."""
+
+    case: str
+    position: str
+    path: Path
+    lines: list[Restart]
 
 
 def restart_share(scene: Scene, position: str) -> float:
@@ -87,7 +99,7 @@ def restart(
 
 def _restarted(result: Result, line: HingeLine, assembly: Assembly) -> Restart:
     angle = result.signal(line.sensor, "angle")
-    fastest = float(np.max(result.signal(line.sensor, "angular_rate")))
+    rate = result.signal(line.sensor, "angular_rate")
     part = next(part for part in assembly.parts if part.name == line.sensor)
     transition = float(np.ravel(part.start["stiction_velocity"])[0])
     if line.latch is not None:
@@ -95,6 +107,8 @@ def _restarted(result: Result, line: HingeLine, assembly: Assembly) -> Restart:
     else:
         there = np.flatnonzero(angle >= line.deployed_angle)
         opened = float(result.time[there[0]]) if there.size else None
+    fastest = float(np.max(rate))
+    still_opening = opened is None and bool(rate[-1] > transition)
     return Restart(
-        line.name, line.initial_angle, float(angle[-1]), fastest, bool(fastest > transition), opened
-    )
+        line.name, line.initial_angle, float(angle[-1]), fastest, bool(fastest > transition), still_opening, opened
+    )  # fmt: skip

@@ -7,12 +7,14 @@ the margin that is held against the same limit is (0.8 T - 1.25 T_D - T_L) / sum
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..noise import noise_floor
 
 Vector = NDArray[np.float64]
 Rule = Literal["sum", "ECSS"]
@@ -69,7 +71,8 @@ class Margins:
     """One rule over the travel of a line, shape (N,): what is available, what resists, what the rule requires.
 
     available: N.m, after its factor and the demands T_D, T_L. resisting: N.m, with uncertainty factors.
-    required: torque that the spring must have, unfactored, N.m. margin: infinite where nothing resists.
+    required: torque that the spring must have, unfactored, N.m. margin: infinite where nothing but round-off of
+    the driving torque resists, minus infinity if then the demands exceed what drives.
     """
 
     rule: Rule
@@ -102,5 +105,39 @@ def margins(torques: LineTorques, rule: Rule, factors: Mapping[str, float]) -> M
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = available / resisting
     nothing_resists = np.where(available >= 0.0, np.inf, -np.inf)
-    margin = np.where(resisting > 0.0, ratio, nothing_resists)
+    margin = np.where(resisting > noise_floor(torques.driving.tolist()), ratio, nothing_resists)
     return Margins(rule, available, resisting, (LIMIT * resisting + demand) / share, margin)
+
+
+@dataclass(frozen=True)
+class Found:
+    """The margins of one line in one case, by rule."""
+
+    case: str
+    torques: LineTorques
+    margins: tuple[Margins, ...]
+
+    @property
+    def line(self) -> str:
+        """Name of the line."""
+        return self.torques.line
+
+    def as_dicts(self) -> Iterator[dict[str, object]]:
+        """One plain record per rule, at the worst angle; None for a margin without bound."""
+        for found in self.margins:
+            k = found.worst
+            margin = float(found.margin[k])
+            yield {
+                "line": self.line,
+                "case": self.case,
+                "rule": found.rule,
+                "margin": margin if np.isfinite(margin) else None,
+                "angle": float(self.torques.angle[k]),
+                "motor_torque": float(self.torques.motor[k]),
+                "harness_torque": float(self.torques.harness[k]),
+                "friction_torque": float(self.torques.friction[k]),
+                "available": float(found.available[k]),
+                "resisting": float(found.resisting[k]),
+                "required": float(found.required[k]),
+                "passes": found.passes,
+            }

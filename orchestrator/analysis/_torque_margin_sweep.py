@@ -48,7 +48,12 @@ def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
     """Lines that a motorisation spring opens; SceneError if there are none."""
     lines = tuple(line for line in scene.hinge_lines if line.motor is not None and not line.held)
     if not lines:
-        raise SceneError([f"{scene.file}: no hinge line that moves has a motor; there is no torque margin"])
+        raise SceneError(
+            [
+                f"{scene.file}: no hinge line that moves has a motor, so there is no torque margin; give a line a "
+                "motor, or set held = false"
+            ]
+        )
     return lines
 
 

@@ -7,23 +7,20 @@ is what a drive or a hold-down would have to give.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from itertools import pairwise
 from math import ceil, pi
 from typing import NamedTuple
 
 import click
 import numpy as np
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
 from components._component import Vector
 from components._frames import exponential, multiply, rotate
 from components._hinge_state import State
 
-from ..cli_options import fidelity_options, ordered_names, scene_layers, scene_of_one_run
-from ..noise import NOISE, noise_floor
+from ..cli_options import fidelity_options, ordered_names, refuse_idle, scene_layers, scene_of_one_run
+from ..cli_types import Count
 from ..scene import Scene, SceneError
 from ..scene_pieces import joined
 from ._configuration import (
@@ -33,48 +30,26 @@ from ._configuration import (
     configuration,
     configuration_options,
     hinges_of,
+    lines_given,
     lines_named,
     placed,
 )
+from ._equilibrium_tables import Equilibrium, print_loads, print_sweep
 from ._mechanism import Mechanism
 from ._statics import settle
+from ._tables import degrees_text
 
 _LARGEST_STEP = pi / 36.0
 """rad that a swept line turns between two equilibria"""
+_SMALLEST_STEP = _LARGEST_STEP / 100.0
+"""rad; a cable that goes slack needs smaller steps, but what fails at these has no equilibrium"""
 _LOAD_UNITS = ("N", "N.m")
-_BASE_LOADS = (("force", "N"), ("torque", "N.m"))
-_NUMBER = 7
-
-Column = tuple[str, list[str]]
-"""Heading and cells of a table"""
-
-
-@dataclass(frozen=True, slots=True)
-class Equilibrium:
-    """One equilibrium: angles (rad) and holding torques (N.m, opening) of lines, loads of connections, base load."""
-
-    angles: Mapping[str, float]
-    holding_torques: Mapping[str, float]
-    loads: Mapping[str, Mapping[str, tuple[float, str]]]
-    """value and unit by connection and name"""
-    base_load: tuple[float, ...]
-    """force (N) and torque (N.m) of the structure on the base about its reference point, world axes"""
-
-    def as_dict(self) -> dict[str, object]:
-        """For JSON."""
-        loads = {
-            connection: {
-                f"{name}_{'nm' if unit == 'N.m' else 'n'}": value for name, (value, unit) in found.items()
-            }
-            for connection, found in self.loads.items()
-        }
-        return {
-            "angles_rad": dict(self.angles),
-            "holding_torques_nm": dict(self.holding_torques),
-            "loads": loads,
-            "base_force_n": list(self.base_load[:3]),
-            "base_torque_nm": list(self.base_load[3:]),
-        }
+_EXAMPLES = """\b
+Examples:
+  fanfold analyse equilibrium amos3 --rigid all --preload
+  fanfold analyse equilibrium amos3 --rigid all --steps 6 \\
+    --sweep HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:180deg
+"""
 
 
 class Sweep(NamedTuple):
@@ -92,17 +67,31 @@ def equilibrium(
     target: Configuration,
     held: Collection[str],
     adjusted: bool = False,
+    swept: Collection[str] = (),
 ) -> tuple[Mechanism, Equilibrium]:
     """The equilibrium in a configuration with the named lines held; SceneError where there is none.
 
-    adjusted: cable loops have exactly their preload, as when a run begins with static equilibrium.
+    adjusted: cable loops have exactly their preload, as when a run begins with static equilibrium. swept: those of
+    the held lines that a sweep holds, which the advice of an error leaves out.
     """
     mechanism = placed(scene, rigid, flexible, target)
     mechanism.command("hold", 1.0, hinges_of(scene, held))
     if adjusted:
         mechanism.command("hold", 1.0, [n for n, c in mechanism.connections.items() if c.kind == "ccl"])
-    settle(mechanism, ", ".join(_free_lines(scene, target, held)))
+    settle(mechanism, _advice(scene, target, held, swept))
     return mechanism, _found(scene, mechanism, held)
+
+
+def _advice(scene: Scene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
+    """What to do where there is no equilibrium."""
+    free = _free_lines(scene, target, held)
+    if not free:
+        loops = " that stretch no cable loop" if scene.loops else ""
+        return (
+            f"its hinge lines are all held or latched, so choose other angles with --angle or --sweep{loops}"
+        )
+    kept = ",".join([*(name for name in held if name not in swept), *free])
+    return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} with --hold {kept}"
 
 
 def _free_lines(scene: Scene, target: Configuration, held: Collection[str]) -> list[str]:
@@ -123,21 +112,58 @@ def quasi_static(
     angles = {**target.angles, **{sweep.line: sweep.start for sweep in sweeps}}
     target = Configuration(angles, target.latched)
     kept = (*held, *(sweep.line for sweep in sweeps))
-    mechanism, first = equilibrium(scene, rigid, flexible, target, kept)
-    free = ", ".join(_free_lines(scene, target, kept))
-    parts = ceil(max(abs(sweep.end - sweep.start) for sweep in sweeps) / steps / _LARGEST_STEP)
+    names = [sweep.line for sweep in sweeps]
+    mechanism, first = equilibrium(scene, rigid, flexible, target, kept, swept=names)
+    advice = _advice(scene, target, kept, names)
+    size = max(abs(sweep.end - sweep.start) for sweep in sweeps)
+    parts = ceil(size / steps / _LARGEST_STEP)
+    shares = np.linspace(0.0, 1.0, steps * parts + 1).tolist()
     found = [first]
-    for _ in range(steps):
-        for _ in range(parts):
-            for sweep in sweeps:
-                _turn(scene, mechanism, sweep.line, (sweep.end - sweep.start) / (steps * parts))
-            settle(mechanism, free)
-        found.append(_found(scene, mechanism, kept))
+    for k, (start, end) in enumerate(pairwise(shares), 1):
+        _follow(scene, mechanism, sweeps, (start, end), size, advice)
+        if k % parts == 0:
+            found.append(_found(scene, mechanism, kept))
     return found
 
 
+def _follow(
+    scene: Scene,
+    mechanism: Mechanism,
+    sweeps: Collection[Sweep],
+    way: tuple[float, float],
+    size: float,
+    advice: str,
+) -> None:
+    """Turn the swept lines from one share of their sweeps to another and settle; in halves where that fails.
+
+    size: largest angle (rad) of the whole sweep. SceneError with the angles where even small steps fail.
+    """
+    start, end = way
+    before = mechanism.pose()
+    try:
+        for sweep in sweeps:
+            _turn(scene, mechanism, sweep.line, (end - start) * (sweep.end - sweep.start))
+        settle(mechanism, advice)
+        return
+    except SceneError as error:
+        if (end - start) * size < _SMALLEST_STEP:
+            raise SceneError([f"at {_place(sweeps, end)}: {problem}" for problem in error.problems]) from None
+    mechanism.come_back(before)
+    middle = 0.5 * (start + end)
+    for half in ((start, middle), (middle, end)):
+        _follow(scene, mechanism, sweeps, half, size, advice)
+
+
+def _place(sweeps: Collection[Sweep], share: float) -> str:
+    """Angles of the swept lines at a share of their sweeps."""
+    angles = [degrees_text(sweep.start + share * (sweep.end - sweep.start), 2) for sweep in sweeps]
+    return ", ".join(f"{sweep.line} = {angle} deg" for sweep, angle in zip(sweeps, angles, strict=True))
+
+
 def _turn(scene: Scene, mechanism: Mechanism, name: str, angle: float) -> None:
-    """Turn everything outboard of a line about it, and hold its hinges there."""
+    """Turn everything outboard of a line about it, and hold its hinges there; a drive commands its new angle."""
+    drives = [connection for connection in mechanism.connections.values() if connection.kind == "drive"]
+    before = [drive.observe()["angle"] for drive in drives]
     line = next(line for line in scene.hinge_lines if line.name == name)
     motion = mechanism.connections[line.hinges[0].name].motions[0]
     w, x, y, z = motion[3:7].tolist()
@@ -152,6 +178,9 @@ def _turn(scene: Scene, mechanism: Mechanism, name: str, angle: float) -> None:
         state = State.unpack(connection.state)
         connection.state = state._replace(hold_angle=state.hold_angle + angle).pack()
     mechanism.follow()
+    for drive, angle_before in zip(drives, before, strict=True):
+        for end in ("start_angle", "end_angle"):
+            drive.set_parameter(end, drive.parameter(end) + drive.observe()["angle"] - angle_before)
 
 
 def _outboard(scene: Scene, name: str) -> set[str]:
@@ -174,7 +203,15 @@ def _found(scene: Scene, mechanism: Mechanism, held: Collection[str]) -> Equilib
         },
         loads={name: _loads(mechanism, name, values) for name, values in observed.items()},
         base_load=tuple(_base_load(mechanism).tolist()),
+        reach=_reach(mechanism),
     )
+
+
+def _reach(mechanism: Mechanism) -> float:
+    """Largest distance (m) between ports and centres of mass along a world axis."""
+    places = [connection.motions[:, :3] for connection in mechanism.connections.values()]
+    places += [body.position[None] for body in mechanism.bodies.values()]
+    return float(np.ptp(np.concatenate(places), axis=0).max())
 
 
 def _holding_torque(mechanism: Mechanism, hinge: str) -> float:
@@ -208,7 +245,8 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Swe
         start, colon, end = angles.partition(":")
         if not (equals and colon and name.strip()):
             raise click.BadParameter(f"{entry!r} is not of the form HL1=0deg:90deg")
-        found.append(Sweep(name.strip(), angle_of(start), angle_of(end)))
+        line = name.strip()
+        found.append(Sweep(line, angle_of(line, start), angle_of(line, end)))
         if found[-1].start == found[-1].end:
             raise click.BadParameter(f"{entry!r}: the two angles are the same")
         if found[-1].line in {sweep.line for sweep in found[:-1]}:
@@ -216,21 +254,23 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Swe
     return tuple(found)
 
 
-@click.command("equilibrium")
+@click.command("equilibrium", epilog=_EXAMPLES)
 @click.argument("scene")
 @scene_layers
 @fidelity_options
 @configuration_options
 @click.option(
-    "--hold", metavar="LINES",
+    "--hold", metavar="LINES", callback=lines_given,
     help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
 )  # fmt: skip
 @click.option("--preload", is_flag=True, help="Cable loops have exactly their preload, as when a run begins.")
 @click.option(
     "--sweep", "sweeps", default="", callback=sweeps_given, metavar="LINE=FROM:TO,...",
-    help="Turn lines together through angles, such as HL1=0deg:90deg.",
+    help="Turn lines together through angles, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
 )  # fmt: skip
-@click.option("--steps", type=click.IntRange(min=1), default=12, show_default=True, help="Steps of a sweep.")
+@click.option(
+    "--steps", type=Count(min=1, max=10_000), default=12, show_default=True, help="Steps of a sweep."
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     scene: str,
@@ -248,6 +288,9 @@ def command(
     as_json: bool,
 ) -> None:
     """Static equilibrium of SCENE and the loads of its connections, at one configuration or over a sweep."""
+    refuse_idle("--steps", "--sweep")
+    if preload and sweeps:
+        raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
     loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     swept = lines_named(loaded_scene, ",".join(sweep.line for sweep in sweeps))
@@ -268,86 +311,6 @@ def command(
         content = {"scene": loaded_scene.header.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
     elif sweeps:
-        _print_sweep(found)
+        print_sweep(found)
     else:
-        _print_loads(found[0])
-
-
-def _print_loads(found: Equilibrium) -> None:
-    table = _table("static equilibrium")
-    table.add_column("connection")
-    table.add_column("load")
-    table.add_column("value", justify="right", min_width=_NUMBER)
-    table.add_column("unit")
-    for line, torque in found.holding_torques.items():
-        angle = np.rad2deg(found.angles[line])
-        table.add_row(line, f"holding torque at {angle:.3f} deg", f"{torque:.5g}", "N.m")
-    rows = list(_load_rows(found))
-    floors = {unit: noise_floor(value for _, _, value, kind in rows if kind == unit) for unit in _LOAD_UNITS}
-    shown = [row for row in rows if abs(row[2]) > floors[row[3]]]
-    previous = ""
-    for connection, name, value, unit in shown:
-        table.add_row("" if connection == previous else connection, name, f"{value:.5g}", unit)
-        previous = connection
-    console = Console()
-    console.print(table)
-    if len(shown) < len(rows):
-        console.print(
-            f"{len(rows) - len(shown)} loads are left out: zero, or below {NOISE:g} of the largest of their unit"
-        )
-
-
-def _load_rows(found: Equilibrium) -> Iterator[tuple[str, str, float, str]]:
-    """Connection, load, value and unit; the base last."""
-    for connection, loads in found.loads.items():
-        for name, (value, unit) in loads.items():
-            yield connection, name.replace("_", " "), value, unit
-    names = [(f"{what} {axis}", unit) for what, unit in _BASE_LOADS for axis in "xyz"]
-    for (name, unit), value in zip(names, found.base_load, strict=True):
-        yield "base", name, value, unit
-
-
-def _print_sweep(found: list[Equilibrium]) -> None:
-    first = found[0]
-    columns = [
-        (f"hold\n{line},\nN.m", [f"{one.holding_torques[line]:.5g}" for one in found])
-        for line in first.holding_torques
-    ]
-    columns += [
-        (f"{name}\n{load.rpartition('_')[2]}, N", [f"{one.loads[name][load][0]:.5g}" for one in found])
-        for name, loads in first.loads.items()
-        for load in loads
-        if load.startswith("tension")
-    ]
-    angles = [
-        (f"{line},\ndeg", [f"{np.rad2deg(one.angles[line]) + 0.0:.2f}" for one in found])
-        for line in first.angles
-    ]
-    console = Console()
-    for part in _that_fit(angles, columns, console.width):
-        table = _table("quasi-static sweep: angles, torques to hold them, tensions of strands a and b")
-        for heading, _ in part:
-            table.add_column(heading, justify="right", no_wrap=True)
-        for row in zip(*(cells for _, cells in part), strict=True):
-            table.add_row(*row)
-        console.print(table)
-
-
-def _that_fit(angles: list[Column], columns: list[Column], width: int) -> Iterator[list[Column]]:
-    """Tables as wide as the terminal at most, each with all angles in front and at least one more column."""
-    part = list(angles)
-    for column in columns:
-        if len(part) > len(angles) and 1 + sum(2 + _width(one) for one in (*part, column)) > width:
-            yield part
-            part = list(angles)
-        part.append(column)
-    yield part
-
-
-def _width(column: Column) -> int:
-    heading, cells = column
-    return max(map(len, (*heading.split("\n"), *cells)))
-
-
-def _table(title: str) -> Table:
-    return Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+        print_loads(found[0])

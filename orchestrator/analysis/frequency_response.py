@@ -18,10 +18,11 @@ from rich.table import Table
 
 from components._component import Vector
 
-from ..cli_options import Number, fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..cli_options import fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..cli_types import Count, Number, Picture
 from ..scene import SceneError
 from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
-from ._linear import LinearModel, modal_damping, normal_modes
+from ._linear import ZERO_FREQUENCY, LinearModel, modal_damping, normal_modes
 from .modes import DIRECTIONS
 
 Complex = NDArray[np.complex128]
@@ -29,6 +30,8 @@ INTERFACE = "interface"
 _AROUND = np.concatenate((-np.geomspace(0.1, 30.0, 12)[::-1], [0.0], np.geomspace(0.1, 30.0, 12)))
 """Frequencies around a resonance, in half-widths of its peak."""
 _LEAST_DAMPING = 1e-5
+_FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
+"""Below it the round-off of stiff joints would be stiffer than what moves."""
 
 
 class Response(NamedTuple):
@@ -123,16 +126,16 @@ def responses(
     help="Points as BODY.POINT with commas between, whose acceleration is wanted; interface is the load on the base.",
 )  # fmt: skip
 @click.option(
-    "--from", "low", type=Number(min=0.0, min_open=True), default=0.1, show_default=True, help="Hz."
-)
+    "--from", "low", type=_FREQUENCY, default=0.1, show_default=True, metavar="HZ", help="Lowest frequency, in Hz.",
+)  # fmt: skip
 @click.option(
-    "--to", "high", type=Number(min=0.0, min_open=True), default=100.0, show_default=True, help="Hz."
-)
+    "--to", "high", type=_FREQUENCY, default=100, show_default=True, metavar="HZ", help="Highest frequency, in Hz.",
+)  # fmt: skip
 @click.option(
-    "--steps", type=click.IntRange(min=2), default=400, show_default=True,
+    "--steps", type=Count(min=2, max=100_000), default=400, show_default=True,
     help="Frequencies, beside those around resonances.",
 )  # fmt: skip
-@click.option("--plot", type=click.Path(path_type=Path, dir_okay=False), help="Picture to write.")
+@click.option("--plot", type=Picture(), metavar="FILE", help="Picture to write.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     scene: str,
@@ -157,7 +160,7 @@ def command(
     if high <= low:
         raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
     if not points:
-        raise click.UsageError("--points needs a point or interface")
+        raise click.UsageError("--points needs points such as panel1.center, or interface")
     loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
@@ -204,6 +207,9 @@ def _print(frequencies: Vector, found: Sequence[Response]) -> None:
     for heading in ("frequency, Hz", "magnitude"):
         table.add_column(heading, justify="right")
     for response in found:
-        for frequency, size in peaks(frequencies, response.values):
+        found_peaks = peaks(frequencies, response.values)
+        if not found_peaks:
+            table.add_row(response.name, response.unit, "none", "")
+        for frequency, size in found_peaks:
             table.add_row(response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}")
     Console().print(table)

@@ -15,13 +15,14 @@ import click
 import matplotlib as mpl
 import numpy as np
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from ..cli_types import Picture
 from ..plot_style import STYLE, draw, new_figure
 from ..result import Result, ResultError
 from ..summary import extremes
+from ._tables import plain_table
 
 Vector = NDArray[np.float64]
 
@@ -119,7 +120,7 @@ def closing_speed(time: Vector, depth: Vector, sample: int, touch: float) -> flo
 
 def impact_table(found: list[Impact]) -> Table:
     """For people."""
-    table = Table(title="impacts", box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = plain_table("impacts")
     table.add_column("contact")
     for heading in (
         "at, s",
@@ -165,23 +166,29 @@ def draw_impacts(path: Path, result: Result, found: list[Impact]) -> None:
             )
             panel.set(xlabel="time since touch, ms", ylabel="contact force, N")
             panel.legend(loc="best", frameon=False)
+        path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path)
 
 
 @click.command("impact")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
-    "--output", type=click.Path(path_type=Path, dir_okay=False), default=None, help="Picture (PNG)."
-)
+    "--output", type=Picture(), metavar="FILE",
+    help="Picture to write; by default named after RESULT, with .impact.png.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(result: Path, output: Path | None, as_json: bool) -> None:
     """Impacts in RESULT: when, how hard, how long, and the energy they took."""
     opened = Result.open(result)
     found = impacts(opened)
+    picture = output or result.with_suffix(".impact.png")
     if found:
-        draw_impacts(output or result.with_suffix(".impact.png"), opened, found)
+        draw_impacts(picture, opened, found)
     if as_json:
         click.echo(json.dumps({"impacts": [asdict(impact) for impact in found]}))
         return
-    console = Console()
-    console.print(impact_table(found) if found else "nothing touched")
+    if not found:
+        click.echo("nothing touched; no picture was drawn")
+        return
+    Console().print(impact_table(found))
+    click.echo(picture)

@@ -23,13 +23,13 @@ from components._component import Vector
 from components._frames import rotate
 
 from ..assembly import Link, Part
-from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
+from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
+from ..cli_types import Number, given_quantity
 from ..scene import Scene, SceneError, choose_fidelity
 from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene_connections import LatchSetting, hinge_parts
 from ..scene_line_tables import HingeLine
 from ..scene_pieces import held_bodies
-from ..units import to_si
 from ._configuration import configuration, with_angles
 from ._linear import LinearModel, linearise, normal_modes
 from ._mechanism import Mechanism
@@ -217,7 +217,7 @@ def tune(
             raise SceneError(
                 [
                     f"{scene.file}: hinge_line.{line.name}: {line.inboard} and {line.outboard} are rigid, so there is "
-                    "no frequency to tune to; give one, or make a body flexible"
+                    "no frequency to tune to; give one with --frequency, or make one of them --flexible"
                 ]
             )
         frequency, overlap = pair(scene, line, flexible, None).mode()
@@ -256,22 +256,17 @@ def find_line(scene: Scene, name: str) -> HingeLine:
 
 
 def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> float | None:
-    try:
-        if value is None:
-            return None
-        return to_si(value if " " in value.strip() else f"{value.strip()} N.m/rad", "N.m/rad", "positive")
-    except ValueError as error:
-        raise click.BadParameter(f"the stiffness {error}") from None
+    return None if value is None else given_quantity(value, "N.m/rad", "the stiffness", "positive")
 
 
 @click.command("latch-tuning")
 @click.argument("scene")
 @scene_layers
 @fidelity_options
-@click.option("--line", "name", required=True, help="Hinge line.")
+@click.option("--line", "name", required=True, metavar="LINE", help="Hinge line whose latch spring is tuned.")
 @click.option(
-    "--frequency", type=Number(min=0.0, min_open=True),
-    help="Frequency to meet, Hz; by default that of the flexible pair.",
+    "--frequency", type=Number(min=0.0, min_open=True), metavar="HZ",
+    help="Frequency to meet, in Hz; by default that of the flexible pair.",
 )  # fmt: skip
 @click.option(
     "--stiffness-of", "kind", type=click.Choice(["total", "structure"]),
@@ -280,7 +275,7 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
 )  # fmt: skip
 @click.option(
     "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
-    help="Measured stiffness of the line's hinges together, such as '51.3 N.m/deg'; a plain number is in N.m/rad.",
+    help="Measured stiffness of the line's hinges together with its unit, such as 51.3N.m/deg.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(

@@ -7,21 +7,21 @@ Tables 3-2 and 3-3, the free frequencies of the reduced body against those of th
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 import click
 import numpy as np
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
 from components.catalogue import BODIES, finite_elements
 from components.reduction import fixed_interface_frequencies, free_frequencies
 
-from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
+from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
+from ..cli_types import Number
 from ..master import Settings
 from ..run import RunError
 from ..scene import Scene, assemble, find_scene, load_scene
@@ -29,6 +29,7 @@ from ..scene_bodies import body_model
 from ..scene_body_tables import Body
 from ..scene_pieces import held_bodies
 from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
+from ._tables import Column, tables_that_fit
 
 Vector = NDArray[np.float64]
 
@@ -56,42 +57,61 @@ def frequencies(body: Body, counts: Sequence[int], listed: int = _LISTED) -> Fre
     return Frequencies(fixed / (2.0 * np.pi), free_frequencies(model, listed) / (2.0 * np.pi), reduced)
 
 
-def frequency_table(name: str, found: Frequencies) -> Table:
-    """Fixed-interface and free frequencies of the full model, and errors of the free ones of every reduced body."""
-    table = Table(
-        title=f"{name}: full model, and errors of the free reduced body by modes kept",
-        box=SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
+def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Table]:
+    """Fixed-interface and free frequencies of the full model, and errors of the free ones of every reduced body.
+
+    width: of the terminal, in characters.
+    """
+    count = len(found.free)
+    fixed = [
+        Column("mode", [str(k + 1) for k in range(count)]),
+        Column("clamped,\nHz", [f"{value:.4f}" for value in found.fixed]),
+        Column("free,\nHz", [f"{value:.4f}" for value in found.free]),
+    ]
+    reduced = [
+        Column(f"{_modes(kept)},\n%", [_error(values, found.free, k) for k in range(count)])
+        for kept, values in found.reduced.items()
+    ]
+    return tables_that_fit(
+        f"{name}: full model, and errors of the reduced body's\nfree frequencies by modes kept",
+        fixed,
+        reduced,
+        width,
     )
-    table.add_column("mode", justify="right")
-    table.add_column("clamped, Hz", justify="right")
-    table.add_column("free, Hz", justify="right")
-    for count in found.reduced:
-        table.add_column(f"{count} modes, %", justify="right", min_width=7)
-    for k, (fixed, free) in enumerate(zip(found.fixed, found.free, strict=True)):
-        reduced = [
-            f"{100.0 * (values[k] / free - 1.0):+.3g}" if k < len(values) else ""
-            for values in found.reduced.values()
-        ]
-        table.add_row(str(k + 1), f"{fixed:.4f}", f"{free:.4f}", *reduced)
-    return table
 
 
-def _body(scene: Scene, name: str | None) -> Body:
-    """The named body of the catalogue, or the only one there is; held lines leave a body no modes."""
+def _modes(count: int) -> str:
+    return f"{count} mode{'s' * (count != 1)}"
+
+
+def _error(values: Vector, free: Vector, k: int) -> str:
+    """Error (%) of a frequency of the reduced body, where it has that many."""
+    return f"{100.0 * (values[k] / free[k] - 1.0):+.3g}" if k < len(values) else ""
+
+
+def _body(scene: Scene, name: str | None, rigid: Collection[str]) -> Body:
+    """The named body of the catalogue, or the only one that --rigid leaves; held lines leave a body no modes."""
     held = held_bodies(scene)
     bodies = {
         body.name: body for body in scene.bodies if body.catalogue is not None and body.name not in held
     }
-    if name is None and len(bodies) == 1:
-        return next(iter(bodies.values()))
-    if name not in bodies:
-        known = ", ".join(bodies) or "none"
+    left = [body for body in bodies if not {body, "all"} & set(rigid)]
+    if name is None and len(left) == 1:
+        return bodies[left[0]]
+    if not bodies or (name is None and left) or (name is not None and name not in bodies):
+        known = ", ".join(left or bodies) or "none"
         raise RunError(
             f"{scene.file}: name the body to study with --body; bodies that can have modes are {known}"
         )
-    return bodies[name]
+    studied = name or next(iter(bodies))
+    if studied not in left:
+        others = ",".join(body for body in bodies if body != studied)
+        advice = (
+            f"make only others rigid: --body {studied} --rigid {others}" if others else "leave --rigid out"
+        )
+        whose = f"{name} has no modes" if name else "no body has modes"
+        raise RunError(f"{scene.file}: with this --rigid {whose} to count; {advice}")
+    return bodies[studied]
 
 
 def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, ...]:
@@ -100,7 +120,7 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
     except ValueError:
         raise click.BadParameter("give whole numbers with commas between", param=param) from None
     if counts[0] < 0 or len(counts) < 2:
-        raise click.BadParameter("give at least two numbers of modes, none negative", param=param)
+        raise click.BadParameter("give at least two different numbers of modes, none negative", param=param)
     return counts
 
 
@@ -108,12 +128,19 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
 @click.argument("scene")
 @scene_layers
 @fidelity_options
-@click.option("--body", default=None, help="Body whose modes are counted; needed where there are several.")
-@click.option("--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts)
+@click.option("--body", metavar="BODY", help="Body whose modes are counted; needed where there are several.")
 @click.option(
-    "--tolerance", type=Number(min=1e-10, max=0.1), default=None, help="Relative accuracy of the runs."
-)
-@click.option("--output", type=click.Path(path_type=Path, file_okay=False), default=None, help="Folder.")
+    "--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts, metavar="N,N,...",
+    help="Numbers of fixed-interface modes; the largest is the reference.",
+)  # fmt: skip
+@click.option(
+    "--tolerance", type=Number(min=1e-10, max=0.1),
+    help="Relative accuracy of the runs; by default that of the scene.",
+)  # fmt: skip
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for results and pictures; by default SCENE.mode-study.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     scene: str,
@@ -129,17 +156,19 @@ def command(
 ) -> None:
     """Latch-up of SCENE against the number of a body's fixed-interface modes."""
     loaded = scene_of_one_run(scene, variants, settings)
-    studied = _body(loaded, body)
-    folder = output or Path(f"{loaded.header.name}.mode-study")
-    folder.mkdir(parents=True, exist_ok=True)
-    cases = []
+    studied = _body(loaded, body, rigid)
+    assemblies = {}
     for count in counts:
         layers = (*settings, f"body.{studied.name}.fixed_interface_modes={count}")
         changed = load_scene(find_scene(scene), variants, layers)
-        assembly = assemble(changed, rigid, flexible | {studied.name})
+        assemblies[count] = assemble(changed, rigid, flexible | {studied.name})
+    folder = output or Path(f"{loaded.header.name}.mode-study")
+    folder.mkdir(parents=True, exist_ok=True)
+    cases = []
+    for count, assembly in assemblies.items():
         numbers = Settings(tolerance or assembly.tolerance, assembly.largest_step)
         path = folder / f"{count}_modes.h5"
-        cases.append(run_case(f"{count} modes", count, assembly, path, numbers, assembly.until))
+        cases.append(run_case(_modes(count), count, assembly, path, numbers, assembly.until))
     reference = cases[-1]
     refuse_unlatched(reference)
     found = frequencies(studied, counts)
@@ -160,5 +189,6 @@ def command(
         return
     console = Console()
     console.print(latch_table(f"{loaded.header.name}: against {reference.label}", cases, reference))
-    console.print(frequency_table(studied.name, found))
+    for table in frequency_tables(studied.name, found, console.width):
+        console.print(table)
     console.print(f"pictures and results in {folder}")

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import click
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
 
-from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
+from ..cli_options import fidelity_options, refuse_idle, scene_layers, scene_of_one_run
+from ..cli_types import Count
 from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
 from ._linear import (
     LinearModel,
@@ -26,6 +25,7 @@ from ._linear import (
     modal_damping,
     normal_modes,
 )
+from ._tables import plain_table
 
 _ROUNDED_UP = (9.995, 99.95)
 """%: from here on two decimals, and one, take more than four characters"""
@@ -81,12 +81,12 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
 @fidelity_options
 @configuration_options
 @as_posed_option
-@click.option("--count", type=click.IntRange(min=1), default=15, show_default=True, help="Modes to list.")
+@click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
 @click.option(
     "--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures of mode shapes."
 )
 @click.option(
-    "--shapes", type=click.IntRange(min=1), default=4, show_default=True, help="Mode shapes to draw."
+    "--shapes", type=Count(min=1), default=4, show_default=True, help="Mode shapes to draw, with --plot."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
@@ -105,6 +105,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Natural frequencies, damping and effective masses of SCENE in a configuration."""
+    refuse_idle("--shapes", "--plot")
     loaded_scene = scene_of_one_run(scene, variants, settings)
     target = configuration(loaded_scene, named, angles, latched)
     model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
@@ -133,12 +134,7 @@ def command(
 
 
 def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
-    table = Table(
-        title="normal modes; effective masses in % of the rigid ones",
-        box=SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table("normal modes; effective masses in % of the rigid ones")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)

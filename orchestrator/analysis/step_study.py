@@ -11,10 +11,16 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli_options import Number, fidelity_options, scene_layers, scene_of_one_run
+from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
+from ..cli_types import Number
 from ..master import Settings
 from ..scene import assemble
 from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
+
+
+def _label(step: float) -> str:
+    """How a step size is called in tables and names of files."""
+    return f"{step:g} s"
 
 
 def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float, ...]:
@@ -22,8 +28,10 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
         steps = tuple(sorted({float(text) for text in value.split(",")}, reverse=True))
     except ValueError:
         raise click.BadParameter("give step sizes in seconds with commas between", param=param) from None
-    if len(steps) < 2 or not all(1e-7 <= step <= 1.0 for step in steps):
-        raise click.BadParameter("give at least two step sizes between 1e-7 and 1 s", param=param)
+    if len({_label(step) for step in steps}) < max(2, len(steps)) or not all(
+        1e-7 <= step <= 1.0 for step in steps
+    ):
+        raise click.BadParameter("give at least two different step sizes between 1e-7 and 1 s", param=param)
     return steps
 
 
@@ -32,11 +40,17 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
 @scene_layers
 @fidelity_options
 @click.option(
-    "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps,
+    "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps, metavar="S,S,...",
     help="Fixed communication step sizes in seconds; the smallest is the reference.",
 )  # fmt: skip
-@click.option("--tolerance", type=Number(min=1e-10, max=0.1), default=None, help="Of the controlled run.")
-@click.option("--output", type=click.Path(path_type=Path, file_okay=False), default=None, help="Folder.")
+@click.option(
+    "--tolerance", type=Number(min=1e-10, max=0.1),
+    help="Relative accuracy of the run with step control; by default that of the scene.",
+)  # fmt: skip
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for results and pictures; by default SCENE.step-study.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     scene: str,
@@ -57,12 +71,13 @@ def command(
     label = f"tolerance {controlled.tolerance:g}"
     run_time = assembly.until
     adaptive = run_case(label, 0.0, assembly, folder / "controlled.h5", controlled, run_time)
+    refuse_unlatched(adaptive)
     cases = [
         run_case(
-            f"{h:g} s",
+            _label(h),
             h,
             assembly,
-            folder / f"{h:g}_s.h5",
+            folder / f"{_label(h).replace(' ', '_')}.h5",
             Settings(controlled.tolerance, fixed_step=h),
             run_time,
         )

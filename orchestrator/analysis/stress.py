@@ -20,7 +20,7 @@ from rich.table import Table
 from components._plate_resultants import PlateNodes
 from components.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
-from ..cli_options import Number
+from ..cli_types import Count, Number
 from ..result import Result, ResultError
 from ..summary import latch_times
 from ._stress_model import BodyStress, body_stress
@@ -119,29 +119,39 @@ def _rectangle(
     return value
 
 
+def _circle(
+    _: click.Context, __: click.Parameter, value: tuple[float, ...] | None
+) -> tuple[float, ...] | None:
+    if value is not None and value[2] < 0.0:
+        raise click.BadParameter("the radius R must not be negative")
+    return value
+
+
 @click.command("stress")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--body", required=True, help="The panel.")
-@click.option("--count", type=click.IntRange(min=1), default=10, show_default=True, help="Hot spots.")
+@click.option("--body", required=True, metavar="BODY", help="The panel.")
+@click.option("--count", type=Count(min=1), default=10, show_default=True, help="Hot spots.")
 @click.option(
-    "--radius", type=Number(min=0.0), default=0.05, show_default=True,
-    help="Nodes this near to a hot spot are no further one, m.",
+    "--radius", type=Number(min=0.0), default=0.05, show_default=True, metavar="M",
+    help="Nodes this near to a hot spot are no further one, in m.",
 )  # fmt: skip
 @click.option("--nodes", callback=_numbers, metavar="N,N,...", help="Only these nodes of the mesh.")
 @click.option(
     "--within", type=Number(), nargs=4, callback=_rectangle, metavar="X0 X1 Y0 Y1",
-    help="Only nodes in this rectangle of the body's frame, m.",
+    help="Only nodes in this rectangle of the body's frame, in m.",
 )  # fmt: skip
 @click.option(
-    "--around", type=Number(), nargs=3, metavar="X Y R", help="Only nodes at most R from a point, m."
-)
-@click.option(
-    "--insert-margin", type=Number(min=0.0), default=0.0, show_default=True,
-    help="Leave out nodes nearer to rigid inserts, m; their corners are singular.",
+    "--around", type=Number(), nargs=3, callback=_circle, metavar="X Y R",
+    help="Only nodes at most R from a point of the body's frame, in m.",
 )  # fmt: skip
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for table and pictures."
-)
+    "--insert-margin", type=Number(min=0.0), default=0, show_default=True, metavar="M",
+    help="Leave out nodes nearer to rigid inserts, in m; their corners are singular.",
+)  # fmt: skip
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for table and pictures; by default named after RESULT.",
+)  # fmt: skip
 def command(
     result: Path,
     body: str,

@@ -8,59 +8,26 @@ to line, dampers give none at rest.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
-from ..cli_options import Number, ordered_names, scene_layers, scene_of_one_run
+from ..cli_options import ordered_names, refuse_idle, scene_layers, scene_of_one_run
 from ..cli_progress import progress
+from ..cli_types import Count, Number, given_quantity
 from ..scene import Scene, SceneError, find_scene, load_scene, scene_variants
-from ..units import to_si
-from ._torque_margin_restart import Restart, restart, restart_share
-from ._torque_margin_rules import DEMANDS, FACTORS, LIMIT, RULES, FactorKind, LineTorques, Margins, margins
+from ._torque_margin_restart import CaseRestart, restart, restart_share
+from ._torque_margin_rules import DEMANDS, FACTORS, LIMIT, RULES, FactorKind, Found, margins
 from ._torque_margin_sweep import FrictionKind, driven_lines, sweep
+from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
+from ._torque_margin_undriven import without_margin
 
 _BASE, _COLD = "base", "cold"
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
-
-
-@dataclass(frozen=True)
-class Found:
-    """The margins of one line in one case, by rule."""
-
-    case: str
-    torques: LineTorques
-    margins: tuple[Margins, ...]
-
-    @property
-    def line(self) -> str:
-        """Name of the line."""
-        return self.torques.line
-
-    def as_dicts(self) -> Iterator[dict[str, object]]:
-        """One plain record per rule, at the worst angle; None for a margin without bound."""
-        for found in self.margins:
-            k = found.worst
-            margin = float(found.margin[k])
-            yield {
-                "line": self.line,
-                "case": self.case,
-                "rule": found.rule,
-                "margin": margin if np.isfinite(margin) else None,
-                "angle": float(self.torques.angle[k]),
-                "motor_torque": float(self.torques.motor[k]),
-                "harness_torque": float(self.torques.harness[k]),
-                "friction_torque": float(self.torques.friction[k]),
-                "available": float(found.available[k]),
-                "resisting": float(found.resisting[k]),
-                "required": float(found.required[k]),
-                "passes": found.passes,
-            }
 
 
 def find_margins(
@@ -96,7 +63,7 @@ def load_cases(
 def _extra_torques(
     _: click.Context, __: click.Parameter, given: tuple[str, ...]
 ) -> dict[str, dict[str, float]]:
-    """Further torques by line and symbol."""
+    """Further torques (N.m) by line and symbol; every torque has its unit."""
     found: dict[str, dict[str, float]] = {}
     for text in given:
         key, equals, value = text.partition("=")
@@ -105,19 +72,10 @@ def _extra_torques(
             raise click.BadParameter(
                 f"{text!r} is not of the form LINE.SYMBOL=TORQUE with a symbol of {', '.join(_SYMBOLS)}"
             )
-        try:
-            found.setdefault(line, {})[symbol] = to_si(_number_or_text(value), "N.m", "zero or positive")
-        except ValueError as error:
-            raise click.BadParameter(f"{key} {error}") from None
+        if symbol in found.get(line, {}):
+            raise click.BadParameter(f"{key} is given twice; add the torques up")
+        found.setdefault(line, {})[symbol] = given_quantity(value, "N.m", key, "zero or positive")
     return found
-
-
-def _number_or_text(value: str) -> float | str:
-    """A plain number is in SI units; a text has its unit."""
-    try:
-        return float(value)
-    except ValueError:
-        return value
 
 
 @click.command("torque-margin")
@@ -137,20 +95,25 @@ def _number_or_text(value: str) -> float | str:
 )  # fmt: skip
 @click.option(
     "--torque", "extra", multiple=True, callback=_extra_torques, metavar="LINE.SYMBOL=TORQUE",
-    help=f"Further torque of a line, such as HL2.HY=0.02; {', '.join(_SYMBOLS)}; repeatable.",
+    help=f"Further torque of a line with its unit, such as HL2.HY=0.02N.m; symbols of ECSS {', '.join(_SYMBOLS)}; "
+    "repeatable.",
 )  # fmt: skip
 @click.option(
-    "--positions", type=click.IntRange(min=2), default=19, show_default=True,
+    "--positions", type=Count(min=2, max=10_000), default=19, show_default=True,
     help="Positions of the travel, its ends included.",
 )  # fmt: skip
 @click.option(
     "--restart", "restarts", default="", callback=ordered_names, metavar="POSITIONS",
-    help="Run from rest at these, such as 25%,50% of the travel, or 45deg of the first line.",
+    help="Run from rest at these, such as 25%,50% of the travel, or 45deg of the first line with a motor.",
 )  # fmt: skip
-@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of restarts in seconds.")
 @click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures and runs."
-)
+    "--until", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    help="End time of restarts; by default that of the scene.",
+)  # fmt: skip
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for pictures and runs; by default named after the scene.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     scene: str,
@@ -167,32 +130,59 @@ def command(
     as_json: bool,
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
+    refuse_idle("--until", "--restart")
     scene_of_one_run(scene, variants, settings)  # refuses a scene whose phases differ
     cases = load_cases(find_scene(scene), variants, settings, names)
     _refuse_unknown_lines(cases, extra)
-    shares = {case: [restart_share(one, text) for text in restarts] for case, one in cases.items()}
+    shares = {case: _restart_shares(one, restarts) for case, one in cases.items()}
     found = find_margins(cases, positions, factors, friction, extra)
     folder = output or Path(".".join((next(iter(cases.values())).header.name, *variants)))
     folder.mkdir(parents=True, exist_ok=True)
     pictures = _draw(folder, found)
-    runs = []
-    for case, one in cases.items():
-        for text, share in zip(restarts, shares[case], strict=True):
-            path = folder / f"restart_{case}_{100.0 * share:.4g}.h5"
-            with progress(f"{case} from {text}", until or one.header.until) as watch:
-                runs.append((case, text, path, restart(one, share, path, until, watch)))
+    without = {case: without_margin(one) for case, one in cases.items()}
+    if not as_json:
+        console = Console()
+        console.print(margin_table(found, factors, friction))
+        for sentence in sentences_without_margin(without):
+            console.print(sentence, highlight=False)
+        for path in pictures:
+            click.echo(path)
+    runs = [
+        _run(folder, case, cases[case], text, share, until)
+        for case, positions_ in shares.items()
+        for text, share in positions_.items()
+    ]
     if as_json:
-        click.echo(json.dumps(_as_dict(found, factors, friction, runs)))
-        return
-    console = Console()
-    console.print(_margin_table(found, factors, friction))
-    if runs:
-        console.print(_restart_table(runs))
-    for path in (*pictures, *(path for _, _, path, _ in runs)):
-        click.echo(path)
+        click.echo(json.dumps(_as_dict(found, factors, friction, without, runs)))
+    elif runs:
+        console.print(restart_table(runs))
+        for run in runs:
+            click.echo(run.path)
 
 
-_Run = tuple[str, str, Path, list[Restart]]
+def _run(
+    folder: Path, case: str, scene: Scene, position: str, share: float, until: float | None
+) -> CaseRestart:
+    path = folder / f"restart_{case}_{_percent(share)}.h5"
+    with progress(f"{case} from {position}", until or scene.header.until) as watch:
+        return CaseRestart(case, position, path, restart(scene, share, path, until, watch))
+
+
+def _percent(share: float) -> str:
+    """How a position is called in the name of a file."""
+    return f"{100.0 * share:.4g}"
+
+
+def _restart_shares(scene: Scene, positions: Sequence[str]) -> dict[str, float]:
+    """Share of the travel by position; SceneError where two of them are the same, whose files would be one."""
+    shares: dict[str, float] = {}
+    for text in positions:
+        share = restart_share(scene, text)
+        same = next((other for other, known in shares.items() if _percent(known) == _percent(share)), None)
+        if same is not None:
+            raise SceneError([f"{scene.file}: the restarts from {same} and {text} are the same; give one"])
+        shares[text] = share
+    return shares
 
 
 def _refuse_unknown_lines(cases: Mapping[str, Scene], extra: Mapping[str, object]) -> None:
@@ -208,56 +198,34 @@ def _refuse_unknown_lines(cases: Mapping[str, Scene], extra: Mapping[str, object
 
 
 def _as_dict(
-    found: Sequence[Found], factors: FactorKind, friction: FrictionKind, runs: Sequence[_Run]
+    found: Sequence[Found],
+    factors: FactorKind,
+    friction: FrictionKind,
+    without: Mapping[str, Mapping[str, str]],
+    runs: Sequence[CaseRestart],
 ) -> dict[str, object]:
     return {
         "factors": factors,
         "friction": friction,
         "limit": LIMIT,
         "margins": [row for one in found for row in one.as_dicts()],
+        "without_margin": [
+            {"case": case, "line": line, "reason": reason}
+            for case, reasons in without.items()
+            for line, reason in reasons.items()
+        ],
         "restarts": [
-            {"case": case, "position": text, "output": str(path), **asdict(line), "opens": line.opens}
-            for case, text, path, lines in runs
-            for line in lines
+            {
+                "case": run.case,
+                "position": run.position,
+                "output": str(run.path),
+                **asdict(line),
+                "opens": line.opens,
+            }
+            for run in runs
+            for line in run.lines
         ],
     }
-
-
-def _margin_table(found: Sequence[Found], factors: FactorKind, friction: FrictionKind) -> Table:
-    table = Table(
-        title=f"Torque margin at the worst angle, limit {LIMIT:g}; {factors} factors, {friction} friction"
-    )
-    for name in ("line", "case", "rule"):
-        table.add_column(name)
-    for name in ("margin", "at, deg", "driving, N.m", "resisting, N.m"):
-        table.add_column(name, justify="right")
-    table.add_column("verdict")
-    for one in sorted(found, key=lambda one: one.line):
-        for margins_ in one.margins:
-            k = margins_.worst
-            table.add_row(
-                one.line, one.case, margins_.rule,
-                f"{margins_.margin[k]:.3f}", f"{np.rad2deg(one.torques.angle[k]):.1f}",
-                f"{margins_.available[k]:.4f}", f"{margins_.resisting[k]:.4f}",
-                "passes" if margins_.passes else "FAILS",
-            )  # fmt: skip
-    return table
-
-
-def _restart_table(runs: Sequence[_Run]) -> Table:
-    table = Table(title="Restart from rest")
-    for name in ("case", "position", "line"):
-        table.add_column(name)
-    for name in ("from, deg", "to, deg", "fastest, deg/s", "open at, s"):
-        table.add_column(name, justify="right")
-    table.add_column("verdict")
-    for case, text, _, lines in runs:
-        for line in lines:
-            at = "" if line.opened_at is None else f"{line.opened_at:.4f}"
-            verdict = "opens" if line.opens else "moves, DOES NOT OPEN" if line.moves else "DOES NOT MOVE"
-            start, end, fastest = np.rad2deg((line.start, line.end, line.fastest))
-            table.add_row(case, text, line.line, f"{start:.2f}", f"{end:.2f}", f"{fastest:.3g}", at, verdict)
-    return table
 
 
 def _draw(folder: Path, found: Sequence[Found]) -> list[Path]:

@@ -235,3 +235,11 @@ def test_command(tmp_path, monkeypatch):
     refused = CliRunner().invoke(main, [*arguments, "--to", "0.5"])
     assert refused.exit_code == 2
     assert "must be above" in refused.stderr
+
+
+def test_an_output_without_a_resonance_is_listed():
+    """Stowed and rigid, nothing peaks between 1 and 2 Hz; the output is there all the same."""
+    arguments = ["analyse", "frequency-response", "bepicolombo", "--rigid", "all", "--from", "1", "--to", "2"]
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 0, result.output
+    assert "none" in next(line for line in result.stdout.splitlines() if "interface z" in line)

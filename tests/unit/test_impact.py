@@ -95,10 +95,11 @@ def test_a_latch_up_before_a_touch_leaves_the_closing_speed():
 
 
 def test_the_command_draws_and_lists(found, tmp_path):
-    picture = tmp_path / "impact.png"
+    picture = tmp_path / "new" / "impact.png"
     shown = CliRunner().invoke(command, [str(found.path), "--output", str(picture)])
     assert shown.exit_code == 0, shown.output
     assert "stop" in shown.output
+    assert shown.output.splitlines()[-1] == str(picture)
     assert picture.stat().st_size > 10_000
 
 

@@ -43,7 +43,7 @@ def test_more_modes_come_closer_from_above(tmp_path):
     for above, below in ((few, some), (some, many), (many, whole[:6])):
         assert np.all(above >= below * (1.0 - 1e-9))
     assert many[0] == pytest.approx(whole[0], rel=1e-3)
-    assert [case["case"] for case in content["cases"]] == ["1 modes", "3 modes", "8 modes"]
+    assert [case["case"] for case in content["cases"]] == ["1 mode", "3 modes", "8 modes"]
 
 
 @pytest.mark.parametrize(
@@ -51,9 +51,17 @@ def test_more_modes_come_closer_from_above(tmp_path):
     [
         ("step-study", ("--rigid", "all", "--steps", "2e-3,1e-3"), 1, "no hinge line latched within 0.01 s"),
         ("step-study", ("--steps", "1e-3,nan,1e-4"), 2, "between 1e-7 and 1 s"),
+        ("step-study", ("--steps", "1e-3,1.0000001e-3"), 2, "at least two different step sizes"),
         ("step-study", ("--tolerance", "nan"), 2, "nan is not a finite number"),
         ("mode-study", ("--modes", "2,3"), 1, "no hinge line latched within 0.01 s"),
-        ("mode-study", ("--modes", "2"), 2, "at least two numbers of modes"),
+        ("mode-study", ("--modes", "2"), 2, "at least two different numbers of modes"),
+        ("mode-study", ("--rigid", "all"), 1, "no body has modes to count; leave --rigid out"),
+        (
+            "mode-study",
+            ("--rigid", "panel", "--body", "panel"),
+            1,
+            "panel has no modes to count; leave --rigid",
+        ),
         ("mode-study", ("--set", "hinge_line.HL.held=true"), 1, "bodies that can have modes are none"),
     ],
 )

@@ -264,6 +264,15 @@ def test_restart_takes_the_time_of_constant_torque(tmp_path, degrees):
     assert expected - 0.0167 / acceleration < found.opened_at < expected + 1e-3
 
 
+def test_a_run_that_ends_too_early_is_told_from_a_stall(tmp_path):
+    """Constant torque opens in 4.5 s; after 1 s it turns at (T - T_f) / J, plus less than 0.0167 rad/s."""
+    scene = load_scene(one_line(tmp_path, motor=(2.0, 1.9999), friction=1.6))
+    (found,) = restart(scene, 0.0, tmp_path / "run.h5", until=1.0)
+    assert found.still_opening
+    assert not found.opens
+    assert 0.4 / INERTIA < found.fastest < 0.4 / INERTIA + 0.0167  # while the friction rises it is smaller
+
+
 def test_no_restart_where_friction_exceeds_the_drive(tmp_path):
     """It creeps only, below the stiction velocity: T / T_f = (3 r - r^3) / 2 gives r = 0.653 for 0.84."""
     scene = load_scene(one_line(tmp_path, motor=(2.0, 1.9999), friction=2.0 / 0.84))
@@ -280,6 +289,7 @@ def test_stalls_midway_where_the_spring_gets_weaker_than_the_friction(tmp_path):
     scene = load_scene(one_line(tmp_path, motor=(2.0, 0.5), friction=1.6))
     (found,) = restart(scene, 0.0, tmp_path / "run.h5", until=8.0)
     assert found.moves
+    assert not found.still_opening
     assert not found.opens
     # 2 - 1.5 s = 1.6 at s = 0.267; released and dissipated work are equal at twice that
     stop = 2.0 * 0.4 / 1.5 * 0.5 * pi
@@ -312,7 +322,7 @@ def test_command_writes_json_pictures_and_runs(tmp_path):
     folder = tmp_path / "out"
     result = fanfold(
         path, "--case", "base,stuck", "--positions", 3, "--restart", "50%", "--until", 4, "--json",
-        "--torque", "line.HY=0.1", "--output", folder,
+        "--torque", "line.HY=0.1N.m", "--output", folder,
     )  # fmt: skip
     assert result.exit_code == 0
     content = json.loads(result.stdout)
@@ -340,9 +350,13 @@ def test_command_shows_a_table(tmp_path):
     ("arguments", "sentence"),
     [
         (["--case", "warm"], "there is no variant 'warm'"),
-        (["--torque", "HL9.HY=0.1"], "there is no hinge line 'HL9' with a motor; lines are HL2"),
+        (["--torque", "HL9.HY=0.1N.m"], "there is no hinge line 'HL9' with a motor; lines are HL2"),
         (["--torque", "HL2.XX=0.1"], "symbol of I, S, HM"),
-        (["--torque", "HL2.HY=-1"], "must be zero or positive"),
+        (["--torque", "HL2.HY=-1N.m"], "must be zero or positive"),
+        (["--torque", "HL2.HY=0.1"], "HL2.HY is '0.1'; give it with its unit: 0.1N.m or 0.1N.mm"),
+        (["--torque", "HL2.HY=1N.m", "--torque", "HL2.HY=2N.m"], "HL2.HY is given twice"),
+        (["--restart", "25%,45deg"], "the restarts from 25% and 45deg are the same"),
+        (["--until", "3"], "--until acts only together with --restart"),
         (["--restart", "soon"], "no position to restart from"),
         (["--positions", "1"], "not in the range"),
     ],
