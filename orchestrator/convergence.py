@@ -16,6 +16,8 @@ REFRESHED = (2, 4, 8)
 """Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
 SLOW = 0.15
 """Contraction beyond which turning pays; probing costs several iterations, see `is_too_slow`."""
+PATIENCE = 8
+"""Steps with slow contraction, though fast enough, after which probing pays for those to come."""
 DIVERGED = 50.0
 STEEPEST = 0.9
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)

@@ -30,6 +30,7 @@ _LIMITS = Limits(
     convergence.NEAR,
     convergence.CREDIBLE,
     convergence.AGREED,
+    convergence.PATIENCE,
     convergence.MAX_ITERATIONS,
     convergence.REFRESHED,
 )
@@ -59,6 +60,7 @@ class Coupling:
         self._mobilities: dict[tuple[str, float], Matrices] = {}
         self._stiffnesses: dict[tuple[str, float], Matrices] = {}
         self._factor_key: tuple[str, float] | None = None
+        self._endured = 0
         self._participants = [*network.bodies, *network.connections]
         self.observations = np.zeros(sum(p.observation_layout.size for p in self._participants) + 1)
         self._energy_rows = energy_rows(self._participants)
@@ -191,7 +193,9 @@ class Coupling:
                 break
             if size > convergence.SLOW * last and iteration in convergence.REFRESHED:
                 probe = iteration > convergence.REFRESHED[0]
-                if not probe or convergence.is_too_slow(size, last, iteration):
+                self._endured += probe
+                late = self._endured > convergence.PATIENCE or convergence.is_too_slow(size, last, iteration)
+                if late or not probe:
                     self._refresh(time, h, probe=probe)
                     steps.clear()
                     correction = self._direction(residual) / scale
@@ -279,6 +283,7 @@ class Coupling:
         """Turn the probed matrices to the present orientations, or probe the connections anew."""
         self._factor_key = None
         if probe:
+            self._endured = 0
             self._stiffnesses.pop((self.mode, h), None)
         self._factorize(time, h)
 

@@ -67,6 +67,7 @@ class Limits(Structure):
         ("near", c_double),
         ("credible", c_double),
         ("agreed", c_double),
+        ("patience", c_size_t),
         ("most", c_size_t),
         ("refreshed", c_size_t * 3),
     )
@@ -112,7 +113,16 @@ class _Network(Structure):
         *((name, c_double) for name in ("time", "h", "last", "correction", "seconds")),
         *(
             (name, c_size_t)
-            for name in ("iteration", "kept", "sweeps", "worst_row", "singular", "failed", "failed_call")
+            for name in (
+                "iteration",
+                "kept",
+                "endured",
+                "sweeps",
+                "worst_row",
+                "singular",
+                "failed",
+                "failed_call",
+            )
         ),
         ("failed_status", c_int),
     )

@@ -195,7 +195,7 @@ static int correct(Network *n) {
     if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {
-            if (k > 0) return too_slow(n) ? WANTS_PROBES : apply(n, step);
+            if (k > 0) return too_slow(n) || ++n->endured > n->limits.patience ? WANTS_PROBES : apply(n, step);
             assemble(n);
             return restart(n);
         }
@@ -243,6 +243,7 @@ EXPORT int coupling_iterate(Network *n, double time, double h, int ready) {
 
 /* Go on with the probes that the iteration wanted; again: it had others before. */
 EXPORT int coupling_resume(Network *n, int again) {
+    n->endured = 0;
     assemble(n);
     const int status = again ? restart(n) : correct(n);
     return status == GOES_ON ? proceed(n, 1) : status;

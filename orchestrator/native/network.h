@@ -19,7 +19,7 @@ typedef struct {
 /* Numbers of the iteration, see orchestrator/convergence.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
     double slow, diverged, steepest, round_off, near, credible, agreed;
-    size_t most, refreshed[3];
+    size_t patience, most, refreshed[3];
 } Limits;
 
 typedef struct {
@@ -53,7 +53,7 @@ typedef struct {
     History history;
     double energies[ENERGIES];
     double time, h, last, correction, seconds;
-    size_t iteration, kept, sweeps, worst_row, singular, failed, failed_call;
+    size_t iteration, kept, endured, sweeps, worst_row, singular, failed, failed_call;
     int failed_status;
 } Network;
 

@@ -112,7 +112,7 @@ class Wired:
         return matrix
 
     def engine(self):
-        limits = Limits(0.1, 10.0, 0.9, 1e-15, 1e-2, 1e12, 100.0, 5, (2, 3, 4))
+        limits = Limits(0.1, 10.0, 0.9, 1e-15, 1e-2, 1e12, 100.0, 0, 5, (2, 3, 4))
         rows = np.zeros((4, len(self.bodies) + len(self.connections)), dtype=np.uintp)
         return Engine(self, limits, Shared(*(np.zeros(self.size) for _ in range(4)), np.zeros(1), rows))
 
