@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 from math import degrees
@@ -21,13 +20,13 @@ from fmus import Backend, FmiVersion, check_fmu, native_library
 
 from . import analysis, compare, report
 from .assembly import Assembly
-from .cli_options import backend_option, fidelity_options, scene_layers, scene_of_one_run
+from .cli_options import SceneChoice, backend_option, scene_choice
 from .cli_progress import progress
 from .cli_types import Number
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
-from .scene import SceneError, assemble, find_scene, list_scenes, load_scene, scene_variants
+from .scene import SceneError, find_scene, list_scenes, load_scene, scene_variants
 from .scene_connections import WrenchMode
 from .summary import headline_table
 from .verify import Verified, verify
@@ -84,9 +83,7 @@ def _tell_of_python(backend: Backend | None) -> None:
 
 
 @main.command("run")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
+@scene_choice
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
@@ -101,11 +98,7 @@ def _tell_of_python(backend: Backend | None) -> None:
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def run_command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
+    choice: SceneChoice,
     tolerance: float | None,
     until: float | None,
     output: Path | None,
@@ -121,25 +114,19 @@ def run_command(
     if master != "implicit" and step is None:
         raise click.UsageError("an explicit master needs a --step that is stable; for rigid wings try 2e-5 s")
     _tell_of_python(backend)
-    file = find_scene(scene)
     load = partial(as_fmus, backend=backend)
-    phases = _phases(file, variants, settings)
+    phases = _phases(choice)
     if until is not None and len(phases) > 1:
         chosen = ", ".join(phase for phase, _ in phases)
         raise click.UsageError(f"--until is the end of one run; choose a phase with --variant: {chosen}")
     contents: dict[str, dict[str, object]] = {}
-    for phase, layers in phases:
-        assembly = assemble(
-            load_scene(file, layers, settings),
-            rigid,
-            flexible,
-            "mean" if master == "implicit" else "endpoint",
-        )
-        _tell_of_held(flexible, assembly)
+    for phase, one in phases:
+        assembly = one.assemble(one.load(), "mean" if master == "implicit" else "endpoint")
+        _tell_of_held(choice.flexible, assembly)
         numbers = Settings(
             tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
         )
-        path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *layers, "h5")))
+        path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *one.variants, "h5")))
         end = until or assembly.until
         with progress(assembly.name, end) as watch:
             outcome = run(assembly, path, numbers, end, master, watch, _warn, load)
@@ -171,14 +158,12 @@ def _tell_of_open_ends(outcome: Outcome) -> None:
         )
 
 
-def _phases(
-    file: Path, variants: tuple[str, ...], settings: Sequence[str]
-) -> list[tuple[str, tuple[str, ...]]]:
-    """Name and variants of every phase to run; a scene without phases, or asked for one of them, has one."""
-    phases = load_scene(file, variants, settings).header.phases
-    if not phases or set(phases) & set(variants):
-        return [("", variants)]
-    return [(phase, (*variants, phase)) for phase in phases]
+def _phases(choice: SceneChoice) -> list[tuple[str, SceneChoice]]:
+    """Name and choice of every phase to run; a scene without phases, or asked for one of them, has one."""
+    phases = choice.load().header.phases
+    if not phases or set(phases) & set(choice.variants):
+        return [("", choice)]
+    return [(phase, choice.with_variant(phase)) for phase in phases]
 
 
 def _phase_path(path: Path, phase: str) -> Path:
@@ -247,9 +232,7 @@ def plot_command(result: Path, output: Path | None) -> None:
 
 
 @main.command("export")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
+@scene_choice
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder."
 )
@@ -264,11 +247,7 @@ def plot_command(result: Path, output: Path | None) -> None:
 @click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
 @backend_option
 def export_command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
+    choice: SceneChoice,
     output: Path,
     wrench_mode: WrenchMode,
     fmi: FmiVersion,
@@ -278,7 +257,7 @@ def export_command(
     """Write every component of SCENE as an FMU."""
     if fmi == "2.0" and not sources:
         _tell_of_python(backend)
-    assembly = assemble(scene_of_one_run(scene, variants, settings), rigid, flexible, wrench_mode)
+    assembly = choice.assemble(choice.load_one_run(), wrench_mode)
     for path in export(assembly, output, backend, fmi, sources):
         click.echo(path)
 

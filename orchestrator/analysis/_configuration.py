@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import wraps
 from math import ceil, pi
-from typing import Literal
+from typing import Concatenate, Literal
 
 import click
 
-from ..cli_options import ordered_names
+from ..cli_options import Command, Others, SceneChoice, ordered_names
 from ..cli_types import given_quantity
 from ..scene import Scene, SceneError, assemble
 from ..scene_bodies import scene_points, start_poses
@@ -59,6 +60,20 @@ def configuration(
     if problems:
         raise SceneError(problems)
     return Configuration(found, names)
+
+
+@dataclass(frozen=True, slots=True)
+class ConfigurationChoice:
+    """A configuration as the command line asks for it."""
+
+    named: Named = "current"
+    angles: Mapping[str, float] | None = None
+    """rad, of single lines"""
+    latched: str | None = None
+
+    def of(self, scene: Scene) -> Configuration:
+        """That of a scene; SceneError where a line does not exist."""
+        return configuration(scene, self.named, self.angles, self.latched)
 
 
 def lines_named(scene: Scene, text: str) -> tuple[str, ...]:
@@ -187,8 +202,26 @@ def lines_given(_: click.Context, param: click.Parameter, value: str | None) -> 
     return value
 
 
-def configuration_options(command: Callable[..., None]) -> Callable[..., None]:
-    """The options that choose a configuration, for every analysis of a scene at rest."""
+def configuration_choice(
+    command: Callable[Concatenate[SceneChoice, ConfigurationChoice, Others], None],
+) -> Callable[..., None]:
+    """The options of a configuration, for a command that takes the choice of one after that of the scene."""
+
+    @wraps(command)
+    def with_choice(
+        choice: SceneChoice,
+        named: Named,
+        angles: Mapping[str, float],
+        latched: str | None,
+        *args: Others.args,
+        **kwargs: Others.kwargs,
+    ) -> None:
+        command(choice, ConfigurationChoice(named, angles, latched), *args, **kwargs)
+
+    return _configuration_options(with_choice)
+
+
+def _configuration_options(command: Command) -> Command:
     command = click.option(
         "--latched", metavar="LINES", callback=lines_given,
         help="Latched lines, with commas between, or all, or none; by default all if deployed, else none.",
@@ -203,7 +236,7 @@ def configuration_options(command: Callable[..., None]) -> Callable[..., None]:
     )(command)  # fmt: skip
 
 
-def as_posed_option(command: Callable[..., None]) -> Callable[..., None]:
+def as_posed_option(command: Command) -> Command:
     """The option that leaves out static equilibrium."""
     return click.option(
         "--as-posed", is_flag=True,

@@ -19,16 +19,15 @@ from components._component import Vector
 from components._frames import exponential, multiply, rotate
 from components._hinge_state import State
 
-from ..cli_options import fidelity_options, ordered_names, refuse_idle, scene_layers, scene_of_one_run
+from ..cli_options import SceneChoice, ordered_names, refuse_idle, scene_choice
 from ..cli_types import Count
 from ..scene import Scene, SceneError
 from ..scene_pieces import joined
 from ._configuration import (
     Configuration,
-    Named,
+    ConfigurationChoice,
     angle_of,
-    configuration,
-    configuration_options,
+    configuration_choice,
     hinges_of,
     lines_given,
     lines_named,
@@ -255,10 +254,8 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Swe
 
 
 @click.command("equilibrium", epilog=_EXAMPLES)
-@click.argument("scene")
-@scene_layers
-@fidelity_options
-@configuration_options
+@scene_choice
+@configuration_choice
 @click.option(
     "--hold", metavar="LINES", callback=lines_given,
     help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
@@ -273,14 +270,8 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Swe
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
-    named: Named,
-    angles: dict[str, float],
-    latched: str | None,
+    choice: SceneChoice,
+    wanted: ConfigurationChoice,
     hold: str | None,
     preload: bool,
     sweeps: tuple[Sweep, ...],
@@ -291,24 +282,20 @@ def command(
     refuse_idle("--steps", "--sweep")
     if preload and sweeps:
         raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
-    loaded_scene = scene_of_one_run(scene, variants, settings)
-    target = configuration(loaded_scene, named, angles, latched)
-    swept = lines_named(loaded_scene, ",".join(sweep.line for sweep in sweeps))
-    default = "none" if sweeps else ",".join(_free_lines(loaded_scene, target, ()))
-    held = [
-        name for name in lines_named(loaded_scene, default if hold is None else hold) if name not in swept
-    ]
+    scene = choice.load_one_run()
+    target = wanted.of(scene)
+    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
+    default = "none" if sweeps else ",".join(_free_lines(scene, target, ()))
+    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
     both = sorted({*swept, *held} & set(target.latched))
     if both:
-        raise SceneError(
-            [f"{loaded_scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"]
-        )
+        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
     if sweeps:
-        found = quasi_static(loaded_scene, rigid, flexible, target, held, sweeps, steps)
+        found = quasi_static(scene, choice.rigid, choice.flexible, target, held, sweeps, steps)
     else:
-        found = [equilibrium(loaded_scene, rigid, flexible, target, held, preload)[1]]
+        found = [equilibrium(scene, choice.rigid, choice.flexible, target, held, preload)[1]]
     if as_json:
-        content = {"scene": loaded_scene.header.name, "equilibria": [one.as_dict() for one in found]}
+        content = {"scene": scene.header.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
     elif sweeps:
         print_sweep(found)

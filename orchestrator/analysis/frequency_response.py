@@ -18,10 +18,10 @@ from rich.table import Table
 
 from components._component import Vector
 
-from ..cli_options import fidelity_options, ordered_names, scene_layers, scene_of_one_run
+from ..cli_options import SceneChoice, ordered_names, scene_choice
 from ..cli_types import Count, Number, Picture
 from ..scene import SceneError
-from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
+from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, scene_model
 from ._linear import ZERO_FREQUENCY, LinearModel, modal_damping, normal_modes
 from .modes import DIRECTIONS
 
@@ -111,10 +111,8 @@ def responses(
 
 
 @click.command("frequency-response")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
-@configuration_options
+@scene_choice
+@configuration_choice
 @as_posed_option
 @click.option(
     "--excite", type=click.Choice(DIRECTIONS), default="z", show_default=True,
@@ -138,14 +136,8 @@ def responses(
 @click.option("--plot", type=Picture(), metavar="FILE", help="Picture to write.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
-    named: Named,
-    angles: dict[str, float],
-    latched: str | None,
+    choice: SceneChoice,
+    wanted: ConfigurationChoice,
     as_posed: bool,
     excite: str,
     along: str | None,
@@ -161,18 +153,18 @@ def command(
         raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
     if not points:
         raise click.UsageError("--points needs points such as panel1.center, or interface")
-    loaded_scene = scene_of_one_run(scene, variants, settings)
-    target = configuration(loaded_scene, named, angles, latched)
-    model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
+    scene = choice.load_one_run()
+    target = wanted.of(scene)
+    model = scene_model(scene, choice.rigid, choice.flexible, target, as_posed)
     frequencies = frequency_grid(model, low, high, steps)
     found = responses(model, excite, along or excite, points, frequencies)
     if plot is not None:
         from ._linear_figures import draw_responses  # matplotlib takes its time
 
-        title = f"{loaded_scene.header.name}: base acceleration {excite}"
+        title = f"{scene.header.name}: base acceleration {excite}"
         draw_responses(plot, title, frequencies, found)
     if as_json:
-        click.echo(json.dumps(_as_dict(loaded_scene.header.name, excite, frequencies, found)))
+        click.echo(json.dumps(_as_dict(scene.header.name, excite, frequencies, found)))
         return
     _print(frequencies, found)
     if plot is not None:

@@ -23,7 +23,7 @@ from components._component import Vector
 from components._frames import rotate
 
 from ..assembly import Link, Part
-from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
+from ..cli_options import SceneChoice, scene_choice
 from ..cli_types import Number, given_quantity
 from ..scene import Scene, SceneError, choose_fidelity
 from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
@@ -260,9 +260,7 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
 
 
 @click.command("latch-tuning")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
+@scene_choice
 @click.option("--line", "name", required=True, metavar="LINE", help="Hinge line whose latch spring is tuned.")
 @click.option(
     "--frequency", type=Number(min=0.0, min_open=True), metavar="HZ",
@@ -279,11 +277,7 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
+    choice: SceneChoice,
     name: str,
     frequency: float | None,
     kind: Kind | None,
@@ -291,10 +285,10 @@ def command(
     as_json: bool,
 ) -> None:
     """Tune the latch spring of a hinge line of SCENE for its rigid model."""
-    loaded_scene = scene_of_one_run(scene, variants, settings)
-    line = find_line(loaded_scene, name)
-    chosen = choose_fidelity(loaded_scene, rigid, flexible)
-    tuning = tune(loaded_scene, line, chosen, frequency, kind, hinges)
+    scene = choice.load_one_run()
+    line = find_line(scene, name)
+    flexible = choose_fidelity(scene, choice.rigid, choice.flexible)
+    tuning = tune(scene, line, flexible, frequency, kind, hinges)
     law = _latch_law(line, tuning)
     if as_json:
         content = tuning.as_dict()
@@ -304,7 +298,7 @@ def command(
         click.echo(json.dumps(content))
         return
     _print(tuning)
-    click.echo(_scope(loaded_scene, line))
+    click.echo(_scope(scene, line))
     for angle, torque in law:
         click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
 

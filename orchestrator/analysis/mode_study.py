@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,15 +21,15 @@ from rich.table import Table
 from components.catalogue import BODIES, finite_elements
 from components.reduction import fixed_interface_frequencies, free_frequencies
 
-from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
-from ..cli_types import Number
+from ..cli_options import SceneChoice, scene_choice
 from ..master import Settings
 from ..run import RunError
-from ..scene import Scene, assemble, find_scene, load_scene
+from ..scene import Scene
 from ..scene_bodies import body_model
 from ..scene_body_tables import Body
 from ..scene_pieces import held_bodies
-from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
+from ._latch_study import LatchStudy, study_options
+from ._studies import run_case
 from ._tables import Column, tables_that_fit
 
 Vector = NDArray[np.float64]
@@ -125,29 +126,15 @@ def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, 
 
 
 @click.command("mode-study")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
+@scene_choice
 @click.option("--body", metavar="BODY", help="Body whose modes are counted; needed where there are several.")
 @click.option(
     "--modes", "counts", default="2,3,4,5,10,20,30", show_default=True, callback=_counts, metavar="N,N,...",
     help="Numbers of fixed-interface modes; the largest is the reference.",
 )  # fmt: skip
-@click.option(
-    "--tolerance", type=Number(min=1e-10, max=0.1),
-    help="Relative accuracy of the runs; by default that of the scene.",
-)  # fmt: skip
-@click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for results and pictures; by default SCENE.mode-study.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@study_options("mode-study", "runs")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
+    choice: SceneChoice,
     body: str | None,
     counts: tuple[int, ...],
     tolerance: float | None,
@@ -155,32 +142,30 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the number of a body's fixed-interface modes."""
-    loaded = scene_of_one_run(scene, variants, settings)
-    studied = _body(loaded, body, rigid)
-    assemblies = {}
-    for count in counts:
-        layers = (*settings, f"body.{studied.name}.fixed_interface_modes={count}")
-        changed = load_scene(find_scene(scene), variants, layers)
-        assemblies[count] = assemble(changed, rigid, flexible | {studied.name})
-    folder = output or Path(f"{loaded.header.name}.mode-study")
+    scene = choice.load_one_run()
+    studied = _body(scene, body, choice.rigid)
+    choice = replace(choice, flexible=choice.flexible | {studied.name})
+    assemblies = {
+        count: choice.assemble(choice.load(f"body.{studied.name}.fixed_interface_modes={count}"))
+        for count in counts
+    }
+    folder = output or Path(f"{scene.header.name}.mode-study")
     folder.mkdir(parents=True, exist_ok=True)
     cases = []
     for count, assembly in assemblies.items():
         numbers = Settings(tolerance or assembly.tolerance, assembly.largest_step)
         path = folder / f"{count}_modes.h5"
         cases.append(run_case(_modes(count), count, assembly, path, numbers, assembly.until))
-    reference = cases[-1]
-    refuse_unlatched(reference)
+    study = LatchStudy(scene.header.name, folder, cases)
     found = frequencies(studied, counts)
-    draw_latch_torques(folder / "latch_torques.png", f"Latch-up with modes of {studied.name}", cases, 0.5)
-    draw_changes(
-        folder / "changes.png", f"Against {reference.label} of {studied.name}", "fixed-interface modes",
-        cases, reference, log=True,
-    )  # fmt: skip
+    most = study.reference.label
+    study.draw(
+        f"Latch-up with modes of {studied.name}", f"{most} of {studied.name}", "fixed-interface modes", 0.5
+    )
     if as_json:
         content = {
             "body": studied.name,
-            "cases": as_dict(cases, reference),
+            "cases": study.as_dict(),
             "fixed_interface_hz": found.fixed.tolist(),
             "free_hz": found.free.tolist(),
             "reduced_free_hz": {str(k): v.tolist() for k, v in found.reduced.items()},
@@ -188,7 +173,4 @@ def command(
         click.echo(json.dumps(content))
         return
     console = Console()
-    console.print(latch_table(f"{loaded.header.name}: against {reference.label}", cases, reference))
-    for table in frequency_tables(studied.name, found, console.width):
-        console.print(table)
-    console.print(f"pictures and results in {folder}")
+    study.print(console, most, frequency_tables(studied.name, found, console.width))

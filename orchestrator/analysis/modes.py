@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import click
 from rich.console import Console
 
-from ..cli_options import fidelity_options, refuse_idle, scene_layers, scene_of_one_run
+from ..cli_options import SceneChoice, refuse_idle, scene_choice
 from ..cli_types import Count
-from ._configuration import Named, as_posed_option, configuration, configuration_options, scene_model
+from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, scene_model
 from ._linear import (
     LinearModel,
     NormalModes,
@@ -76,10 +76,8 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
 
 
 @click.command("modes")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
-@configuration_options
+@scene_choice
+@configuration_choice
 @as_posed_option
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
 @click.option(
@@ -90,14 +88,8 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
-    named: Named,
-    angles: dict[str, float],
-    latched: str | None,
+    choice: SceneChoice,
+    wanted: ConfigurationChoice,
     as_posed: bool,
     count: int,
     plot: Path | None,
@@ -106,16 +98,16 @@ def command(
 ) -> None:
     """Natural frequencies, damping and effective masses of SCENE in a configuration."""
     refuse_idle("--shapes", "--plot")
-    loaded_scene = scene_of_one_run(scene, variants, settings)
-    target = configuration(loaded_scene, named, angles, latched)
-    model = scene_model(loaded_scene, rigid, flexible, target, as_posed)
+    scene = choice.load_one_run()
+    target = wanted.of(scene)
+    model = scene_model(scene, choice.rigid, choice.flexible, target, as_posed)
     modes = normal_modes(model)
     listed = mode_table(model, modes, count)
     free = int(modes.is_free.sum())
     force, torque = model.unbalanced
     if as_json:
         content = {
-            "scene": loaded_scene.header.name,
+            "scene": scene.header.name,
             "angles_rad": dict(target.angles),
             "latched": list(target.latched),
             "unbalanced_force_n": force,

@@ -11,11 +11,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli_options import fidelity_options, scene_layers, scene_of_one_run
-from ..cli_types import Number
+from ..cli_options import SceneChoice, scene_choice
 from ..master import Settings
-from ..scene import assemble
-from ._studies import as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched, run_case
+from ._latch_study import LatchStudy, study_options
+from ._studies import refuse_unlatched, run_case
 
 
 def _label(step: float) -> str:
@@ -36,35 +35,21 @@ def _steps(_: click.Context, param: click.Parameter, value: str) -> tuple[float,
 
 
 @click.command("step-study")
-@click.argument("scene")
-@scene_layers
-@fidelity_options
+@scene_choice
 @click.option(
     "--steps", default="2e-3,1e-3,5e-4,2e-4,1e-4,5e-5", show_default=True, callback=_steps, metavar="S,S,...",
     help="Fixed communication step sizes in seconds; the smallest is the reference.",
 )  # fmt: skip
-@click.option(
-    "--tolerance", type=Number(min=1e-10, max=0.1),
-    help="Relative accuracy of the run with step control; by default that of the scene.",
-)  # fmt: skip
-@click.option(
-    "--output", type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for results and pictures; by default SCENE.step-study.",
-)  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+@study_options("step-study", "run with step control")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
-    rigid: frozenset[str],
-    flexible: frozenset[str],
+    choice: SceneChoice,
     steps: tuple[float, ...],
     tolerance: float | None,
     output: Path | None,
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the communication step size."""
-    assembly = assemble(scene_of_one_run(scene, variants, settings), rigid, flexible)
+    assembly = choice.assemble(choice.load_one_run())
     folder = output or Path(f"{assembly.name}.step-study")
     folder.mkdir(parents=True, exist_ok=True)
     controlled = Settings(tolerance or assembly.tolerance, assembly.largest_step)
@@ -83,18 +68,10 @@ def command(
         )
         for h in steps
     ]
-    reference = cases[-1]
-    refuse_unlatched(reference)
-    draw_latch_torques(folder / "latch_torques.png", "Latch-up and step size", [adaptive, *cases], 0.3)
-    draw_changes(
-        folder / "changes.png", f"Against steps of {reference.label}", "communication step size, s",
-        cases, reference, log=True,
-    )  # fmt: skip
+    study = LatchStudy(assembly.name, folder, cases, [adaptive])
+    smallest = f"steps of {study.reference.label}"
+    study.draw("Latch-up and step size", smallest, "communication step size, s", 0.3)
     if as_json:
-        click.echo(json.dumps({"cases": as_dict([adaptive, *cases], reference)}))
-        return
-    console = Console()
-    console.print(
-        latch_table(f"{assembly.name}: against steps of {reference.label}", [adaptive, *cases], reference)
-    )
-    console.print(f"pictures and results in {folder}")
+        click.echo(json.dumps({"cases": study.as_dict()}))
+    else:
+        study.print(Console(), smallest)

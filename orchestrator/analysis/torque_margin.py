@@ -16,10 +16,10 @@ import click
 import numpy as np
 from rich.console import Console
 
-from ..cli_options import ordered_names, refuse_idle, scene_layers, scene_of_one_run
+from ..cli_options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..cli_progress import progress
 from ..cli_types import Count, Number, given_quantity
-from ..scene import Scene, SceneError, find_scene, load_scene, scene_variants
+from ..scene import Scene, SceneError, scene_variants
 from ._torque_margin_restart import CaseRestart, restart, restart_share
 from ._torque_margin_rules import DEMANDS, FACTORS, LIMIT, RULES, FactorKind, Found, margins
 from ._torque_margin_sweep import FrictionKind, driven_lines, sweep
@@ -46,17 +46,15 @@ def find_margins(
     ]
 
 
-def load_cases(
-    file: Path, variants: tuple[str, ...], settings: Sequence[str], names: tuple[str, ...]
-) -> dict[str, Scene]:
+def load_cases(choice: SceneChoice, names: tuple[str, ...]) -> dict[str, Scene]:
     """Scenes by case: the variants named, "base" for none; by default the scene, and its variant "cold" if any."""
+    known = scene_variants(choice.file)
     if not names:
-        has_cold = _COLD in scene_variants(file) and _COLD not in variants
+        has_cold = _COLD in known and _COLD not in choice.variants
         names = (_BASE, _COLD) if has_cold else (_BASE,)
-    own = _BASE in scene_variants(file)
+    own = _BASE in known
     return {
-        name: load_scene(file, variants if name == _BASE and not own else (*variants, name), settings)
-        for name in names
+        name: (choice if name == _BASE and not own else choice.with_variant(name)).load() for name in names
     }
 
 
@@ -79,8 +77,7 @@ def _extra_torques(
 
 
 @click.command("torque-margin")
-@click.argument("scene")
-@scene_layers
+@layered_scene
 @click.option(
     "--case", "names", default="", callback=ordered_names, metavar="NAMES",
     help="Variants to analyse beside each other, base for none; by default base and cold, if there is a cold one.",
@@ -116,9 +113,7 @@ def _extra_torques(
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
-    scene: str,
-    variants: tuple[str, ...],
-    settings: tuple[str, ...],
+    choice: SceneChoice,
     names: tuple[str, ...],
     factors: FactorKind,
     friction: FrictionKind,
@@ -131,12 +126,12 @@ def command(
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
     refuse_idle("--until", "--restart")
-    scene_of_one_run(scene, variants, settings)  # refuses a scene whose phases differ
-    cases = load_cases(find_scene(scene), variants, settings, names)
+    choice.load_one_run()  # refuses a scene whose phases differ
+    cases = load_cases(choice, names)
     _refuse_unknown_lines(cases, extra)
     shares = {case: _restart_shares(one, restarts) for case, one in cases.items()}
     found = find_margins(cases, positions, factors, friction, extra)
-    folder = output or Path(".".join((next(iter(cases.values())).header.name, *variants)))
+    folder = output or Path(".".join((next(iter(cases.values())).header.name, *choice.variants)))
     folder.mkdir(parents=True, exist_ok=True)
     pictures = _draw(folder, found)
     without = {case: without_margin(one) for case, one in cases.items()}
