@@ -13,6 +13,7 @@ from ._frames import normalized, sum_of_moments
 from ._midstep import extrapolated
 
 _HISTORY = 6
+_STOPPED = -1.0
 
 
 class FixedBase(Component):
@@ -49,13 +50,13 @@ class FixedBase(Component):
         """Nothing to prepare."""
 
     def initial(self, c: None, u: Vector) -> Vector:
-        """Last two mean loads and their step sizes, none yet."""
+        """Last two mean loads and their step sizes, 0 where there is none yet, _STOPPED after an impulse."""
         return np.zeros(2 * _HISTORY + 2)
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
         if u[-1] > 0.5:
-            return np.zeros_like(x)
+            return np.concatenate((np.zeros(2 * _HISTORY), (_STOPPED, 0.0)))
         return np.concatenate((self._load(u), x[:_HISTORY], (h, x[-2])))
 
     def _load(self, u: Vector) -> Vector:
@@ -69,16 +70,17 @@ class FixedBase(Component):
         return self._y.ravel().copy()
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Loads at the communication point, extrapolated from the last two means, which belong to mid-step."""
+        """Loads at the communication point, extrapolated from the last two means, which belong to mid-step.
+
+        Without a step before, as at the start and in model exchange, those of the present inputs.
+        """
+        if x[-2] == 0.0:
+            return self._load(u)
         return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""
         return np.zeros(0)
-
-    def update(self, c: None, x: Vector, u: Vector, at_event: bool) -> Vector:
-        """Remember the load of this instant."""
-        return np.concatenate((self._load(u), np.zeros(_HISTORY + 2)))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/fixed_base.c` reads."""

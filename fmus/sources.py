@@ -26,4 +26,5 @@ def _build_description(model_identifier: str, names: list[str]) -> bytes:
     file_set = SubElement(configuration, "SourceFileSet", {"language": "C99"})
     for name in names:
         SubElement(file_set, "SourceFile", {"name": name})
+    SubElement(configuration, "Library", {"name": "m", "external": "true"})
     return xml_bytes(root)

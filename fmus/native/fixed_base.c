@@ -1,13 +1,14 @@
 /* Fixed base: ports that never move, and the loads they carry; the equations of components/fixed_base.py.
 
    State: mean load of the last step and of the one before (force, torque about the reference), and the
-   sizes of the two steps, 0 where there is none. */
+   sizes of the two steps, 0 where there is none yet and STOPPED after an impulse. */
 
 #include "frames.h"
 #include "kernel.h"
 
 #define LOAD 6
 #define STATES (2 * LOAD + 2)
+#define STOPPED -1.0
 #define WRENCH 6
 #define MOTION 13
 
@@ -40,7 +41,10 @@ int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, 
     const FixedBase *base = self;
     (void)why;
     for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
-    if (value_of(u[base->impulse]) > 0.5) return 1;
+    if (value_of(u[base->impulse]) > 0.5) {
+        x_next[2 * LOAD] = STOPPED;
+        return 1;
+    }
     store_load(base, u, x_next);
     for (size_t i = 0; i < LOAD; i++) x_next[LOAD + i] = x[i];
     x_next[2 * LOAD] = h;
@@ -135,27 +139,23 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Loads at the communication point, extrapolated from the last two means, which belong to mid-step. */
+/* Loads at the communication point, extrapolated from the last two means, which belong to mid-step; without a step
+   before, as at the start and in model exchange, those of the present inputs. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    (void)self, (void)u;
-    double h = x[2 * LOAD], previous_h = x[2 * LOAD + 1];
+    const double h = x[2 * LOAD], previous_h = x[2 * LOAD + 1];
+    if (h == 0.0) {
+        store_load(self, u, z);
+        return;
+    }
     for (size_t i = 0; i < LOAD; i++) {
         z[i] = x[i];
-        if (h != 0.0 && previous_h != 0.0) z[i] += (x[i] - x[LOAD + i]) * (h / (h + previous_h));
+        if (h > 0.0 && previous_h > 0.0) z[i] += (x[i] - x[LOAD + i]) * (h / (h + previous_h));
     }
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {
     (void)self, (void)places;
     return 0;
-}
-
-/* Remembers the load of this instant. */
-static void update(void *self, const double *x, const double *u, int at_event, double *x_next) {
-    const FixedBase *base = self;
-    (void)x, (void)at_event;
-    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
-    store_load(base, u, x_next);
 }
 
 const Kernel fixed_base_kernel = {
@@ -173,7 +173,6 @@ const Kernel fixed_base_kernel = {
     .continuous = no_continuous_states,
     .rates = fixed_base_rates_real,
     .rates_complex = fixed_base_rates_complex,
-    .update = update,
 };
 
 #endif

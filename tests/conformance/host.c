@@ -49,15 +49,14 @@ static void misuse(fmi2Component fmu, const Layout *layout) {
     const fmi2ValueReference far = 1000000000u, input = (fmi2ValueReference)layout->parameters;
     const fmi2ValueReference output = (fmi2ValueReference)(layout->parameters + layout->inputs);
     double value = 0.0;
-    expect(fmi2DoStep(fmu, 0.0, -1e-3, 1), fmi2Discard, "a negative step");
-    expect(fmi2DoStep(fmu, 0.0, NAN, 1), fmi2Discard, "a step that is no number");
+    expect(fmi2DoStep(fmu, 0.0, -1e-3, 1), fmi2Error, "a negative step");
+    expect(fmi2DoStep(fmu, 0.0, NAN, 1), fmi2Error, "a step that is no number");
     expect(fmi2GetReal(fmu, &far, 1, &value), fmi2Error, "get of no variable");
     expect(fmi2SetReal(fmu, &far, 1, &value), fmi2Error, "set of no variable");
     expect(fmi2SetReal(fmu, &output, 1, &value), fmi2Error, "set of an output");
     expect(fmi2SetFMUstate(fmu, NULL), fmi2Error, "restore of nothing");
     if (layout->inputs) {
-        expect(fmi2SetReal(fmu, &input, 1, &bad), fmi2OK, "set of a number that is none");
-        expect(fmi2DoStep(fmu, 0.0, 1e-3, 1), fmi2Discard, "a step with an input that is no number");
+        expect(fmi2SetReal(fmu, &input, 1, &bad), fmi2Error, "set of a number that is none");
         expect(fmi2SetReal(fmu, &input, 1, layout->inputs_at_start), fmi2OK, "set back");
     }
 }
@@ -92,12 +91,8 @@ static void drive(fmi2Component fmu, const Layout *layout) {
     expect(fmi2SerializedFMUstateSize(fmu, state, &size), fmi2OK, "size");
     char *bytes = malloc(size);
     expect(fmi2SerializeFMUstate(fmu, state, bytes, size), fmi2OK, "serialize");
-    for (size_t length = 0; length <= size; length += 1 + size / 50) {
-        expect(fmi2DeSerializeFMUstate(fmu, bytes, length, &copy), fmi2OK, "deserialize a part");
-        if (length < size)
-            expect(fmi2SetFMUstate(fmu, copy), fmi2Error, "restore of a part");
-        expect(fmi2FreeFMUstate(fmu, &copy), fmi2OK, "free a part");
-    }
+    for (size_t length = 0; length < size; length += 1 + size / 50)
+        expect(fmi2DeSerializeFMUstate(fmu, bytes, length, &copy), fmi2Error, "deserialize a part");
     expect(fmi2DeSerializeFMUstate(fmu, bytes, size, &copy), fmi2OK, "deserialize");
     expect(fmi2SetFMUstate(fmu, copy), fmi2OK, "restore");
     expect(fmi2FreeFMUstate(fmu, &copy), fmi2OK, "free a state");

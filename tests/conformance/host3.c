@@ -96,16 +96,13 @@ static void drive(fmi3Instance fmu, uint32_t scalars) {
         expect(update(fmu), fmi3OK, "update");
         expect(fmi3EnterStepMode(fmu), fmi3OK, "enter step mode");
     }
-    expect(step(fmu, 0.0, NAN), fmi3Discard, "a step that is no number");
+    expect(step(fmu, 0.0, NAN), fmi3Error, "a step that is no number");
     expect(fmi3SerializedFMUStateSize(fmu, state, &size), fmi3OK, "size");
     fmi3Byte *bytes = malloc(size);
     expect(fmi3SerializeFMUState(fmu, state, bytes, size - 1), fmi3Error, "serialize into too little");
     expect(fmi3SerializeFMUState(fmu, state, bytes, size), fmi3OK, "serialize");
-    for (size_t length = 0; length < size; length += 1 + size / 50) {
-        expect(fmi3DeserializeFMUState(fmu, bytes, length, &copy), fmi3OK, "deserialize a part");
-        expect(fmi3SetFMUState(fmu, copy), fmi3Error, "restore of a part");
-        expect(fmi3FreeFMUState(fmu, &copy), fmi3OK, "free a part");
-    }
+    for (size_t length = 0; length < size; length += 1 + size / 50)
+        expect(fmi3DeserializeFMUState(fmu, bytes, length, &copy), fmi3Error, "deserialize a part");
     expect(fmi3DeserializeFMUState(fmu, bytes, size, &copy), fmi3OK, "deserialize");
     expect(fmi3SetFMUState(fmu, copy), fmi3OK, "restore");
     expect(fmi3SetFMUState(fmu, NULL), fmi3Error, "restore of nothing");

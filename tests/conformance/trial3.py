@@ -14,9 +14,9 @@ import sys
 import numpy as np
 
 from tests.conformance import trial
-from tests.conformance.driver import DISCARD, ERROR, KINDS, OK, Reference
+from tests.conformance.driver import ERROR, KINDS, OK, Reference
 from tests.conformance.driver3 import Fmu3
-from tests.conformance.trial import advance, begin, finding, pair, said, same, tunable
+from tests.conformance.trial import advance, begin, finding, pair, refuse_state, said, same, tunable
 
 trial.Fmu = Fmu3
 H = 2e-3
@@ -39,7 +39,6 @@ def check_order(kind, path):
     said(fmu, fmu.call("enterInitializationMode", None, 1.0, 0.5), ERROR, "stop time")
     assert fmu.call("enterInitializationMode", None, 0.0, 1.0) == OK
     said(fmu, fmu.call("enterInitializationMode"), ERROR, "once")
-    said(fmu, fmu.call("getDirectionalDerivative", [], [], []), ERROR, "initialization")
     begin(fmu, reference, np.random.default_rng(1))
     said(fmu, fmu.call("enterEventMode"), ERROR, "not asked for")
     said(fmu, fmu.step(1.0, H), ERROR, "stop time")
@@ -58,12 +57,9 @@ def check_values(kind, path):
     name = {v.valueReference: v.name for v in fmu.variables}
     _, u, y, _ = reference.firsts
     for h in (0.0, -1e-3, math.nan, math.inf):
-        said(fmu, fmu.step(0.25, h), DISCARD, "wing at t = 0.25 s", "step size")
-    good = reference.u[0]
+        said(fmu, fmu.step(0.25, h), ERROR, "wing at t = 0.25 s", "step size")
     for bad in (math.nan, math.inf):
-        fmu.set(u, [bad])
-        said(fmu, fmu.step(0.25, 1e-3), DISCARD, name[u])
-    fmu.set(u, [good])
+        said(fmu, fmu.set(u, [bad]), ERROR, name[u])
     said(fmu, fmu.call("setFloat64", [y], [0.0] * fmu.sizes[y]), ERROR, name[y], "output")
     said(fmu, fmu.call("setFloat64", [fmu.reference("time")], [0.0]), ERROR, "independent")
     said(fmu, fmu.call("getFloat64", [100000]), ERROR, "100000")
@@ -81,9 +77,7 @@ def check_values(kind, path):
     said(fmu, fmu.call("setDebugLogging", True, ["logNoise"]), ERROR, "logNoise")
     assert fmu.call("setDebugLogging", True, [c.name for c in fmu.description.logCategories]) == OK
     for strange in (b"", b"no state", bytes(67 + 8 * len(name))):
-        state = fmu.slave.deserializeFMUState(strange)
-        said(fmu, fmu.call("setFMUState", state), ERROR, "other content")
-        fmu.slave.freeFMUState(state)
+        refuse_state(fmu, strange)
     for _ in range(3):
         advance(fmu, reference, np.random.default_rng(4))
         same(fmu, reference, "after refused calls")
@@ -93,9 +87,7 @@ def check_parameter(kind, path):
     """A parameter that is not a number is refused by name, and can be mended."""
     fmu, reference = pair(kind, path)
     for i in range(min(1, reference.sizes[0])):
-        fmu.set(i, [math.nan])
-        said(fmu, fmu.start(), ERROR, reference.component.parameter_layout.quantities[0].name)
-        fmu.set(i, [reference.p[i]])
+        said(fmu, fmu.set(i, [math.nan]), ERROR, reference.component.parameter_layout.quantities[0].name)
         begin(fmu, reference, np.random.default_rng(4))
         same(fmu, reference, "after the parameter was mended")
 

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "differences.h"
 #include "layout.h"
 #include "real.h"
 
@@ -142,6 +143,8 @@ Status continuous_set_time(Instance *instance, double time) {
         return status;
     if (!isfinite(time))
         return instance_fail(instance, STATUS_ERROR, "the time is %g s; it must be finite", time);
+    if (instance_check_stop(instance, time) != STATUS_OK)
+        return STATUS_ERROR;
     instance->time = time;
     return STATUS_OK;
 }
@@ -262,8 +265,8 @@ Status continuous_complete_step(Instance *instance, int *event) {
     return status;
 }
 
-/* Inputs and state with the seed as their imaginary part; 0 where a known is neither. */
-static int seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed, Reason *why) {
+/* Inputs and state with the seed as their imaginary part. */
+static void seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed) {
     const Continuous *continuous = &instance->continuous;
     const double *u = instance->values + instance->ends[0];
     for (size_t i = 0; i < instance->sizes.inputs; i++)
@@ -275,15 +278,11 @@ static int seeded(Instance *instance, const uint32_t *knowns, size_t count, cons
         if (knowns[i] >= instance->ends[0] && knowns[i] < instance->ends[1]) {
             size_t place = knowns[i] - instance->ends[0];
             instance->complex_inputs[place] = complex_of(u[place], slope);
-        } else if (knowns[i] >= instance->ends[3] && knowns[i] - instance->ends[3] < continuous->count) {
+        } else {
             size_t place = continuous->places[knowns[i] - instance->ends[3]];
             continuous->complex_raw[place] = complex_of(instance->x[place], slope);
-        } else {
-            return refuse(why, "derivatives exist with respect to inputs and continuous states, not to value "
-                               "reference %lu", (unsigned long)knowns[i]);
         }
     }
-    return 1;
 }
 
 static int differentiate(Instance *instance, Reason *why) {
@@ -298,22 +297,32 @@ static int differentiate(Instance *instance, Reason *why) {
                                  instance->complex_inputs, continuous->complex_rates, why);
 }
 
+/* Complex equations give the derivatives of ports' outputs and of rates, by inputs and states. */
+static ExactRanges exact_ranges(const Instance *instance, const uint32_t *knowns, size_t known_count) {
+    const size_t *ends = instance->ends, first_rate = ends[3] + instance->continuous.count;
+    const ExactRanges none = {{0, 0}, {0, 0}}, all = {{ends[1], first_rate}, {ends[2], ends[4]}};
+    for (size_t i = 0; i < known_count; i++)
+        if (knowns[i] < ends[0] || (knowns[i] >= ends[1] && knowns[i] < ends[3]) || knowns[i] >= first_rate)
+            return none;
+    return instance->mode >= MODE_STEP ? all : none;
+}
+
 Status continuous_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                              const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
     Reason why = {""};
     const size_t *ends = instance->ends, first_rate = ends[3] + instance->continuous.count;
-    if (instance->mode < MODE_EVENT)
-        return instance_fail(instance, STATUS_ERROR, "derivatives exist after the end of initialization mode");
-    for (size_t i = 0; i < unknown_count; i++)
-        if (!(unknowns[i] >= ends[1] && unknowns[i] < ends[2]) &&
-            !(unknowns[i] >= first_rate && unknowns[i] < ends[4]))
-            return instance_fail(instance, STATUS_ERROR,
-                                 "derivatives exist of ports' outputs and of rates only, not of value reference %lu",
-                                 (unsigned long)unknowns[i]);
-    if (!instance_ready(instance, &why) || !seeded(instance, knowns, known_count, seed, &why) ||
-        !differentiate(instance, &why))
+    const ExactRanges exact = exact_ranges(instance, knowns, known_count);
+    Status status = differences_fill(instance, &exact, unknowns, unknown_count, knowns, known_count, seed, result);
+    if (status != STATUS_OK || exact.end[0] == 0)
+        return status;
+    if (!instance_ready(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    seeded(instance, knowns, known_count, seed);
+    if (!differentiate(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     for (size_t i = 0; i < unknown_count; i++) {
+        if (!is_exact(&exact, unknowns[i]))
+            continue;
         double complex number = unknowns[i] < ends[2] ? instance->complex_outputs[unknowns[i] - ends[1]]
                                                       : instance->continuous.complex_rates[unknowns[i] - first_rate];
         result[i] = cimag(number) / FANFOLD_INFINITESIMAL;

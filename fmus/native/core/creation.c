@@ -28,7 +28,8 @@ static int make_state(Instance *instance, Reason *why) {
     instance->complex_inputs = allocate(memory, (instance->sizes.inputs + 1) * sizeof(double complex));
     instance->complex_state = allocate(memory, (instance->states + 1) * sizeof(double complex));
     instance->complex_outputs = allocate(memory, (instance->sizes.outputs + 1) * sizeof(double complex));
-    if (!instance->x || !instance->before || !instance->complex_inputs || !instance->complex_state ||
+    instance->apart = allocate(memory, (2 * instance->ends[4] + instance->states + 1) * sizeof(double));
+    if (!instance->x || !instance->before || !instance->apart || !instance->complex_inputs || !instance->complex_state ||
         !instance->complex_outputs)
         return refuse(why, "no memory for %lu states", (unsigned long)instance->states);
     return continuous_create(instance, why);

@@ -2,6 +2,7 @@
 
 #include "fmi2.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -98,19 +99,14 @@ FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean 
 FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined,
                                            fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
                                            fmi2Real stop) {
-    (void)tolerance_defined, (void)tolerance, (void)stop_defined, (void)stop;
+    (void)tolerance_defined, (void)tolerance;
     Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    if (instance->mode != MODE_INSTANTIATED)
-        return (fmi2Status)instance_fail(instance, STATUS_ERROR, "the experiment is set up before initialization");
-    instance->time = start;
-    return fmi2OK;
+    return instance ? (fmi2Status)instance_set_experiment(instance, start, stop_defined ? stop : INFINITY) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {
     Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_enter_initialization(instance, instance->time) : fmi2Error;
+    return instance ? (fmi2Status)instance_enter_initialization(instance) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2ExitInitializationMode(fmi2Component component) {
@@ -190,9 +186,14 @@ FMI2_EXPORT fmi2Status fmi2FreeFMUstate(fmi2Component component, fmi2FMUstate *s
     return fmi2OK;
 }
 
+static fmi2Status no_state(fmi2Component component) {
+    Instance *instance = fmi2_instance_of(component);
+    return instance ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "there is no FMU state to serialize") : fmi2Error;
+}
+
 FMI2_EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
     if (!component || !state)
-        return fmi2Error;
+        return no_state(component);
     *size = instance_serialized_size(state);
     return fmi2OK;
 }
@@ -201,7 +202,7 @@ FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUsta
                                              size_t size) {
     Instance *instance = fmi2_instance_of(component);
     if (!instance || !state)
-        return fmi2Error;
+        return no_state(component);
     if (size < instance_serialized_size(state))
         return (fmi2Status)instance_fail(instance, STATUS_ERROR, "%lu bytes are too few for the state",
                                          (unsigned long)size);
@@ -211,9 +212,10 @@ FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component component, fmi2FMUsta
 
 FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes[], size_t size,
                                                fmi2FMUstate *state) {
-    if (!component)
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance)
         return fmi2Error;
-    *state = instance_deserialize((const unsigned char *)bytes, size);
+    *state = instance_deserialize(instance, (const unsigned char *)bytes, size);
     return *state ? fmi2OK : fmi2Error;
 }
 
@@ -240,18 +242,25 @@ FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component component) {
                     : fmi2Error;
 }
 
-/* Higher derivatives of inputs and outputs are not offered. */
+static fmi2Status no_higher_derivatives(fmi2Component component, size_t count) {
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance)
+        return fmi2Error;
+    return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "derivatives of inputs and outputs are not offered")
+                 : fmi2OK;
+}
+
 FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[],
                                                    size_t count, const fmi2Integer orders[],
                                                    const fmi2Real values[]) {
-    (void)component, (void)references, (void)orders, (void)values;
-    return count ? fmi2Error : fmi2OK;
+    (void)references, (void)orders, (void)values;
+    return no_higher_derivatives(component, count);
 }
 
 FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[],
                                                     size_t count, const fmi2Integer orders[], fmi2Real values[]) {
-    (void)component, (void)references, (void)orders, (void)values;
-    return count ? fmi2Error : fmi2OK;
+    (void)references, (void)orders, (void)values;
+    return no_higher_derivatives(component, count);
 }
 
 FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *value) {

@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#include "fmi2_names.h"
+
 typedef void *fmi2Component;
 typedef void *fmi2ComponentEnvironment;
 typedef void *fmi2FMUstate;

@@ -59,7 +59,6 @@ static Fmu *instantiate(fmi3String name, fmi3String token, fmi3String resources,
         return NULL;
     fmu->environment = environment;
     fmu->log = log;
-    fmu->stop_time = INFINITY;
     if (!name || !*name)
         log_to_host(fmu, STATUS_ERROR, "an instance needs a name");
     else if (!resources)
@@ -110,15 +109,8 @@ FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Bo
     Instance *core = core_of(instance);
     if (!core)
         return fmi3Error;
-    if (!isfinite(start))
-        return (fmi3Status)instance_fail(core, STATUS_ERROR, "the start time is %g s; it must be finite", start);
-    if (stop_defined && !(stop >= start))
-        return (fmi3Status)instance_fail(core, STATUS_ERROR, "the stop time %g s is before the start time %g s",
-                                         stop, start);
-    Status status = instance_enter_initialization(core, start);
-    if (status == STATUS_OK)
-        fmu_of(instance)->stop_time = stop_defined ? stop : INFINITY;
-    return (fmi3Status)status;
+    Status status = instance_set_experiment(core, start, stop_defined ? stop : INFINITY);
+    return (fmi3Status)(status == STATUS_OK ? instance_enter_initialization(core) : status);
 }
 
 FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
@@ -251,7 +243,7 @@ FMI3_EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3
                                                fmi3FMUState *state) {
     if (!instance)
         return fmi3Error;
-    *state = instance_deserialize(bytes, size);
+    *state = instance_deserialize(core_of(instance), bytes, size);
     return *state ? fmi3OK : fmi3Error;
 }
 
@@ -326,10 +318,7 @@ static Status check_step(Fmu *fmu, double end) {
     Instance *core = fmu->instance;
     if (core->mode == MODE_EVENT || core->mode == MODE_TERMINATED)
         return instance_fail(core, STATUS_ERROR, "a step is made in step mode");
-    if (end > fmu->stop_time + SAME_TIME * (1.0 + fabs(fmu->stop_time)))
-        return instance_fail(core, STATUS_ERROR, "the step ends at %.9g s, after the stop time %.9g s", end,
-                             fmu->stop_time);
-    return STATUS_OK;
+    return instance_check_stop(core, end); /* which an early return must not hide */
 }
 
 FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 h, fmi3Boolean no_return,

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "instance.h"
+#include "fmi3_names.h"
 
 typedef void *fmi3Instance;
 typedef void *fmi3InstanceEnvironment;
@@ -63,7 +64,6 @@ typedef struct {
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
     int event_mode_used, early_return_allowed;
-    double stop_time;
     size_t scalars;
     uint32_t *sizes;     /* number of scalars of the variable at a reference; 0 where there is none */
     uint32_t *positions; /* 0, 1, 2, ...: what a run of scalars is read and written with */

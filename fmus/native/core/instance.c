@@ -10,7 +10,9 @@
 
 #include "continuous.h"
 #include "layout.h"
-#include "real.h"
+
+/* Relative tolerance of times. */
+#define SAME_TIME 1e-9
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...) {
     char sentence[768];
@@ -29,22 +31,45 @@ Status instance_reset(Instance *instance) {
     memcpy(instance->values, instance->start, instance->ends[1] * sizeof(double));
     instance->mode = MODE_INSTANTIATED;
     instance->time = 0.0;
+    instance->stop_time = INFINITY;
     instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
     instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
     return STATUS_OK;
 }
 
 Status instance_terminate(Instance *instance) {
-    if (instance->mode < MODE_STEP || instance->mode == MODE_TERMINATED)
+    if (instance->mode == MODE_TERMINATED)
+        return instance_fail(instance, STATUS_ERROR, "terminated twice");
+    if (instance->mode < MODE_STEP)
         return instance_fail(instance, STATUS_ERROR, "terminated before the end of initialization mode");
     instance->mode = MODE_TERMINATED;
     return STATUS_OK;
 }
 
-Status instance_enter_initialization(Instance *instance, double start_time) {
+Status instance_set_experiment(Instance *instance, double start_time, double stop_time) {
+    if (instance->mode != MODE_INSTANTIATED)
+        return instance_fail(instance, STATUS_ERROR,
+                             "times are set before initialization mode, which is entered once, after instantiation");
+    if (!isfinite(start_time))
+        return instance_fail(instance, STATUS_ERROR, "the start time is %g s; it must be finite", start_time);
+    if (!(stop_time >= start_time))
+        return instance_fail(instance, STATUS_ERROR, "the stop time %g s is before the start time %g s", stop_time,
+                             start_time);
+    instance->time = start_time;
+    instance->stop_time = stop_time;
+    return STATUS_OK;
+}
+
+Status instance_check_stop(Instance *instance, double time) {
+    if (time > instance->stop_time + SAME_TIME * (1.0 + fabs(instance->stop_time)))
+        return instance_fail(instance, STATUS_ERROR, "%.9g s is after the stop time %.9g s", time,
+                             instance->stop_time);
+    return STATUS_OK;
+}
+
+Status instance_enter_initialization(Instance *instance) {
     if (instance->mode != MODE_INSTANTIATED)
         return instance_fail(instance, STATUS_ERROR, "initialization mode is entered once, after instantiation");
-    instance->time = start_time;
     instance->mode = MODE_INITIALIZATION;
     return STATUS_OK;
 }
@@ -146,9 +171,20 @@ static Status settable(Instance *instance, uint32_t reference) {
     return STATUS_OK;
 }
 
+static Status not_finite(Instance *instance, uint32_t reference, double value) {
+    char name[200];
+    if (reference >= instance->ends[3])
+        return settable(instance, reference);
+    layout_scalar_name(instance, reference, name, sizeof name);
+    return instance_fail(instance, STATUS_ERROR, "%s cannot be set to %g; it must be a finite number", name, value);
+}
+
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values) {
     int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
     Status status = STATUS_OK, worst = STATUS_OK;
+    size_t bad = 0;
+    if (!instance->continuous.used && !all_finite(values, count, &bad)) /* a solver's trial is refused later, as a value */
+        return not_finite(instance, references[bad], values[bad]);
     if (!continuous && contiguous(references, count) && references[0] >= instance->ends[0] &&
         references[count - 1] < instance->ends[1]) {
         memcpy(instance->values + references[0], values, count * sizeof(double));
@@ -179,7 +215,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
 static int know_outputs(Instance *instance, Reason *why) {
     if (instance->outputs_known)
         return 1;
-    if (!initialize(instance, why) || !prepare(instance, why))
+    if (!instance_ready(instance, why))
         return 0;
     instance->kernel->outputs(instance->self, continuous_state(instance), inputs_of(instance),
                               instance->values + instance->ends[1]);
@@ -189,7 +225,7 @@ static int know_outputs(Instance *instance, Reason *why) {
 static int know_observations(Instance *instance, Reason *why) {
     if (instance->observations_known)
         return 1;
-    if (!initialize(instance, why) || !prepare(instance, why))
+    if (!instance_ready(instance, why))
         return 0;
     instance->kernel->observe(instance->self, continuous_state(instance), inputs_of(instance),
                               instance->values + instance->ends[2]);
@@ -217,27 +253,38 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
     return STATUS_OK;
 }
 
-Status instance_step(Instance *instance, double time, double h) {
+/* One step; instance->time is its start already. */
+static Status make_step(Instance *instance, double h) {
     Reason why = {""};
-    double before = instance->time;
-    instance->time = time; /* for what is said of a failure */
-    if (instance->mode != MODE_STEP)
-        return instance_fail(instance, STATUS_ERROR, instance->continuous.used
-                                 ? "this instance is for model exchange; a solver outside makes the steps"
-                                 : "a step before the end of initialization mode");
-    if (!isfinite(time))
-        return instance_fail(instance, STATUS_ERROR, "the communication point is %g s; it must be a finite number", time);
-    if (!(h > 0.0 && isfinite(h)))
-        return instance_fail(instance, STATUS_DISCARD, "the communication step size is %g s; it must be positive", h);
     double *next = instance->before;
-    if (!inputs_finite(instance, &why) || !prepare(instance, &why) ||
-        !instance->kernel->step(instance->self, instance->x, inputs_of(instance), h, next, &why) ||
-        !state_finite(instance, next, &why)) {
-        instance->stepped = 0;
-        instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+    if (instance->mode != MODE_STEP)
+        return instance_fail(instance, STATUS_ERROR, "%s",
+                             instance->continuous.used ? "this instance is for model exchange; a solver outside makes the steps"
+                             : instance->mode == MODE_TERMINATED ? "a step after termination"
+                                                                 : "a step before the end of initialization mode");
+    if (!isfinite(instance->time))
+        return instance_fail(instance, STATUS_ERROR, "the communication point must be a finite number");
+    if (!(h > 0.0 && isfinite(h)))
+        return instance_fail(instance, STATUS_ERROR, "the communication step size is %g s; it must be positive", h);
+    if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
+        return STATUS_ERROR;
+    if (inputs_finite(instance, &why) && prepare(instance, &why) &&
+        instance->kernel->step(instance->self, instance->x, inputs_of(instance), h, next, &why) &&
+        state_finite(instance, next, &why))
+        return STATUS_OK;
+    instance->stepped = 0;
+    return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
+}
+
+Status instance_step(Instance *instance, double time, double h) {
+    const double before = instance->time;
+    instance->time = time; /* for what is said of a failure */
+    Status status = make_step(instance, h);
+    if (status != STATUS_OK) {
         instance->time = before;
-        return STATUS_DISCARD;
+        return status;
     }
+    double *next = instance->before;
     instance->before = instance->x;
     instance->x = next;
     instance->time = time + h;
@@ -284,52 +331,5 @@ Status instance_update_discrete_states(Instance *instance) {
     instance->x = next;
     instance->event_due = instance->stepped = 0;
     instance->outputs_known = instance->observations_known = 0;
-    return STATUS_OK;
-}
-
-/* Inputs with the seed as their imaginary part; 0 where a known is none. */
-static int seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed, Reason *why) {
-    const double *u = inputs_of(instance);
-    for (size_t i = 0; i < instance->sizes.inputs; i++)
-        instance->complex_inputs[i] = u[i];
-    for (size_t i = 0; i < count; i++) {
-        if (knowns[i] < instance->ends[0] || knowns[i] >= instance->ends[1])
-            return refuse(why, "derivatives exist with respect to inputs only, not to value reference %lu",
-                          (unsigned long)knowns[i]);
-        size_t place = knowns[i] - instance->ends[0];
-        instance->complex_inputs[place] = complex_of(u[place], FANFOLD_INFINITESIMAL * seed[i]);
-    }
-    return 1;
-}
-
-static int differentiate(Instance *instance, Reason *why) {
-    const Kernel *kernel = instance->kernel;
-    if (!prepare(instance, why))
-        return 0;
-    if (!instance->stepped)
-        for (size_t i = 0; i < instance->states; i++)
-            instance->complex_state[i] = instance->x[i];
-    else if (!kernel->step_complex(instance->self, instance->before, instance->complex_inputs,
-                                   instance->step_size, instance->complex_state, why))
-        return 0;
-    kernel->outputs_complex(instance->self, instance->complex_state, instance->complex_inputs,
-                            instance->complex_outputs);
-    return 1;
-}
-
-Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
-                           const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
-    Reason why = {""};
-    if (instance->mode < MODE_STEP)
-        return instance_fail(instance, STATUS_ERROR, "derivatives exist after the end of initialization mode");
-    for (size_t i = 0; i < unknown_count; i++)
-        if (unknowns[i] < instance->ends[1] || unknowns[i] >= instance->ends[2])
-            return instance_fail(instance, STATUS_ERROR,
-                                 "derivatives exist of ports' outputs only, not of value reference %lu",
-                                 (unsigned long)unknowns[i]);
-    if (!seeded(instance, knowns, known_count, seed, &why) || !differentiate(instance, &why))
-        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
-    for (size_t i = 0; i < unknown_count; i++)
-        result[i] = cimag(instance->complex_outputs[unknowns[i] - instance->ends[1]]) / FANFOLD_INFINITESIMAL;
     return STATUS_OK;
 }

@@ -52,9 +52,10 @@ typedef struct {
     double *values, *minimum, *maximum;
     unsigned char *tunable; /* of parameters and inputs: changes at events only */
     double *x, *before;
-    double step_size, time;
+    double step_size, time, stop_time;
     double complex *complex_inputs, *complex_state, *complex_outputs;
     const double *start;
+    double *apart; /* room for differences, see differences.h */
     Mode mode;
     int feedthrough, prepared, has_state, stepped, event_due, outputs_known, observations_known;
     Continuous continuous;
@@ -78,7 +79,9 @@ Status instance_fail(Instance *instance, Status status, const char *format, ...)
 /* Whether there are a state, checked parameters and finite inputs, so that equations can be evaluated. */
 int instance_ready(Instance *instance, Reason *why);
 
-Status instance_enter_initialization(Instance *instance, double start_time);
+/* Times of the experiment; an infinite stop time is none. */
+Status instance_set_experiment(Instance *instance, double start_time, double stop_time);
+Status instance_enter_initialization(Instance *instance);
 Status instance_exit_initialization(Instance *instance);
 Status instance_reset(Instance *instance);
 Status instance_terminate(Instance *instance);
@@ -86,7 +89,10 @@ Status instance_terminate(Instance *instance);
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
 
-/* One communication step; STATUS_DISCARD, with the state as before, when it cannot be done. */
+/* STATUS_ERROR where a time is after the stop time. */
+Status instance_check_stop(Instance *instance, double time);
+/* One communication step; with state and time as before when it cannot be done: STATUS_ERROR where it was asked for
+   wrongly, STATUS_DISCARD where a smaller one may do. */
 Status instance_step(Instance *instance, double time, double h);
 
 /* Time until the next event from the present state and inputs: 0 when it is due, INFINITY when none is foreseen. */
@@ -96,8 +102,9 @@ Status instance_enter_step_mode(Instance *instance);
 /* What happens at the present instant: commands, and the event that was due. */
 Status instance_update_discrete_states(Instance *instance);
 
-/* Derivative of outputs along `seed` of inputs. After a step: of the outputs at its end with respect to the
-   inputs of that step. Otherwise, at a communication point, as the standard means it. */
+/* Derivative of outputs and observations along `seed` of inputs. After a step: of those at its end with respect to
+   the inputs of that step. Otherwise, and of rates or by states, at the present instant, as the standard means it;
+   during initialization by parameters too. */
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                            const uint32_t *knowns, size_t known_count, const double *seed, double *result);
 
@@ -107,7 +114,7 @@ Status instance_restore(Instance *instance, const SavedState *state);
 void instance_forget(SavedState *state);
 size_t instance_serialized_size(const SavedState *state);
 void instance_serialize(const SavedState *state, unsigned char *bytes);
-/* A state that no instance takes where the bytes are none. NULL without memory. */
-SavedState *instance_deserialize(const unsigned char *bytes, size_t size);
+/* NULL, with the reason logged, where the bytes are no state. */
+SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size);
 
 #endif

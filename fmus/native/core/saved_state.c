@@ -69,30 +69,29 @@ void instance_serialize(const SavedState *state, unsigned char *bytes) {
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
 }
 
-SavedState *instance_deserialize(const unsigned char *bytes, size_t size) {
+SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size) {
     double header[NUMBERS_BEFORE] = {0.0};
     size_t count = 0;
-    if (size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
+    if (bytes && size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
         memcpy(header, bytes + 16, sizeof header);
         count = (size - HEADER) / sizeof(double);
         int known_mode = header[1] >= 0.0 && header[1] <= MODE_TERMINATED && header[1] == floor(header[1]);
         if (!known_mode || !(header[3] >= 0.0 && header[3] <= (double)count) || header[3] + header[4] != (double)count)
             count = 0;
     }
-    SavedState *state = malloc(sizeof *state + (count + 1) * sizeof(double));
-    if (!state)
+    SavedState *state = count ? malloc(sizeof *state + count * sizeof(double)) : NULL;
+    if (!state) {
+        instance_fail(instance, STATUS_ERROR, count ? "no memory for the FMU state" : "the bytes are no FMU state");
         return NULL;
-    memset(state, 0, sizeof *state);
-    if (count) {
-        memcpy(state->owner, bytes, 16);
-        state->time = header[0];
-        state->mode = (int)header[1];
-        state->has_state = header[2] != 0.0;
-        state->known = (size_t)header[3];
-        state->states = (size_t)header[4];
-        state->event_due = header[5] != 0.0;
-        state->exchange = header[6] != 0.0;
-        memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     }
+    memcpy(state->owner, bytes, 16);
+    state->time = header[0];
+    state->mode = (int)header[1];
+    state->has_state = header[2] != 0.0;
+    state->known = (size_t)header[3];
+    state->states = (size_t)header[4];
+    state->event_due = header[5] != 0.0;
+    state->exchange = header[6] != 0.0;
+    memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     return state;
 }

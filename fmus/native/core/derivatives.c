@@ -1,0 +1,55 @@
+/* Directional derivatives over a step, or at a communication point: see instance.h. */
+
+#include "differences.h"
+#include "real.h"
+
+/* Inputs with the seed as their imaginary part. */
+static void seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed) {
+    const double *u = instance->values + instance->ends[0];
+    for (size_t i = 0; i < instance->sizes.inputs; i++)
+        instance->complex_inputs[i] = u[i];
+    for (size_t i = 0; i < count; i++) {
+        size_t place = knowns[i] - instance->ends[0];
+        instance->complex_inputs[place] = complex_of(u[place], FANFOLD_INFINITESIMAL * seed[i]);
+    }
+}
+
+static int differentiate(Instance *instance, Reason *why) {
+    const Kernel *kernel = instance->kernel;
+    if (!instance_ready(instance, why))
+        return 0;
+    if (!instance->stepped)
+        for (size_t i = 0; i < instance->states; i++)
+            instance->complex_state[i] = instance->x[i];
+    else if (!kernel->step_complex(instance->self, instance->before, instance->complex_inputs,
+                                   instance->step_size, instance->complex_state, why))
+        return 0;
+    kernel->outputs_complex(instance->self, instance->complex_state, instance->complex_inputs,
+                            instance->complex_outputs);
+    return 1;
+}
+
+/* Complex equations give the derivatives of ports' outputs by inputs, after initialization. */
+static ExactRanges exact_ranges(const Instance *instance, const uint32_t *knowns, size_t known_count) {
+    const ExactRanges none = {{0, 0}, {0, 0}}, outputs = {{instance->ends[1], 0}, {instance->ends[2], 0}};
+    for (size_t i = 0; i < known_count; i++)
+        if (knowns[i] < instance->ends[0] || knowns[i] >= instance->ends[1])
+            return none;
+    return instance->mode >= MODE_STEP ? outputs : none;
+}
+
+Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
+                           const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
+    Reason why = {""};
+    const ExactRanges exact = exact_ranges(instance, knowns, known_count);
+    Status status = differences_fill(instance, &exact, unknowns, unknown_count, knowns, known_count, seed, result);
+    if (status != STATUS_OK || exact.end[0] == 0)
+        return status;
+    seeded(instance, knowns, known_count, seed);
+    if (!differentiate(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    for (size_t i = 0; i < unknown_count; i++)
+        if (is_exact(&exact, unknowns[i]))
+            result[i] = cimag(instance->complex_outputs[unknowns[i] - instance->ends[1]]) / FANFOLD_INFINITESIMAL;
+    return STATUS_OK;
+}
