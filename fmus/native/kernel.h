@@ -10,6 +10,10 @@
 #include <complex.h>
 #include <stddef.h>
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 /* A sentence for the user. */
 typedef struct {
     char text[512];
@@ -79,5 +83,9 @@ typedef struct {
 /* Every component of this binary; the build writes the list, and declares it, from the equations files there are. */
 extern const Kernel *const kernels[];
 extern const size_t kernel_count;
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

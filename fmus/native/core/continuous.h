@@ -8,6 +8,10 @@
 
 #include "instance.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 /* Numbers of states and indicators; 0 and a sentence where the data are unusable. */
 int continuous_read(Instance *instance, Reason *why);
 /* Checks them against the equations. */
@@ -40,5 +44,9 @@ Status continuous_complete_step(Instance *instance, int *event);
 /* Derivative of outputs and rates along `seed` of inputs and states. */
 Status continuous_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                              const uint32_t *knowns, size_t known_count, const double *seed, double *result);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 
 #include "kernel.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 typedef struct {
     const char *name;
     size_t count;
@@ -37,5 +41,9 @@ int data_read(Data *data, const char *path, Memory *memory, Reason *why);
 const char *data_text(const Data *data, const char *name);
 /* The declared variable of entry `index` if it is one of `group`; 0 otherwise. */
 int data_variable(const Data *data, size_t index, const char *group, Variable *variable);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

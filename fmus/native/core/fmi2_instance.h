@@ -6,7 +6,15 @@
 #include "fmi2.h"
 #include "instance.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 /* The instance; NULL for none. */
 Instance *fmi2_instance_of(fmi2Component component);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

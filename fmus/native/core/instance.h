@@ -12,6 +12,10 @@
 #include "data.h"
 #include "memory.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 /* Numbered as fmi2Status and fmi3Status are. */
 typedef enum { STATUS_OK, STATUS_WARNING, STATUS_DISCARD, STATUS_ERROR, STATUS_FATAL } Status;
 
@@ -116,5 +120,9 @@ size_t instance_serialized_size(const SavedState *state);
 void instance_serialize(const SavedState *state, unsigned char *bytes);
 /* NULL, with the reason logged, where the bytes are no state. */
 SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 
 #include "kernel.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden) /* hosts have names of their own */
+#endif
+
 typedef struct Block Block;
 
 struct Memory {
@@ -12,5 +16,9 @@ struct Memory {
 };
 
 void release(Memory *memory);
+
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 
 #endif
