@@ -14,7 +14,7 @@ T = TypeVar("T", float, Vector)
 
 
 def extrapolated(last: T, previous: T, h: float, previous_h: float) -> T:
-    """Line through the means of the last two steps at the end of the last; the last mean where a size is not positive."""
+    """Line through the last two steps' means at the end of the last; the last mean where a size is not above 0."""
     if h <= 0.0 or previous_h <= 0.0:
         return last
     return last + (last - previous) * (h / (h + previous_h))
