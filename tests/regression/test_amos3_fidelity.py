@@ -86,15 +86,8 @@ def test_preload_removes_the_initial_ringing():
 
 def test_transverse_sadm_torque_shows_only_with_flexible_bodies():
     """Section 4.2.6. Pulleys beside the centre line twist a rigid wing too (2 N.m); on the line they do not."""
-    central = (
-        "ccl.yoke_loop.pulley_1.offset=[0, 0, 0]",
-        "ccl.yoke_loop.pulley_2.offset=[0, -0.565, 0]",
-        "ccl.yoke_loop.guide.offset=[0, -0.2825, 0]",
-        "ccl.panel_loop.pulley_1.offset=[0, 0.565, 0]",
-        "ccl.panel_loop.pulley_2.offset=[0, 0.565, 0]",
-    )
     rigid, flexible = (
-        RUNS("amos3", rigid=r, settings=central, tolerance=TREND).headline.interface_torque_peaks
+        RUNS("amos3", "central_loops", rigid=r, tolerance=TREND).headline.interface_torque_peaks
         for r in (RIGID, ())
     )
     assert max(rigid[0], rigid[2]) < 1e-6
