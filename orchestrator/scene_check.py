@@ -47,16 +47,16 @@ def unknown_bodies(lines: Iterable[HingeLine], bodies: Collection[str]) -> Itera
                 yield f"hinge_line.{line.name}.{side}: there is no body {body!r}; bodies are {known}"
 
 
-def repeated_ports(found: Iterable[Attachment], lines: Iterable[HingeLine]) -> Iterator[str]:
+def repeated_ports(found: Iterable[Attachment]) -> Iterator[str]:
     """Connections that take a body twice, and points of a body that carry two hinges."""
-    hinges = {hinge.name for line in lines for hinge in line.hinges}
     bodies: set[tuple[str, str]] = set()
     places: dict[tuple[str, str], str] = {}
     for port in found:
-        if (port.connection, port.body) in bodies:
+        owner = port.key.rpartition(".")[0]  # names may be shared by mistake
+        if (owner, port.body) in bodies:
             yield f"{port.key}: {port.connection} is connected to {port.body} twice"
-        bodies.add((port.connection, port.body))
-        if port.connection in hinges:
+        bodies.add((owner, port.body))
+        if port.key.startswith("hinge_line."):
             other = places.setdefault((port.body, port.point), port.connection)
             if other != port.connection:
                 yield f"{port.key}: point {port.point} of {port.body} already carries hinge {other}"

@@ -149,7 +149,7 @@ class _References:
             note(scene_check.unknown_bodies(lines, points)),
             note(scene_check.unknown_places(found, points)),
             note(scene_check.misplaced(self.bodies.sound, points)),
-            note(scene_check.repeated_ports(found, known)),
+            note(scene_check.repeated_ports(found)),
             note(scene_check.misdirected(self.base.name, known, placed)),
         ]
         if len(known) < self.lines.total or lost[-1]:

@@ -133,7 +133,7 @@ BAD = {
 
 # mistakes that leave other tables without what they name: those are told as well
 FOLLOWED = {
-    "missing table", "no hinges", "same name", "same body name",
+    "missing table", "no hinges", "same body name",
     "unknown entry", "disconnected", "base outboard", "two inboard lines",
 }  # fmt: skip
 
