@@ -1,0 +1,274 @@
+"""Does the tolerance hold for wings that nobody tuned to? Random wings against runs at a hundredth of it.
+
+    python -m tests.benchmark.campaign [--wings 100] [--first 0] [--jobs 2] [--limit 120] [--tolerance T] [--out CSV]
+
+Every wing runs at a tolerance of its own, between 1e-2 and 1e-6, unless one is given for all. A line each: seed,
+bodies, how many of them are flexible, whether the base is free, latches from the base outwards (spring, table,
+kinematic, none), tolerance, steps of both runs, largest error over tolerance by group, what went wrong. --limit is
+the processor time (s) of a run. Where the reference fails, a run at a tenth of the tolerance takes its place; errors
+against it are told, not counted. Then a summary.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from argparse import ArgumentParser
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import process_time
+
+from orchestrator.assembly import Assembly
+from orchestrator.master import Settings
+from orchestrator.run import Outcome, RunError, run
+from orchestrator.scene import assemble
+from orchestrator.scene_connections import line_latch
+from tests.benchmark.campaign_errors import (
+    GROUPS,
+    LOCK,
+    Deviation,
+    deviations,
+    is_well_estimated,
+    misses,
+    says_so,
+    worst,
+)
+from tests.references.random_wings import load_wing
+
+REFERENCES = (0.01, 0.1)
+"""Tolerances of the reference over that of the run: what is wanted, and what replaces it where it fails."""
+COLUMNS = {**dict(zip(GROUPS, ("time", "torque", "largest", "force", "moment"), strict=True)), LOCK: "lock"}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of one wing. latches: kinds by line. reference: its share of the tolerance, 0 without one.
+
+    steps: of run and reference. failure, reference_failure: sentences, empty where there was none.
+    """
+
+    seed: int
+    bodies: int
+    flexible: int
+    free: bool
+    latches: tuple[str, ...]
+    tolerance: float
+    steps: tuple[int, int] = (0, 0)
+    reference: float = 0.0
+    deviations: tuple[Deviation, ...] = ()
+    failure: str = ""
+    reference_failure: str = ""
+
+    @property
+    def counts(self) -> bool:
+        """Whether there is a reference that is a hundred times as tight."""
+        return self.reference == REFERENCES[0]
+
+    def over_tolerance(self, group: str) -> float | None:
+        """The largest error of a group over the tolerance."""
+        found = worst(self.deviations, group)
+        return None if found is None else found.error / self.tolerance
+
+
+class _TooLong(Exception):
+    """A run that takes more than its processor time."""
+
+
+def _attempt(assembly: Assembly, tolerance: float, limit: float, path: Path) -> Outcome | str:
+    """A run, or the sentence it failed with; a fault of the program is told by its type."""
+    start = process_time()
+
+    def watch(time: float, h: float) -> None:
+        if process_time() - start > limit:
+            raise _TooLong(f"takes more than {limit:g} s, is at t = {time:.4g} s with steps of {h:.1e} s")
+
+    try:
+        return run(assembly, path, Settings(tolerance, assembly.largest_step), watch=watch)
+    except (RunError, _TooLong) as error:
+        return str(error).removeprefix(f"{assembly.name}: ").partition("; results up to")[0]
+    except Exception as error:  # whatever it is, the campaign goes on and tells of it
+        return f"FAULT {type(error).__name__}: {error}"
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def try_wing(seed: int, tolerance: float | None = None, limit: float = 120.0) -> Trial:
+    """Run the wing of a seed, and its reference; at the wing's own tolerance unless one is given."""
+    scene = load_wing(seed)
+    flexible = {body.name: body.flexible for body in scene.bodies}
+    kinds = {line.name: line_latch(scene, line, flexible, "mean").kind for line in scene.hinge_lines}
+    wanted = tolerance or scene.header.tolerance
+    told = partial(
+        Trial,
+        seed,
+        len(scene.bodies),
+        sum(flexible.values()),
+        scene.base.free is not None,
+        tuple(kinds.values()),
+        wanted,
+    )
+    assembly = assemble(scene)
+    with TemporaryDirectory(prefix="fanfold_campaign_") as folder:
+        found = _attempt(assembly, wanted, limit, Path(folder) / "run.h5")
+        if isinstance(found, str):
+            return told(failure=found)
+        sentence = ""
+        for share in REFERENCES:
+            true = _attempt(assembly, share * wanted, limit, Path(folder) / "reference.h5")
+            if isinstance(true, str):
+                sentence = sentence or true
+                continue
+            locks = [line for line, kind in kinds.items() if kind == "kinematic"]
+            off = tuple(deviations(found.headline, true.headline, locks))
+            steps = found.costs.steps, true.costs.steps
+            return told(steps=steps, reference=share, deviations=off, reference_failure=sentence)
+    return told(steps=(found.costs.steps, 0), reference_failure=sentence)
+
+
+def campaign(seeds: Sequence[int], tolerance: float | None, limit: float, jobs: int) -> Iterator[Trial]:
+    """All wings, in the order of their seeds, so many at a time."""
+    work = partial(try_wing, tolerance=tolerance, limit=limit)
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(work, seeds)
+
+
+HEAD = (
+    f"{'seed':>5} {'bodies':>6} {'flex':>4} {'base':5} {'latches':7} {'tolerance':>9} {'steps':>8} {'reference':>9} "
+    + " ".join(f"{name:>8}" for name in COLUMNS.values())
+)
+
+
+def row(trial: Trial) -> str:
+    """One line of the table; errors over tolerance."""
+    latches = "".join({"none": "-"}.get(kind, kind[0]) for kind in trial.latches)
+    errors = " ".join(f"{_text(trial.over_tolerance(group)):>8}" for group in COLUMNS)
+    notes = [trial.failure] if trial.failure else []
+    if trial.reference_failure:
+        instead = f"a tenth instead of the reference, which {trial.reference_failure}"
+        notes.append(instead if trial.reference else f"no reference: {trial.reference_failure}")
+    notes += [f"{d.group} {d.of} off" for d in _worst_misses(trial)]
+    return (
+        f"{trial.seed:5d} {trial.bodies:6d} {trial.flexible:4d} {'free' if trial.free else 'fixed':5} {latches:7} "
+        f"{trial.tolerance:9.1e} {trial.steps[0]:8d} {trial.steps[1]:9d} {errors}  {'; '.join(notes)}"
+    )
+
+
+def _text(value: float | None) -> str:
+    return "." if value is None else f"{value:.2g}"
+
+
+def _worst_misses(trial: Trial) -> list[Deviation]:
+    missed = misses(trial.deviations, trial.tolerance, 10.0)
+    return sorted(missed, key=lambda d: -d.error)[:1]
+
+
+def summary(trials: Sequence[Trial]) -> Iterator[str]:
+    """The campaign in a table and a few sentences."""
+    ran = [trial for trial in trials if not trial.failure]
+    counted = [trial for trial in ran if trial.counts]
+    yield f"{len(trials)} wings: {len(ran)} ran, {len(counted)} of them have a reference at a hundredth"
+    yield f"{'largest error over tolerance':28} {'wings':>6} {'median':>8} {'> 10':>6} {'> 100':>6}  worst (seed)"
+    for group in COLUMNS:
+        yield _group_row(group, counted)
+    for factor in (10.0, 100.0):
+        missed = [trial for trial in counted if misses(trial.deviations, trial.tolerance, factor)]
+        honest = sum(
+            all(
+                says_so(d, trial.tolerance, factor) for d in misses(trial.deviations, trial.tolerance, factor)
+            )
+            for trial in missed
+        )
+        yield (
+            f"{len(missed)} wings miss {factor:g} tolerances in any but locks; {honest} of them say so themselves: "
+            f"{', '.join(str(trial.seed) for trial in missed) or 'none'}"
+        )
+    yield _estimate_sentence(counted)
+    yield from _failures("runs", [(trial.seed, trial.failure) for trial in trials])
+    yield from _failures("references", [(trial.seed, trial.reference_failure) for trial in trials])
+
+
+def _group_row(group: str, trials: Sequence[Trial]) -> str:
+    errors = {trial.seed: error for trial in trials if (error := trial.over_tolerance(group)) is not None}
+    if not errors:
+        return f"{group:28} {0:6d}"
+    top = sorted(errors, key=lambda seed: -errors[seed])[:4]
+    return (
+        f"{group:28} {len(errors):6d} {median(errors.values()):8.2g} {sum(e > 10.0 for e in errors.values()):6d} "
+        f"{sum(e > 100.0 for e in errors.values()):6d}  " + ", ".join(f"{errors[s]:.2g} ({s})" for s in top)
+    )
+
+
+def _estimate_sentence(trials: Sequence[Trial]) -> str:
+    verdicts = [is_well_estimated(d, t.tolerance) for t in trials for d in t.deviations if d.group in GROUPS]
+    judged = [verdict for verdict in verdicts if verdict is not None]
+    if not judged:
+        return "no estimated errors to compare"
+    return f"{sum(judged)} of {len(judged)} estimated errors ({sum(judged) / len(judged):.0%}) are within a factor of 5"
+
+
+def _failures(what: str, found: Sequence[tuple[int, str]]) -> Iterator[str]:
+    """How many failed by which sentence, numbers and names left out."""
+    failed = [(seed, sentence) for seed, sentence in found if sentence]
+    yield f"{len(failed)} {what} failed"
+    kinds = Counter(_kind(sentence) for _, sentence in failed)
+    for kind, count in kinds.most_common():
+        seeds = ", ".join(str(seed) for seed, sentence in failed if _kind(sentence) == kind)
+        yield f"  {count:4d} {kind}: {seeds}"
+
+
+def _kind(sentence: str) -> str:
+    """A sentence up to its first reason; what is found by an impulse, a step of 1e-07 s, stays apart."""
+    first = sentence if sentence.startswith("FAULT") else sentence.partition(": ")[0]
+    first = first.replace("step of 1e-07 s", "impulse")
+    return re.sub(r"(?<![A-Za-z])[-+]?\d[\d.]*(e[-+]?\d+)?", "...", first)
+
+
+def write_csv(trials: Sequence[Trial], path: Path) -> None:
+    """Every deviation in a row, and every failure."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            ("seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference",
+             "group", "of", "error", "estimate", "failure")
+        )  # fmt: skip
+        for trial in trials:
+            head = (
+                trial.seed, trial.bodies, trial.flexible, trial.free, " ".join(trial.latches), trial.tolerance,
+                *trial.steps, trial.reference,
+            )  # fmt: skip
+            sentence = trial.failure or trial.reference_failure
+            for found in trial.deviations or (Deviation("", "", 0.0, None),):
+                writer.writerow((*head, *found, sentence))
+
+
+def main() -> None:
+    """Run the campaign and print it as it comes."""
+    parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--wings", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--limit", type=float, default=120.0)
+    parser.add_argument("--tolerance", type=float)
+    parser.add_argument("--out", type=Path)
+    chosen = parser.parse_args()
+    trials = []
+    print(HEAD)
+    seeds = range(chosen.first, chosen.first + chosen.wings)
+    for trial in campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs):
+        trials.append(trial)
+        print(row(trial), flush=True)
+    print()
+    print("\n".join(summary(trials)))
+    if chosen.out:
+        write_csv(trials, chosen.out)
+
+
+if __name__ == "__main__":
+    main()

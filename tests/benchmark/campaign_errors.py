@@ -1,0 +1,129 @@
+"""How far a run is off a reference: every headline number that a tolerance is meant for, in groups with a scale."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from math import inf
+from typing import NamedTuple
+
+from orchestrator.noise import noise_floor
+from orchestrator.summary import Headline
+
+Key = tuple[str, str]
+"""Quantity and what it is of, as in `Number`."""
+LATCH_TIME, LATCH_TORQUE = "latch time", "latch torque peak"
+LARGEST, LOCK = "largest latch torque peak", "lock torque peak"
+LOADS = ("interface force peak", "interface torque peak")
+GROUPS = (LATCH_TIME, LATCH_TORQUE, LARGEST, *LOADS)
+"""What a run promises. Torques of locks are told beside them: between rigid bodies they are those of the lock's own."""
+ESTIMATE_FACTOR = 5.0
+_RESOLVED = 0.1
+"""Of the tolerance: errors below it are those of the reference as well, and count as this much."""
+
+
+class Deviation(NamedTuple):
+    """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any."""
+
+    group: str
+    of: str
+    error: float
+    estimate: float | None
+
+
+def estimated_errors(found: Headline) -> Mapping[Key, float]:
+    """Errors that a run estimated for its headline numbers, in their units, by quantity and what it is of."""
+    return dict(getattr(found, "estimated_errors", {}))
+
+
+def deviations(found: Headline, reference: Headline, locks: Collection[str]) -> list[Deviation]:
+    """Every number of either run against that of the reference; inf where only one of the two has it.
+
+    Latch times and latch torques are taken relative to their own values, components of a load relative to the
+    largest of its components; those that are round-off beside it are left out. locks: lines with a kinematic latch.
+    """
+    ours, true = _numbers(found), _numbers(reference)
+    estimates = estimated_errors(found)
+    single = [
+        _deviation(
+            LOCK if quantity == LATCH_TORQUE and of in locks else quantity,
+            (quantity, of),
+            ours,
+            true,
+            estimates,
+        )
+        for quantity, of in sorted({*ours, *true})
+        if not _is_round_off((quantity, of), true)
+    ]
+    return [*single, *_largest(ours, true, estimates, locks)]
+
+
+def _numbers(found: Headline) -> dict[Key, float]:
+    wanted = {LATCH_TIME, LATCH_TORQUE, *LOADS}
+    return {(n.quantity, n.of): n.value for n in found.numbers() if n.quantity in wanted}
+
+
+def _deviation(
+    group: str, key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
+) -> Deviation:
+    if key not in ours or key not in true:
+        return Deviation(group, key[1], inf, None)
+    scale = _scale(key, true)
+    estimate = estimates[key] / scale if key in estimates else None
+    return Deviation(group, key[1], abs(ours[key] - true[key]) / scale, estimate)
+
+
+def _load(key: Key, numbers: Mapping[Key, float]) -> list[float]:
+    return [value for (quantity, _), value in numbers.items() if quantity == key[0]]
+
+
+def _scale(key: Key, true: Mapping[Key, float]) -> float:
+    return max(_load(key, true)) if key[0] in LOADS else abs(true[key])
+
+
+def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
+    return key[0] in LOADS and key in true and true[key] <= noise_floor(_load(key, true))
+
+
+def _largest(
+    ours: Mapping[Key, float],
+    true: Mapping[Key, float],
+    estimates: Mapping[Key, float],
+    locks: Collection[str],
+) -> Iterator[Deviation]:
+    """The largest latch torque of all lines but locks, which one sizes the structure by."""
+    peaks = [
+        {key: value for key, value in numbers.items() if key[0] == LATCH_TORQUE and key[1] not in locks}
+        for numbers in (ours, true)
+    ]
+    if not any(peaks):
+        return
+    if not all(peaks):
+        yield Deviation(LARGEST, "", inf, None)
+        return
+    high, reference = (max(numbers, key=lambda key: numbers[key]) for numbers in peaks)
+    scale = true[reference]
+    estimate = estimates[high] / scale if high in estimates else None
+    yield Deviation(LARGEST, high[1], abs(ours[high] - scale) / scale, estimate)
+
+
+def worst(found: Collection[Deviation], group: str) -> Deviation | None:
+    """The largest deviation of a group, None where a wing has none of it."""
+    return max((d for d in found if d.group == group), key=lambda d: d.error, default=None)
+
+
+def misses(found: Collection[Deviation], tolerance: float, factor: float) -> list[Deviation]:
+    """What is off by more than so many tolerances."""
+    return [d for d in found if d.group in GROUPS and d.error > factor * tolerance]
+
+
+def says_so(deviation: Deviation, tolerance: float, factor: float = 10.0) -> bool:
+    """Whether the run's own estimate admits that a number is off by so many tolerances."""
+    return deviation.estimate is not None and deviation.estimate > factor * tolerance
+
+
+def is_well_estimated(deviation: Deviation, tolerance: float) -> bool | None:
+    """Whether estimate and error agree within a factor; None where there is nothing to compare."""
+    if deviation.estimate is None or max(deviation.estimate, deviation.error) < _RESOLVED * tolerance:
+        return None
+    error, estimate = (max(x, _RESOLVED * tolerance) for x in (deviation.error, deviation.estimate))
+    return error <= ESTIMATE_FACTOR * estimate and estimate <= ESTIMATE_FACTOR * error
