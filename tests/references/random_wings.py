@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, log, pi
+from math import exp, log, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,10 +28,12 @@ STIFFNESS = (1e3, 1e9)
 LATCH_STIFFNESS = (1e2, 1e7)
 TOLERANCE = (1e-6, 1e-2)
 DEPLOYMENT_TIME = (1.5, 6.0)
-_UNTIL = 2.0
+_UNTIL = 1.5
 """End of a run over the deployment time: most lines have latched by then, and rung."""
 _SMALLEST_SHARE = 0.2
 """Least torque of a motor, as a share of what opens its line alone in time."""
+_LARGEST_BESIDE_FLEXIBLE = 6.0
+"""N.m; some times the motors of the wings whose panels the catalogue has."""
 _DIGITS = 6
 
 
@@ -130,8 +132,7 @@ def random_wing(seed: int) -> Table:
     dice = Dice(seed)
     pieces = _pieces(dice)
     lines = [_line(dice, pieces, k) for k in range(len(pieces))]
-    time = dice.decades(*DEPLOYMENT_TIME)
-    _motorise(dice, pieces, lines, time)
+    time = _motorise(dice, pieces, lines)
     tree = {
         "scene": _header(dice, seed, time),
         "base": _base(dice, pieces[0]),
@@ -319,14 +320,18 @@ def _line(dice: Dice, pieces: Sequence[Piece], k: int) -> Table:
     }
 
 
-def _motorise(dice: Dice, pieces: Sequence[Piece], lines: Sequence[Table], time: float) -> None:
-    """Motors, harnesses, friction and latches; all lines of the folded stack would open in about the same time.
+def _motorise(dice: Dice, pieces: Sequence[Piece], lines: Sequence[Table]) -> float:
+    """Motors, harnesses, friction and latches; all lines of the folded stack would open in about the returned time (s).
 
-    Where that takes a torque that closes, because other lines already open this one, a small one opens.
+    Where that takes a torque that closes, because other lines already open this one, a small one opens. Wings with
+    flexible bodies open so slowly that their linear modes hold.
     """
-    inertias = _inertias(pieces)
+    inertias, time = _inertias(pieces), dice.decades(*DEPLOYMENT_TIME)
     wanted = [2.0 * line["aligned_angle"] / (dice.uniform(0.7, 1.3) * time) ** 2 for line in lines]
     torques = np.maximum(inertias @ wanted, _SMALLEST_SHARE * np.diag(inertias) * wanted)
+    if any(piece.flexible for piece in pieces):
+        slower = max(1.0, float(torques.max()) / _LARGEST_BESIDE_FLEXIBLE)
+        torques, time = torques / slower, time * sqrt(slower)
     for line, torque, inertia in zip(lines, torques.tolist(), np.diag(inertias).tolist(), strict=True):
         fall = dice.uniform(0.05, 0.4)
         low = rounded((1.0 - fall) * torque)
@@ -339,6 +344,7 @@ def _motorise(dice: Dice, pieces: Sequence[Piece], lines: Sequence[Table], time:
         latch = _latch(dice, inertia)
         if latch:
             line["latch"] = latch
+    return time
 
 
 def _harness(dice: Dice, torque: float, angle: float) -> Table:
