@@ -28,7 +28,7 @@ STIFFNESS = (1e3, 1e9)
 LATCH_STIFFNESS = (1e2, 1e7)
 TOLERANCE = (1e-6, 1e-2)
 DEPLOYMENT_TIME = (1.5, 6.0)
-_UNTIL = 1.5
+_UNTIL = 1.1
 """End of a run over the deployment time: most lines have latched by then, and rung."""
 _SMALLEST_SHARE = 0.2
 """Least torque of a motor, as a share of what opens its line alone in time."""
