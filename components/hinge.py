@@ -236,6 +236,8 @@ class Hinge(Component):
         s = self._now(c, x, u)
         rate = s.rates[3]
         if not self._endpoint:
+            # a command acts from the next step's start, which is this instant
+            s = s.commanded(float(u[26]), float(u[28]))
             s = s._replace(rates=(*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:]))
         loads = endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -77,20 +78,41 @@ def is_credible(wrenches: Vector, residual: Vector) -> bool:
     return float(np.abs(residual).max(initial=0.0)) <= CREDIBLE * wrench
 
 
-def largest_rate(motion: Vector, ports: int) -> float:
-    """Largest component of the velocities (m/s) and angular velocities (rad/s) of a connection's ports."""
-    return float(np.abs(motion[: 13 * ports].reshape(-1, 13)[:, 7:]).max())
+class Extent(NamedTuple):
+    """Largest component of the positions (m) and of the velocities (m/s) and angular velocities of a network.
 
-
-def round_off(stiffness: Matrix, motion: Vector, rate: float) -> Vector:
-    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that.
-
-    rate: largest in the network; a port that a latch just stopped still sums terms of that size.
+    A port that a latch just stopped, or that lies in the origin, still sums terms of that size.
     """
-    sizes = np.full((len(stiffness) // 6, 12), rate)
-    sizes[:, :3] = np.abs(motion[: 13 * len(sizes)].reshape(-1, 13)[:, :3]).max(axis=1, keepdims=True)
+
+    reach: float
+    rate: float
+
+    @classmethod
+    def of(cls, motions: Iterable[Vector]) -> Extent:
+        """From the motions of all ports of every connection, 13 numbers a port."""
+        table = np.abs(np.concatenate([motion.reshape(-1, 13) for motion in motions]))
+        return cls(float(table[:, :3].max()), float(table[:, 7:].max()))
+
+
+def round_off(stiffness: Matrix, extent: Extent) -> Vector:
+    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that."""
+    sizes = np.full((len(stiffness) // 6, 12), extent.rate)
+    sizes[:, :3] = extent.reach
     sizes[:, 3:6] = 1.0
     result: Vector = ROUND_OFF * (np.abs(stiffness) @ sizes.ravel())
+    return result
+
+
+def noise(mobility: Vector, tolerated: Vector, rounded: Vector, reach: float) -> Vector:
+    """Errors of the wrenches of a body that a solution may leave, all arrays (6 ports,).
+
+    mobility: how far a port moves under its own wrench; tolerated: the last correction; rounded: see `round_off`.
+    Rounding of a pose makes no more than the wrench that moves the port by it.
+    """
+    pose = ROUND_OFF * np.tile(np.repeat((reach, 1.0), 3), len(mobility) // 6)
+    moved = rounded * mobility
+    free = np.divide(pose, mobility, out=rounded.copy(), where=pose < moved)
+    result: Vector = np.maximum(tolerated, free)
     return result
 
 

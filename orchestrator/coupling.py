@@ -6,16 +6,17 @@ wrenches. A chord Newton iteration on the probed interface Jacobian, sharpened b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from . import convergence
 from .balance import Energies, energy_rows
-from .convergence import Solution, Tolerance, broyden, is_credible, largest_rate, round_off
+from .convergence import Extent, Solution, Tolerance, broyden, is_credible, round_off
 from .engine import Engine, Limits, Matrices, Shared, Status
 from .history import History
-from .interface import first_port_axes, mobility_of, stiffness_of
+from .interface import Matrix, first_port_axes, mobility_of, stiffness_of
+from .local_error import Accuracy, WatchedTorque, error_square
 from .network import Network
 from .participant import ParticipantError, Vector
 from .sparse import SparseSystem
@@ -55,6 +56,10 @@ class Coupling:
         self.persistent = False
         self.probes = 0
         self._sweeps = 0
+        self._extent = Extent(0.0, 0.0)
+        self._turned: list[Matrix] = []
+        self._tolerated = np.zeros(network.size)
+        self._watched: Sequence[WatchedTorque] = ()
         self._law = np.zeros(network.size)
         self._round_off = np.zeros(network.size)
         self._mobilities: dict[tuple[str, float], Matrices] = {}
@@ -122,13 +127,46 @@ class Coupling:
         found = self._history.extrapolated(middle)
         return self.accepted if found is None else found
 
-    def error_work(self, time: float, h: float) -> float | None:
-        """Work (J) of h^2 u'' of the solution on the motion it causes; None with too few steps before."""
+    def error_square(self, time: float, h: float, energy: float) -> float | None:
+        """Square of the relative error of the step solved last, see `local_error`; None with too few steps before.
+
+        energy (J): what errors of the whole motion are judged beside.
+        """
         middle = time + 0.5 * h
         if self._engine is not None:
-            return self._engine.error_work(middle, h)
-        change = self._history.curvature(middle, self.wrenches, h)
-        return None if change is None else self._work(h, change)
+            return self._engine.error_square(middle, h, energy)
+        bend = self._history.curvature(middle, self.wrenches, h)
+        if bend is None:
+            return None
+        accuracy = Accuracy(self._tolerated, self._round_off, self._extent.reach)
+        return error_square(self.network, self._turned, bend, accuracy, self._watched, h, energy)
+
+    def linearize(self, time: float, h: float) -> None:
+        """Have the matrices of a step h in use, about the wrenches accepted last; participants end stepped."""
+        self.wrenches[:] = self.accepted
+        self.sweep(time, h)
+        self._refresh(time, h, probe=True)
+
+    def response(self, wrenches: Vector) -> Matrix:
+        """Motions of all ports of bodies (ports, 12) under more wrenches (size,), held over the step in use.
+
+        Connections resist; motions are those of its end, in the coordinates of `interface`.
+        """
+        assert self._factor_key is not None
+        change = self._direction(wrenches)
+        probes = self._mobilities[self._factor_key].probes
+        moved = [
+            probe.turned(first_port_axes(body.outputs)) @ change[rows]
+            for probe, body, rows in zip(probes, self.network.bodies, self.network.rows, strict=True)
+        ]
+        result: Matrix = np.concatenate(moved).reshape(-1, 12)
+        return result
+
+    def watch(self, watched: Sequence[WatchedTorque]) -> None:
+        """Judge these torques beside energies of their own from now on, and no others."""
+        self._watched = watched
+        if self._engine is not None:
+            self._engine.watch(watched)
 
     def observe(self, time: float) -> Energies:
         """Put the observations of all participants into `observations`, bodies first; energies among them."""
@@ -188,6 +226,7 @@ class Coupling:
             if settled and (
                 last <= 1.0 or iteration == convergence.MAX_ITERATIONS or self._agrees(residual, scale)
             ):
+                self._tolerated = scale * min(size, 1.0)
                 return Solution(True, iteration, size, 0)
             if size > convergence.DIVERGED * last or (size <= 1.0 and not settled):
                 break
@@ -308,14 +347,6 @@ class Coupling:
             connection.read()
         network.collect_wrenches(self._law)
 
-    def _work(self, h: float, change: Vector) -> float:
-        """Work (J) that a change of wrenches does on the motion it causes in a step of size h."""
-        total = 0.0
-        for rows, probe in zip(self.network.rows, self._mobilities[(self.mode, h)].probes, strict=True):
-            moved = (probe.matrix @ change[rows]).reshape(-1, 12)[:, :6]
-            total += float(moved.ravel() @ change[rows])
-        return total
-
     def _direction(self, residual: Vector) -> Vector:
         return self._system.solve(residual) if self._engine is None else self._engine.direction(residual)
 
@@ -349,7 +380,7 @@ class Coupling:
 
     def _factorize_here(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
         network = self.network
-        turned = [
+        self._turned = [
             probe.turned(first_port_axes(body.outputs))
             for probe, body in zip(mobilities.probes, network.bodies, strict=True)
         ]
@@ -357,12 +388,10 @@ class Coupling:
             probe.turned(first_port_axes(connection.inputs))
             for probe, connection in zip(stiffnesses.probes, network.connections, strict=True)
         ]
-        self._system.factorize(turned, turned_stiffnesses)
-        rate = max(
-            largest_rate(connection.inputs, len(ports))
+        self._system.factorize(self._turned, turned_stiffnesses)
+        self._extent = Extent.of(
+            connection.inputs[: 13 * len(ports)]
             for connection, ports in zip(network.connections, network.connection_ports, strict=True)
         )
-        for connection, index, stiffness in zip(
-            network.connections, network.connection_rows, turned_stiffnesses, strict=True
-        ):
-            self._round_off[index] = round_off(stiffness, connection.inputs, rate)
+        for index, stiffness in zip(network.connection_rows, turned_stiffnesses, strict=True):
+            self._round_off[index] = round_off(stiffness, self._extent)

@@ -7,7 +7,7 @@ participant is no FMU, there is no engine, and orchestrator/coupling.py does the
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from ctypes import (
     CDLL,
     POINTER,
@@ -37,6 +37,7 @@ from .participant import ParticipantError, Vector
 
 if TYPE_CHECKING:
     from .interface import Probe
+    from .local_error import WatchedTorque
 
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
@@ -90,6 +91,14 @@ class _Matrix(Structure):
     )
 
 
+class _Watched(Structure):
+    _fields_ = (
+        *((name, c_size_t) for name in ("connection", "port", "row")),
+        ("axis", c_double * 3),
+        ("weight", c_double),
+    )
+
+
 class _History(Structure):
     _fields_ = (("count", c_size_t), ("times", c_double * _POINTS), ("values", c_void_p))
 
@@ -101,16 +110,17 @@ class _Network(Structure):
             (name, c_void_p)
             for name in (
                 *("participant", "link", "mobility", "stiffness", "parts", "wrenches", "accepted", "law"),
-                *("residual", "scale", "round_off", "steps", "squares", "product", "bend"),
-                *("observations", "energy_rows"),
+                *("residual", "scale", "round_off", "steps", "squares", "product", "bend", "noise"),
+                *("observations", "energy_rows", "watched"),
             )
         ),
+        ("watched_count", c_size_t),
         ("limits", Limits),
         *((name, c_double) for name in ("relative", "force", "torque")),
         ("matrix", _Matrix),
         ("history", _History),
         ("energies", c_double * len(Energies._fields)),
-        *((name, c_double) for name in ("time", "h", "last", "correction", "seconds")),
+        *((name, c_double) for name in ("time", "h", "last", "correction", "seconds", "reach")),
         *(
             (name, c_size_t)
             for name in (
@@ -135,7 +145,7 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "assemble": ((c_void_p,), None),
     "direction": ((c_void_p, c_void_p, c_void_p), None),
     "predict": ((c_void_p, c_double, c_void_p), None),
-    "error_work": ((c_void_p, c_double, c_double), c_double),
+    "error_square": ((c_void_p, c_double, c_double, c_double), c_double),
     "save": ((c_void_p,), c_int),
     "accept": ((c_void_p, c_double), c_int),
     "restart": ((c_void_p,), None),
@@ -225,6 +235,7 @@ class Engine:
         ]
         self._calls = (Calls * len(self._participants))(*(p.calls for p in self._participants))
         self._matrices: tuple[Matrices, ...] = ()
+        self._watched: Any = None
         self._kept: list[Any] = [shared]
         self._data = _Network(
             participants=len(self._participants),
@@ -238,7 +249,7 @@ class Engine:
         self._pointer = c_void_p(addressof(self._data))
         self._library = found
         self._iterate, self._predict = found.coupling_iterate, found.coupling_predict
-        self._error_work, self._accept = found.coupling_error_work, found.coupling_accept
+        self._error_square, self._accept = found.coupling_error_square, found.coupling_accept
         self._observe = found.coupling_observe
         self._set_up(network)
         self._guess = np.zeros(network.size)
@@ -266,7 +277,7 @@ class Engine:
         ]
         self._data.link = self._keep(np.array(link, dtype=np.uintp))
         self._data.parts = self._keep(order.parts)
-        for name in ("residual", "scale", "bend", "steps", "squares", "product"):
+        for name in ("residual", "scale", "bend", "noise", "steps", "squares", "product"):
             largest = 6 * max(map(len, network.connection_ports)) * 6 * max(map(len, network.body_ports))
             length = {"steps": most * size, "squares": most, "product": largest}.get(name, size)
             setattr(self._data, name, self._keep(np.zeros(length)))
@@ -359,10 +370,18 @@ class Engine:
         self._predict(self._pointer, middle, self._guess_address)
         return self._guess
 
-    def error_work(self, middle: float, h: float) -> float | None:
-        """Work (J) of h^2 u'' on the motion it causes; None with fewer than two steps remembered."""
-        work: float = self._error_work(self._pointer, middle, h)
-        return None if isnan(work) else work
+    def error_square(self, middle: float, h: float, energy: float) -> float | None:
+        """Square of the relative error of the step, see native/prediction.h; None with fewer than two remembered."""
+        square: float = self._error_square(self._pointer, middle, h, energy)
+        return None if isnan(square) else square
+
+    def watch(self, watched: Sequence[WatchedTorque]) -> None:
+        """Judge these torques beside energies of their own, and no others."""
+        first = self._data.bodies
+        self._watched = (_Watched * len(watched))(
+            *(_Watched(first + w.connection, w.port, w.row, w.axis, w.weight) for w in watched)
+        )
+        self._data.watched, self._data.watched_count = addressof(self._watched), len(watched)
 
     def save(self, time: float) -> None:
         """Save the states of all."""

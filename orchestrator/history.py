@@ -5,11 +5,21 @@ What orchestrator/native/prediction.h does for a network of FMUs.
 
 from __future__ import annotations
 
+from math import sqrt
+from typing import NamedTuple
+
 import numpy as np
 
 from .participant import Vector
 
 _POINTS = 3
+
+
+class Bend(NamedTuple):
+    """h^2 u'' of wrenches, (size,), and how much independent errors of the three points grow in it."""
+
+    change: Vector
+    gain: float
 
 
 class History:
@@ -38,14 +48,14 @@ class History:
         result: Vector = np.array(_weights(time, times)) @ self._values[-len(times) :]
         return result
 
-    def curvature(self, time: float, value: Vector, h: float) -> Vector | None:
+    def curvature(self, time: float, value: Vector, h: float) -> Bend | None:
         """h^2 u'' from the last two points and a new one; None with fewer than two."""
         line = self.extrapolated(time, 2)
         if line is None or len(self._times) < 2:
             return None
-        spread = (time - self._times[-1]) * (time - self._times[-2])
-        result: Vector = (2.0 * h * h / spread) * (value - line)
-        return result
+        factor = 2.0 * h * h / ((time - self._times[-1]) * (time - self._times[-2]))
+        weights = _weights(time, self._times[-2:])
+        return Bend(factor * (value - line), factor * sqrt(1.0 + sum(w * w for w in weights)))
 
 
 def _weights(time: float, times: list[float]) -> tuple[float, ...]:

@@ -13,6 +13,7 @@ from .assembly import HingeLine
 from .balance import Energies
 from .convergence import Solution, Tolerance
 from .coupling import Coupling
+from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
 from .network import Network
 from .participant import Vector
 from .stepping import ErrorEstimate, StepSizes, failure, find_event
@@ -22,6 +23,8 @@ _IMPULSE_TOLERANCE = 1e-10
 _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
+_FREQUENCY_SEARCH = 6
+_LEAST_LATCH_SHARE = 1e-4
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
@@ -99,6 +102,7 @@ class Master:
         self._wrenches = self._coupling.accepted
         self._energy_start = 0.0
         self._parts = 1
+        self._latched: list[StiffenedLine] = []
         outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
         self._sensors = {
             name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
@@ -203,8 +207,8 @@ class Master:
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
             return solution
-        work = coupling.error_work(self.time, h)
-        if work is None or self._sizes.judge(self._error(work)):
+        square = coupling.error_square(self.time, h, self._error.energy)
+        if square is None or self._sizes.judge(self._error(square)):
             return solution
         self.statistics.rejected += 1
         return None
@@ -258,13 +262,62 @@ class Master:
             # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
             self._impulse()
         self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
-        self._command("latch_command", 1.0, line.hinges)
+        size = self._engage(line)
         self._coupling.forget()
         if line.kinematic:
             self._impulse()
+        else:
+            self._record(0.0, 0)  # with the torque that the damping of the latch begins with
         self._coupling.restart()
-        self._sizes.restart(min(self.settings.event_step, self._sizes.size))
+        self._sizes.restart(size, stirred=False)
         self.segments.append([])
+
+    def _engage(self, line: HingeLine) -> float:
+        """Latch a line, judge its torque from now on, and return the step size (s) to go on with."""
+        coupling, h = self._coupling, self._sizes.size
+        if not self._controlled:
+            self._command("latch_command", 1.0, line.hinges)
+            return h
+        coupling.linearize(self.time, h)
+        before = slopes(coupling, line.hinges, self.time, h)
+        self._command("latch_command", 1.0, line.hinges)
+        after = slopes(coupling, line.hinges, self.time, h)
+        hinges = stiffenings(coupling, line.hinges, before, after, h)
+        if not hinges:
+            return h
+        self._command("latch_command", 0.0, line.hinges)
+        found = stiffened_line(coupling, hinges, h)
+        if not line.kinematic:
+            found, h = self._resolving(found, h)
+        else:
+            h = min(h, self.settings.event_step)
+        self._command("latch_command", 1.0, line.hinges)
+        self._latched.append(found)
+        self._judge_latches()
+        return h
+
+    def _resolving(self, found: StiffenedLine, h: float) -> tuple[StiffenedLine, float]:
+        """A latched line on the time scale of a step that resolves how it starts, and that step (s)."""
+        wanted = self._error.resolved_angle
+        for _ in range(_FREQUENCY_SEARCH):
+            fastest = max(found.frequency, found.decay)
+            if fastest * h <= wanted:
+                break
+            h = max(wanted / fastest, 0.1 * h)
+            self._coupling.linearize(self.time, h)
+            found = stiffened_line(self._coupling, found.hinges, h)
+        return found, h
+
+    def _judge_latches(self) -> None:
+        """Judge the torques of latched lines beside the energies that these hold at most."""
+        least = _LEAST_LATCH_SHARE * self._error.energy
+        self._coupling.watch(
+            [
+                torque
+                for line in self._latched
+                for torque in watched_torques(self._coupling, line, max(line.energy, least))
+            ]
+        )
 
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""

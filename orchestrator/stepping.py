@@ -15,6 +15,7 @@ _RATIO = sqrt(2.0)
 _ERROR_SHARE = 0.02
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
+_REFERENCE_TOLERANCE = 1e-4
 _GROWTH_MARGIN = 0.5
 _REJECTED, _REJECTED_STIRRED = 3.0, 10.0
 _FORGET = 0.8
@@ -52,10 +53,12 @@ class StepSizes:
         """Present step size."""
         return self.largest * _RATIO**-self.level
 
-    def restart(self, size: float) -> None:
-        """Go to the grid size at or below the given one."""
+    def restart(self, size: float, *, stirred: bool = True) -> None:
+        """Go to the grid size at or below the given one; not stirred: errors of the first steps count like others."""
         self.level = max(0, -floor(log(size / self.largest) / log(_RATIO) + 1e-9))
         self._changed(_STEPS_AFTER_GROWTH)
+        if not stirred:
+            self.stirred = 0
 
     def shrink(self, levels: int = 2) -> bool:
         """Go down; False where that is below the smallest size."""
@@ -98,16 +101,21 @@ class ErrorEstimate:
     """
 
     def __init__(self, tolerance: float, stored: float) -> None:
-        self._allowed = 12.0 * _ERROR_SHARE * tolerance
-        self._energy = max(_LEAST_KINETIC_SHARE * abs(stored), _LEAST_KINETIC_ENERGY)
+        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(tolerance / _REFERENCE_TOLERANCE)
+        self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), _LEAST_KINETIC_ENERGY)
+
+    @property
+    def resolved_angle(self) -> float:
+        """Angular frequency times step size at which the error of a vibration that holds all energy is allowed."""
+        return self._allowed ** (1.0 / 3.0)
 
     def see(self, kinetic: float) -> None:
         """Take note of the kinetic energy (J)."""
-        self._energy = max(self._energy, kinetic)
+        self.energy = max(self.energy, kinetic)
 
-    def __call__(self, work: float) -> float:
-        """Error over what is allowed, from the work (J) of the wrenches h^2 u'' on the motion they cause."""
-        return sqrt(max(work, 0.0) / self._energy) / self._allowed
+    def __call__(self, square: float) -> float:
+        """Error over what is allowed, from the square of the relative error that the wrenches h^2 u'' make."""
+        return sqrt(square) / self._allowed
 
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:

@@ -45,7 +45,8 @@ static double stored_energy(const Hinge *hinge, const Grip *grip, const double *
 static void hinge_observe(void *self, const double *x, const double *u, double *z) {
     const Hinge *hinge = self;
     Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
-    Grip grip = present_grip(hinge, x, u);
+    /* in a mean wrench a command acts from the next step's start, which is this instant */
+    Grip grip = hinge->endpoint ? present_grip(hinge, x, u) : commanded_grip(hinge, x, u);
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
     if (!hinge->endpoint) {
         memcpy(now.rates, x + MEAN_RATES, sizeof now.rates);

@@ -4,7 +4,6 @@
 #define _POSIX_C_SOURCE 199309L
 
 #include "prediction.h"
-#include "system.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -265,8 +264,10 @@ EXPORT void coupling_predict(const Network *n, double middle, double *result) {
         memcpy(result, n->accepted, n->size * sizeof(double));
 }
 
-/* See error_work. */
-EXPORT double coupling_error_work(Network *n, double middle, double h) { return error_work(n, middle, h); }
+/* See error_square. */
+EXPORT double coupling_error_square(Network *n, double middle, double h, double energy) {
+    return error_square(n, middle, h, energy);
+}
 
 /* Save the states of all; 1 or 0. */
 EXPORT int coupling_save(Network *n) {

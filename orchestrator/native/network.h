@@ -28,6 +28,14 @@ typedef struct {
 
 enum { POINTS = 3, ENERGIES = 4 };
 
+/* A rotation about an axis fixed in a port of a connection that an event made stiff: what the torque about it, the
+   rows [row, row + 3) of the unknown, may err is judged beside an energy of its own. weight: 1 over twice the
+   effective inertia times that energy. */
+typedef struct {
+    size_t connection, port, row;
+    double axis[3], weight;
+} Watched;
+
 /* Mean wrenches (POINTS, size) of the last accepted steps at their mid-step times, the newest last. */
 typedef struct {
     size_t count;
@@ -36,7 +44,7 @@ typedef struct {
 } History;
 
 /* Bodies come before connections. Arrays have `size` rows but: steps (most, size), squares (most,), product
-   with room for a connection's rows over a body's columns, observations of all participants in order and a zero,
+   with room for a connection's rows over a body's columns, watched (watched_count,), observations of all participants in order and a zero,
    energy_rows (ENERGIES, participants): where observations hold them. */
 typedef struct {
     size_t participants, bodies, links, size;
@@ -44,15 +52,17 @@ typedef struct {
     const Link *link;
     const Probe *mobility, *stiffness;
     const Part *parts; /* by connection, its ports, its ports again, the ports of the first port's body */
-    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *bend;
+    double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *bend, *noise;
     double *observations;
     const size_t *energy_rows;
+    const Watched *watched;
+    size_t watched_count;
     Limits limits;
     Tolerance tolerance;
     Matrix matrix;
     History history;
     double energies[ENERGIES];
-    double time, h, last, correction, seconds;
+    double time, h, last, correction, seconds, reach; /* reach (m): largest coordinate of a port */
     size_t iteration, kept, endured, sweeps, worst_row, singular, failed, failed_call;
     int failed_status;
 } Network;

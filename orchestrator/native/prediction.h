@@ -4,7 +4,7 @@
 #ifndef FANFOLD_PREDICTION_H
 #define FANFOLD_PREDICTION_H
 
-#include "network.h"
+#include "system.h"
 
 static double dot(const double *a, const double *b, size_t size) {
     double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0; /* four sums at a time, which the processor overlaps */
@@ -42,27 +42,71 @@ static void extrapolate(const Network *n, double time, size_t points, double *re
     }
 }
 
+/* Translation (m) or rotation (rad) of a body's port along row `row` of its wrenches, for wrenches of 1 on all. */
+static const double *mobility_row(const Participant *body, size_t row) {
+    return body->turned + (row / WRENCH * COORDINATES + row % WRENCH) * WRENCH * body->ports;
+}
+
 /* Work (J) that a change of wrenches does on the motion it causes. */
 static double work_of(const Network *n, const double *change) {
     double total = 0.0;
-    for (size_t b = 0; b < n->bodies; b++) {
-        const size_t columns = WRENCH * n->participant[b].ports;
-        const double *matrix = n->mobility[b].matrix;
-        for (size_t row = 0; row < columns; row++)
-            total += change[row] * dot(matrix + (row / WRENCH * COORDINATES + row % WRENCH) * columns, change, columns);
-        change += columns;
+    for (const Participant *body = n->participant; body < n->participant + n->bodies; body++) {
+        const size_t rows = WRENCH * body->ports;
+        for (size_t row = 0; row < rows; row++)
+            total += change[row] * dot(mobility_row(body, row), change, rows);
+        change += rows;
     }
     return total;
 }
 
-/* Work (J) of the wrenches h^2 u'' from the last two points and the present one; not a number with fewer. */
-static double error_work(Network *n, double middle, double h) {
-    const double *times = n->history.times;
+/* Error of a wrench that a solution may leave: the last correction, or what moves the port by its rounding. */
+static double noise_of(const Network *n, size_t i, double mobility) {
+    const double pose = n->limits.round_off * (i / 3 % 2 ? 1.0 : n->reach);
+    const double rounded = pose < n->round_off[i] * mobility ? pose / mobility : n->round_off[i];
+    return fmax(n->scale[i] * fmin(n->correction, 1.0), rounded);
+}
+
+/* Note such errors of all rows; the work (J) that they do, each on its own, on the motion that they cause. */
+static double noise_work(Network *n) {
+    double total = 0.0;
+    size_t i = 0;
+    for (const Participant *body = n->participant; body < n->participant + n->bodies; body++)
+        for (size_t row = 0; row < WRENCH * body->ports; row++, i++) {
+            const double mobility = mobility_row(body, row)[row];
+            n->noise[i] = noise_of(n, i, mobility);
+            total += mobility * n->noise[i] * n->noise[i];
+        }
+    return total;
+}
+
+/* Square of the part of a watched torque that bends over a step, over what its energy makes of it; gain: how much
+   errors that solutions leave grow in it. */
+static double watched_square(const Network *n, const Watched *w, double h, double gain) {
+    double axes[9], torque = 0.0, noise = 0.0;
+    axes_of(n->participant[w->connection].input + MOTION * w->port, axes);
+    for (size_t i = 0; i < 3; i++) {
+        const double along = axes[3 * i] * w->axis[0] + axes[3 * i + 1] * w->axis[1] + axes[3 * i + 2] * w->axis[2];
+        torque += along * n->bend[w->row + i];
+        noise = fmax(noise, n->noise[w->row + i]);
+    }
+    return w->weight * h * h * fmax(0.0, torque * torque - gain * gain * noise * noise);
+}
+
+/* Square of the relative error that h^2 u'', from the last two points and the present one, makes of velocities: its
+   work over an energy, or what it is at a watched torque. What errors left by the solutions have in it does not
+   count; not a number with fewer points. */
+static double error_square(Network *n, double middle, double h, double energy) {
+    const double *times = n->history.times + POINTS - 2;
     if (n->history.count < 2) return NAN;
-    const double factor = 2.0 * h * h / ((middle - times[POINTS - 1]) * (middle - times[POINTS - 2]));
+    const double factor = 2.0 * h * h / ((middle - times[1]) * (middle - times[0]));
     extrapolate(n, middle, 2, n->bend);
     for (size_t i = 0; i < n->size; i++) n->bend[i] = factor * (n->wrenches[i] - n->bend[i]);
-    return work_of(n, n->bend);
+    const double share = (middle - times[0]) / (times[1] - times[0]);
+    const double gain = factor * sqrt(1.0 + share * share + (1.0 - share) * (1.0 - share));
+    double largest = fmax(0.0, work_of(n, n->bend) - gain * gain * noise_work(n)) / energy;
+    for (const Watched *w = n->watched; w < n->watched + n->watched_count; w++)
+        largest = fmax(largest, watched_square(n, w, h, gain));
+    return largest;
 }
 
 #endif

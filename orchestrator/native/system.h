@@ -53,14 +53,14 @@ static INLINE size_t coordinates_used(const Network *n) {
     return POSE;
 }
 
-/* Largest velocity or angular velocity of a port of a connection. */
-static INLINE double largest_rate(const Network *n) {
-    double rate = 0.0;
+/* Largest component of one of a port's quantities over all connections: of its MOTION numbers, [first, last). */
+static INLINE double largest_of_ports(const Network *n, size_t first, size_t last) {
+    double largest = 0.0;
     for (size_t i = n->bodies; i < n->participants; i++)
         for (size_t port = 0; port < n->participant[i].ports; port++)
-            for (size_t k = 7; k < MOTION; k++)
-                rate = fmax(rate, fabs(n->participant[i].input[MOTION * port + k]));
-    return rate;
+            for (size_t k = first; k < last; k++)
+                largest = fmax(largest, fabs(n->participant[i].input[MOTION * port + k]));
+    return largest;
 }
 
 /* Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that. */
@@ -68,12 +68,9 @@ static INLINE void note_round_off(Network *n, const Participant *p, double rate)
     for (size_t row = 0; row < WRENCH * p->ports; row++) {
         const double *stiffness = p->turned + row * COORDINATES * p->ports;
         double sum = 0.0;
-        for (size_t port = 0; port < p->ports; port++, stiffness += COORDINATES) {
-            const double *place = p->input + MOTION * port;
-            const double reach = fmax(fabs(place[0]), fmax(fabs(place[1]), fabs(place[2])));
+        for (size_t port = 0; port < p->ports; port++, stiffness += COORDINATES)
             for (size_t k = 0; k < COORDINATES; k++)
-                sum += fabs(stiffness[k]) * (k < 3 ? reach : k < POSE ? 1.0 : rate);
-        }
+                sum += fabs(stiffness[k]) * (k < 3 ? n->reach : k < POSE ? 1.0 : rate);
         n->round_off[WRENCH * p->links[row / WRENCH] + row % WRENCH] = n->limits.round_off * sum;
     }
 }
@@ -115,7 +112,8 @@ VECTORISED static void assemble(Network *n) {
         const size_t rows = m->begin[g + 1] - m->begin[g];
         for (size_t i = 0; i < rows; i++) m->values[m->blocks[g].offset + i * (rows + 1)] = 1.0;
     }
-    const double rate = largest_rate(n);
+    const double rate = largest_of_ports(n, 7, MOTION);
+    n->reach = largest_of_ports(n, 0, 3);
     const Part *part = n->parts;
     for (size_t i = n->bodies; i < n->participants; i++) {
         note_round_off(n, n->participant + i, rate);

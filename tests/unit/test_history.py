@@ -39,8 +39,8 @@ def test_older_points_are_forgotten():
 
 def test_curvature_of_a_parabola():
     """Closed form: h^2 u'' of u = a + b t + c t^2 is 2 c h^2, whatever the spacing."""
-    curvature = filled(2).curvature(0.42, polynomial(2, 0.42), 0.2)
-    np.testing.assert_allclose(curvature, 2.0 * SLOPES[:, 2] * 0.2**2, rtol=1e-12)
+    bend = filled(2).curvature(0.42, polynomial(2, 0.42), 0.2)
+    np.testing.assert_allclose(bend.change, 2.0 * SLOPES[:, 2] * 0.2**2, rtol=1e-12)
 
 
 def test_too_few_points_give_nothing():
