@@ -17,7 +17,7 @@ import os
 import struct
 import sys
 from collections.abc import Sequence
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
@@ -34,6 +34,8 @@ ARRAYS_FILE = "arrays.npz"
 ARRAY_KEY, TUPLE_KEY = "__array__", "__tuple__"
 _HEADER = struct.Struct("<16sd??q")
 _REMEMBERED_ACCESSES = 256
+_SAME_TIME = 1e-9
+"""Relative tolerance of times."""
 _RELEASED: set[Path] = set()
 
 
@@ -105,6 +107,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         """Build the component; PythonFMU passes instance name and resources folder."""
         super().__init__(**kwargs)
         self._time = 0.0
+        self._stop_time = inf
         self._initialized = False
         self._broken: Exception | None = None
         try:
@@ -150,8 +153,9 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
     # Life cycle
 
     def setup_experiment(self, start_time: float, stop_time: float | None, tolerance: float | None) -> None:
-        """Take the start time over."""
+        """Take the times over, in s; without a stop time the experiment has no end."""
         self._time = start_time
+        self._stop_time = inf if stop_time is None else stop_time
 
     def enter_initialization_mode(self) -> None:
         """Only a check that the instance could be built."""
@@ -177,6 +181,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 raise ComponentError(f"the communication step size is {step_size:g} s; it must be positive")
             if not self._initialized:
                 raise ComponentError("a step before the end of initialization mode")
+            self._require_time(current_time + step_size)
             u = self._u
             if not isfinite(u.dot(u)):  # also when the square overflows, hence the exact check
                 self._require_finite(u, "input", self._ends[0])
@@ -295,6 +300,10 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         self._observations_known = True
 
     # Failures
+
+    def _require_time(self, time: float) -> None:
+        if time > self._stop_time + _SAME_TIME * (1.0 + abs(self._stop_time)):
+            raise ComponentError(f"{time:.9g} s is after the stop time {self._stop_time:.9g} s")
 
     def _require_finite(self, values: Vector, what: str, first: int) -> None:
         bad = np.flatnonzero(~np.isfinite(values))

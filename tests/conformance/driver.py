@@ -72,6 +72,12 @@ class Fmu:
     def get(self, first, size):
         return np.array(self.slave.getReal(list(range(first, first + size))) if size else [])
 
+    def end_at(self, stop):
+        """Begin anew, with a stop time."""
+        self.slave.reset()
+        self.slave.setupExperiment(startTime=0.0, stopTime=stop)
+        self.slave.enterInitializationMode()
+
     def start(self):
         return self.call("exitInitializationMode")
 

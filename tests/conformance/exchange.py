@@ -222,6 +222,21 @@ def check_order(subject, path):
     said(other, rates(component, (c_double * 3)(), c_size_t(3)), ERROR, "co-simulation")
 
 
+def check_stop_time(subject, path):
+    """FMI 2.0 section 2.1.6: solvers look beyond the stop time and come back; a step completed there is an error."""
+    pair = Pair(subject, path, 9, stop=0.5)
+    for time in (0.4, 0.6, 1e3):
+        assert pair.fmu.call("setTime", time) == OK, pair.fmu.log
+        pair.wander()
+        same(pair, f"at {time} s")
+    said(pair.fmu, pair.fmu.call("completedIntegratorStep"), ERROR, "1000 s is after the stop time 0.5 s")
+    same(pair, "after a step beyond the stop time")
+    assert pair.fmu.call("setTime", 0.1 + 0.4) == OK, pair.fmu.log
+    assert pair.fmu.call("completedIntegratorStep") == OK, pair.fmu.log
+    pair.x = pair.component.update(pair.c, pair.x, pair.u, False)
+    same(pair, "after the last step")
+
+
 def check_variables(subject, path):
     """Continuous states and rates can be looked at in co-simulation, too."""
     component = SUBJECTS[subject]()

@@ -95,11 +95,13 @@ class Model(Fmu):
 class Pair:
     """An FMU in continuous-time mode and the component it must agree with, parameters made typical."""
 
-    def __init__(self, subject, path, seed=1):
+    def __init__(self, subject, path, seed=1, stop=None):
         self.rng = np.random.default_rng(seed)
         self.component = SUBJECTS[subject]()
         self.reference = Reference(self.component)
         self.fmu = Model(path, self.component)
+        if stop is not None:
+            self.fmu.end_at(stop)
         self.reference.prepare(self.reference.random_parameters(self.rng))
         assert self.fmu.set(0, self.reference.p) == OK
         self.put(self.inputs())

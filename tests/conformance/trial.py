@@ -229,6 +229,18 @@ def check_reset(kind, path):
     same(fmu, fresh, "after reset")
 
 
+def check_stop_time(kind, path):
+    """FMI 2.0 section 2.1.6: steps end at the stop time, up to the rounding of their sum; one beyond is refused."""
+    fmu, reference = pair(kind, path, "wing")
+    fmu.end_at(0.003)
+    begin(fmu, reference, np.random.default_rng(8))
+    for k in range(3):
+        assert fmu.step(1e-3 * k, 1e-3) == OK, fmu.log
+        reference.step(1e-3)
+    said(fmu, fmu.step(0.003, 1e-3), REFUSED, "0.004 s is after the stop time 0.003 s")
+    same(fmu, reference, "after a step beyond the stop time")
+
+
 def check_instances(kind, path):
     """PythonFMU drops a reference per instance: many instances, then a collection, must not crash."""
     for _ in range(30):

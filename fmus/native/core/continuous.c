@@ -143,9 +143,7 @@ Status continuous_set_time(Instance *instance, double time) {
         return status;
     if (!isfinite(time))
         return instance_fail(instance, STATUS_ERROR, "the time is %g s; it must be finite", time);
-    if (instance_check_stop(instance, time) != STATUS_OK)
-        return STATUS_ERROR;
-    instance->time = time;
+    instance->time = time; /* beyond the stop time too: a multi-step solver looks there before it interpolates back */
     return STATUS_OK;
 }
 
@@ -254,6 +252,8 @@ Status continuous_complete_step(Instance *instance, int *event) {
     size_t count = instance->continuous.indicators;
     Status status = check_mode(instance, MODE_CONTINUOUS, MODE_CONTINUOUS,
                                "integrator steps are completed in continuous-time mode");
+    if (status == STATUS_OK)
+        status = instance_check_stop(instance, instance->time);
     if (status == STATUS_OK)
         status = update(instance, 0);
     *event = 0;

@@ -27,6 +27,7 @@ int continuous_show(Instance *instance, Reason *why);
    event mode, because a solver looks ahead, and hosts then set inputs of times to come. */
 Status continuous_set_value(Instance *instance, uint32_t reference, double value);
 
+/* Any finite time: solvers look beyond the stop time. */
 Status continuous_set_time(Instance *instance, double time);
 Status continuous_set_states(Instance *instance, const double *states, size_t count);
 Status continuous_get_states(Instance *instance, double *states, size_t count);
@@ -38,7 +39,8 @@ Status continuous_get_indicators(Instance *instance, double *indicators, size_t 
 Status continuous_enter_event_mode(Instance *instance);
 Status continuous_enter_continuous_time_mode(Instance *instance);
 Status continuous_update_discrete_states(Instance *instance);
-/* Ends a step of the solver; `event` tells whether an event was stepped over. */
+/* Ends a step of the solver; `event` tells whether an event was stepped over. STATUS_ERROR, and nothing changes, for
+   a step that ends after the stop time. */
 Status continuous_complete_step(Instance *instance, int *event);
 
 /* Derivative of outputs and rates along `seed` of inputs and states. */

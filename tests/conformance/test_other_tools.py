@@ -1,0 +1,87 @@
+"""Exported FMUs under the plain command line of another tool: FMPy's, as its users type it.
+
+One native FMU of every kind, its connections with the end-point wrench as `fanfold export` writes them, moved by its
+start values.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from functools import cache
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+
+from components import REGISTRY
+from fmus import build_fmu, native_library
+from tests.conformance.driver import start_of
+from tests.conformance.exchange_pair import SUBJECTS
+
+STOP = 0.5
+SUBJECT_OF = {make().kind: subject for subject, make in reversed(SUBJECTS.items())}
+INTERFACES = [("2.0", "ModelExchange"), ("2.0", "CoSimulation"), ("3.0", "CoSimulation")]
+SOLVER_ERROR = 500 * 1e-5
+"""Of the largest scalar of an output: FMPy's tolerance of a step, times the outputs; the body's rates are asked for 291
+times, so there are fewer steps."""
+PRINTED = 1e-15
+"""Relative: the last of the 16 digits that FMPy writes."""
+MOTION = {"velocity": (0.02, -0.01, 0.03), "angular_velocity": (0.1, 0.2, -0.1)}
+FLIGHT = {
+    "gravity": (0.0, 0.3, -1.6),
+    "initial_velocity": (0.2, 0.0, 0.1),
+    "initial_angular_velocity": (0.1, -0.2, 0.15),
+}
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
+
+
+def start_values(component):
+    """A body in free flight; the ports of a connection apart, each in another motion."""
+    start = dict(FLIGHT if component.kind == "body" else start_of(component))
+    for name, values in MOTION.items():
+        moved = [q.name for q in component.input_layout.quantities if q.name.endswith("." + name)]
+        start.update({port: np.multiply(k + 1.0, values) for k, port in enumerate(moved)})
+    return start
+
+
+@cache
+def path_of(kind, fmi):
+    component = SUBJECTS[SUBJECT_OF[kind]]()
+    return str(build_fmu(component, kind, start=start_values(component), backend="native", fmi=fmi))
+
+
+def simulated(kind, fmi, interface, folder):
+    """Rows of FMPy's result file, time first; nothing may be said."""
+    found = folder / f"{interface}{fmi}.csv"
+    plain = ["simulate", path_of(kind, fmi), "--interface-type", interface, "--stop-time", str(STOP)]
+    command = [sys.executable, "-P", "-m", "fmpy", *plain, "--output-file", str(found)]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120)
+    assert (run.returncode, run.stdout, run.stderr[-2000:]) == (0, "", ""), run.args
+    lines = found.read_text().splitlines()[1:]
+    return np.array([line.replace(",", " ").split() for line in lines], dtype=float)  # arrays are one column
+
+
+@pytest.mark.parametrize("kind", REGISTRY)
+def test_runs_by_the_plain_command(kind, tmp_path):
+    """To the stop time, and the solver's end is that of the component's own steps."""
+    exchanged, *stepped = (simulated(kind, *interface, tmp_path) for interface in INTERFACES)
+    for rows in (exchanged, *stepped):
+        assert (rows[0, 0], rows[-1, 0]) == (0.0, pytest.approx(STOP, abs=1e-9))
+        assert np.all(np.diff(rows[:, 0]) >= 0.0)
+        assert np.all(np.isfinite(rows))
+    np.testing.assert_allclose(stepped[0], stepped[1], rtol=PRINTED, err_msg="FMI 3.0 is another component")
+    layout = SUBJECTS[SUBJECT_OF[kind]]().output_layout
+    found, expected = (rows[-1, 1 : 1 + layout.size] for rows in (exchanged, stepped[0]))
+    for quantity in layout.quantities:
+        place = layout[quantity.name]
+        error, size = np.abs(found[place] - expected[place]).max(), np.abs(expected[place]).max()
+        assert error <= SOLVER_ERROR * size, f"{quantity.name} by {error:g} of {size:g}"
+
+
+def test_every_kind_offers_model_exchange():
+    """Control: none is left out of the test above."""
+    assert {
+        kind for kind in REGISTRY if read_model_description(path_of(kind, "2.0")).modelExchange is None
+    } == set()
