@@ -6,6 +6,7 @@ Each mode obeys `eta'' + 2 zeta w eta' + w^2 eta = Q`, Q constant over the step.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,47 +39,59 @@ class Propagator:
         return float(self.w11 @ (z * z) + self.w12 @ (z * velocity) + self.w22 @ (velocity * velocity))
 
 
+class _Decay(NamedTuple):
+    """Free motion over a step by a mode's slower root, or by the real part of both where they are complex.
+
+    a11 = first + rate s, a22 = second - rate s, loss = 1 - first; each field of shape (M,), rate in 1/s.
+    """
+
+    first: Vector
+    second: Vector
+    loss: Vector
+    rate: Vector
+    s: Vector
+
+
 def propagator(frequency: Vector, damping_ratio: Vector, h: float) -> Propagator:
     """Propagator for step h (s); frequency (M,) in rad/s, positive; damping ratio (M,), not negative.
 
-    The matrix exponential of a 2x2 companion matrix, written with C = (e1 + e2)/2 and
-    S = (e1 - e2)/(l1 - l2), which hold for under-, over- and critically damped modes alike.
+    The matrix exponential of a 2x2 companion matrix without differences of nearly equal numbers: modes far
+    above critical damping, as stiffness-proportional damping makes them, keep the accuracy of the others.
     """
-    w, zeta = frequency, damping_ratio
-    root = np.sqrt((zeta * zeta - 1.0).astype(complex))
-    l1, l2 = w * (-zeta + root), w * (-zeta - root)
-    e1, e2 = np.exp(l1 * h), np.exp(l2 * h)
-    gap = l1 - l2
-    close = np.abs(gap) * h < 1e-6
-    s = np.where(close, h * np.exp(0.5 * (l1 + l2) * h), (e1 - e2) / np.where(close, 1.0, gap)).real
-    c = (0.5 * (e1 + e2)).real
-    a11, a12, a21, a22 = c + zeta * w * s, s, -w * w * s, c - zeta * w * s
-    angle = w * h
-    small = angle < 1e-3
+    w, zeta, angle = frequency, damping_ratio, frequency * h
+    d = _decay(w, zeta, h)
+    a11, a22 = d.first + d.rate * d.s, d.second - d.rate * d.s
+    small = np.maximum(zeta, 1.0) * angle < 1e-3
     series = h * h * (0.5 - zeta * angle / 3.0 + (4.0 * zeta * zeta - 1.0) * angle * angle / 24.0)
-    b1 = np.where(small, series, (1.0 - a11) / (w * w))
-    w11, w12, w22 = _dissipation(w, zeta, a11, a12, a21, a22)
-    return Propagator(a11, a12, a21, a22, b1, s, w11, w12, w22, 1.0 / (w * w))
+    b1 = np.where(small, series, (d.loss - d.rate * d.s) / (w * w))
+    w11, w12, w22 = _dissipation(w, zeta, d.s, a22)
+    return Propagator(a11, d.s, -w * w * d.s, a22, b1, d.s, w11, w12, w22, 1.0 / (w * w))
 
 
-def _dissipation(
-    w: Vector, zeta: Vector, a11: Vector, a12: Vector, a21: Vector, a22: Vector
-) -> tuple[Vector, Vector, Vector]:
+def _decay(w: Vector, zeta: Vector, h: float) -> _Decay:
+    over = zeta >= 1.0
+    root = np.sqrt(np.abs((zeta - 1.0) * (zeta + 1.0)))
+    rate = np.where(over, w / (zeta + root), zeta * w)
+    envelope, gap = np.exp(-rate * h), 2.0 * w * root
+    swing = envelope * np.cos(0.5 * gap * h)
+    numerator = np.where(over, -np.expm1(-gap * h), 2.0 * np.sin(0.5 * gap * h))
+    s = envelope * np.where(gap > 0.0, numerator / np.where(gap > 0.0, gap, 1.0), h)
+    return _Decay(
+        first=np.where(over, envelope, swing),
+        second=np.where(over, envelope * np.exp(-gap * h), swing),
+        loss=np.where(over, -np.expm1(-rate * h), 1.0 - swing),
+        rate=rate,
+        s=s,
+    )
+
+
+def _dissipation(w: Vector, zeta: Vector, s: Vector, a22: Vector) -> tuple[Vector, Vector, Vector]:
     """Quadratic form of the energy 2 zeta w int v^2 dt over a step.
 
     With the scaled state y = (w z, v) and y' = A y the Gramian G = int E^T e e^T E dt, e = (0, 1), solves
-    A^T G + G A = E(h)^T e e^T E(h) - e e^T: three linear equations a mode. Multiplied by 2 zeta w.
+    A^T G + G A = E(h)^T e e^T E(h) - e e^T, with (-w s, a22) the second row of E: solved by elimination.
     """
-    m = w.size
-    damped = zeta > 0.0
-    zeta_safe = np.where(damped, zeta, 1.0)
-    row = np.stack([a21 / w, a22])  # second row of E in scaled coordinates
-    right = np.stack([row[0] * row[0], row[0] * row[1], row[1] * row[1] - 1.0], axis=1)
-    left = np.zeros((m, 3, 3))
-    # A = w [[0, 1], [-1, -2 zeta]]; unknowns (g11, g12, g22)
-    left[:, 0, 1] = -2.0 * w
-    left[:, 1, 0], left[:, 1, 1], left[:, 1, 2] = w, -2.0 * zeta_safe * w, -w
-    left[:, 2, 1], left[:, 2, 2] = 2.0 * w, -4.0 * zeta_safe * w
-    gramian = np.linalg.solve(left, right[:, :, None])[:, :, 0] if m else np.zeros((0, 3))
-    g11, g12, g22 = np.where(damped, 2.0 * zeta * w, 0.0) * gramian.T
-    return g11 * w * w, 2.0 * g12 * w, g22
+    r0, r1 = (w * s) ** 2, -w * s * a22
+    w22 = np.where(zeta > 0.0, 0.5 * (1.0 - a22 * a22 - r0), 0.0)
+    w11 = w * w * (2.0 * zeta * (r1 - zeta * r0) + w22)
+    return w11, -2.0 * zeta * w * r0, w22

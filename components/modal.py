@@ -212,6 +212,10 @@ class ModalData:
             raise ComponentError("modal damping ratios must not be negative")
         return replace(self, damping_ratio=ratio)
 
+    def with_structural_damping(self, time: float) -> Self:
+        """The body with damping in proportion to stiffness, C = time K (s, not negative): ratios time w / 2."""
+        return self.with_damping(0.5 * time * self.frequency)
+
 
 def _shapes(modes: int, points: int, display: int) -> dict[str, tuple[int, ...]]:
     """Shapes of the floating-point fields of `ModalData`."""

@@ -115,7 +115,7 @@ def _connection_parts(scene: Scene, is_flexible: Mapping[str, bool], mode: Wrenc
 
 def _model(scene: Scene, body: Body, flexible: bool) -> ModalData:
     try:
-        return body_model(body, flexible)
+        return body_model(body, flexible, scene.structural_damping)
     except ComponentError as error:
         raise SceneError([f"{scene.file}: body.{body.name}: {error}"]) from None
 

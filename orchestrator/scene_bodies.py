@@ -12,6 +12,7 @@ from components.modal import ModalData
 
 from .scene_body_tables import Base, Body
 from .scene_connection_tables import Ccl, Connection, Damper
+from .scene_damping import StructuralDamping
 from .scene_line_tables import HingeLine
 from .scene_schema import Scene
 from .scene_table import Seat
@@ -49,8 +50,11 @@ def base_model(base: Base) -> ModalData | None:
     return ModalData.rigid(free.mass, free.center_of_mass, free.inertia, base.points)
 
 
-def body_model(body: Body, flexible: bool) -> ModalData:
-    """Modal data of a body at the given fidelity, without the modes that are switched off."""
+def body_model(body: Body, flexible: bool, structural: StructuralDamping | None = None) -> ModalData:
+    """Modal data of a body at the given fidelity, without the modes that are switched off.
+
+    structural: the scene's damping of bodies that say nothing else.
+    """
     if body.rigid is not None:
         rigid = body.rigid
         return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points)
@@ -60,7 +64,10 @@ def body_model(body: Body, flexible: bool) -> ModalData:
         return _catalogue_model(entry, None, masses)
     data = _catalogue_model(entry, body.fixed_interface_modes, masses)
     data = data.switch_off(body.modes_off, body.frequencies_off)
-    return data if body.damping_ratio is None else data.with_damping(body.damping_ratio)
+    if body.damping_ratio is not None:
+        return data.with_damping(body.damping_ratio)
+    own = body.structural_damping or structural
+    return data if own is None else data.with_structural_damping(own.time)
 
 
 @lru_cache(maxsize=32)

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from components.body import CouplingLevel
 
+from .scene_damping import StructuralDamping
 from .scene_table import ORIGIN, Inertia, Name, Seat, Table
 from .units import Frequency, Mass, Position, Ratio
 
@@ -47,7 +48,8 @@ class Body(Table):
     """[[body]]: an entry of the catalogue, or a rigid body; options of its flexible model.
 
     place: where the origin of a body that no hinge line carries starts, its offset in world axes, the body's axes
-    being those of the world.
+    being those of the world. damping_ratio: of all its modes; structural_damping: in proportion to their frequency,
+    in place of the scene's. damping_scale multiplies what there is.
     """
 
     name: Name
@@ -58,6 +60,7 @@ class Body(Table):
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
     inertia_coupling: CouplingLevel = "full"
     damping_ratio: Ratio | None = None
+    structural_damping: StructuralDamping | None = None
     damping_scale: Ratio = 1.0
     modes_off: tuple[Annotated[int, Field(ge=0)], ...] = ()
     frequencies_off: tuple[tuple[Frequency, Frequency], ...] = ()
@@ -77,5 +80,15 @@ class Body(Table):
         if self.rigid is not None and self.attached_masses:
             raise ValueError(
                 "attached_masses belong to bodies of the catalogue; add them to the mass of rigid"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _one_damping(self) -> Self:
+        if self.structural_damping is not None and self.rigid is not None:
+            raise ValueError("a rigid body has no modes that structural_damping could damp; leave it out")
+        if self.structural_damping is not None and self.damping_ratio is not None:
+            raise ValueError(
+                "damping_ratio and structural_damping are two answers to one question; give one of them"
             )
         return self

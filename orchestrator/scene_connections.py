@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi, sqrt
+from math import sqrt
 from typing import Literal, NamedTuple
 
 from components._frames import Vector3
@@ -11,6 +11,7 @@ from components._frames import Vector3
 from .assembly import HingeLine as AssemblyHingeLine
 from .assembly import Part
 from .scene_connection_tables import Ccl, Damper
+from .scene_damping import StructuralDamping
 from .scene_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch
 from .scene_schema import Scene
 
@@ -30,13 +31,18 @@ class LatchSetting(NamedTuple):
 
 
 def latch_setting(
-    latch: Latch | None, inboard_has_compliance: bool, outboard_has_compliance: bool, mode: WrenchMode
+    latch: Latch | None,
+    inboard_has_compliance: bool,
+    outboard_has_compliance: bool,
+    mode: WrenchMode,
+    structural: StructuralDamping | None = None,
 ) -> LatchSetting:
     """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
 
     The spring has the compliance that the bodies' models lack, by equation 2.7; where they lack none the latch is
     kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
-    Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line.
+    Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line. Structural damping takes the
+    place of the latch's own; that of a measured curve is constant, by the stiffness that the bodies' models lack.
     """
     if latch is None:
         return LatchSetting("none", 0.0, 0.0)
@@ -52,7 +58,8 @@ def latch_setting(
     if locks and mode == "mean":
         return LatchSetting("kinematic", 0.0, 0.0)
     stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
-    damping = 2.0 * latch.damping_ratio * sqrt(stiffness * latch.effective_inertia)
+    own = 2.0 * latch.damping_ratio * sqrt(stiffness * latch.effective_inertia)
+    damping = own if structural is None else structural.time * stiffness
     only_hinges = inboard_has_compliance and outboard_has_compliance and latch.kind == "by_fidelity"
     if latch.measured is not None and only_hinges:
         return LatchSetting("table", stiffness, damping, latch.measured)
@@ -62,7 +69,8 @@ def latch_setting(
 def line_latch(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode) -> LatchSetting:
     """The latch of a line; the spacecraft is rigid at every fidelity, so its model lacks no compliance."""
     complete = {**flexible, scene.base.name: True}
-    return latch_setting(line.latch, complete[line.inboard], complete[line.outboard], mode)
+    inboard, outboard = complete[line.inboard], complete[line.outboard]
+    return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping)
 
 
 def assembly_line(line: HingeLine, latch: LatchSetting) -> AssemblyHingeLine:
@@ -90,9 +98,15 @@ def hinge_parts(
         **_motor(line, share),
         **_friction(scene.friction, beside_flexible),
     }
+    damping = (scene.structural_damping or scene.joint).time
     structure = {"axis": line.axis, "latch": latch.kind, "wrench_mode": mode, **_measured(latch, share)}
     return tuple(
-        Part(hinge.name, "hinge", structure | _harness(line, hinge), start | _bushing(scene.joint, hinge))
+        Part(
+            hinge.name,
+            "hinge",
+            structure | _harness(line, hinge),
+            start | _bushing(scene.joint, hinge, damping),
+        )
         for hinge in line.hinges
     )
 
@@ -131,13 +145,12 @@ def _harness(line: HingeLine, hinge: Hinge) -> dict[str, tuple[float, ...]]:
     return {"harness_angle": line.harness.angle, "harness_torque": torque}
 
 
-def _bushing(joint: Joint, hinge: Hinge) -> dict[str, float | Vector3]:
-    """Stiffness and damping; the damping ratio is that of the panel on its hinges."""
+def _bushing(joint: Joint, hinge: Hinge, time: float) -> dict[str, float | Vector3]:
+    """Stiffness, and damping in proportion to it by a time (s)."""
     axial = 0.0 if hinge.kind == "cylindrical" else joint.axial_stiffness
     cross = 0.0 if hinge.kind == "spherical" else joint.cross_stiffness
     translational = hinge.translational_stiffness or (axial, joint.radial_stiffness, joint.radial_stiffness)
     rotational = hinge.rotational_stiffness or (0.0, cross, cross)
-    time = 2.0 * joint.damping_ratio / (2.0 * pi * joint.damping_frequency)
     return {
         "translational_stiffness": translational,
         "translational_damping": _scaled(time, translational),

@@ -161,6 +161,8 @@ def _sentence(error: ErrorDetails) -> str:
         return "is not a known key"
     if kind == "value_error":
         return str(context["error"])
+    if kind == "model_type":
+        return f"{given}; it must be a table"
     if kind == "literal_error":
         return f"{given}; it must be {context['expected']}"
     if kind in ("less_than_equal", "greater_than_equal"):

@@ -24,6 +24,7 @@ from .units import (
     Torque,
     TurningStiffness,
     TurningStiffnesses,
+    damping_time,
 )
 
 _ROUNDED = 1.001
@@ -33,13 +34,21 @@ HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
 class Joint(Table):
-    """[joint]: stiffnesses of every hinge, and the mode of the panel on its hinges whose damping is given."""
+    """[joint]: stiffnesses of every hinge, and the mode of the panel on its hinges whose damping is given.
+
+    Damping is proportional to stiffness, as structural damping is.
+    """
 
     axial_stiffness: Stiffness = 2e6
     radial_stiffness: Stiffness = 5e6
     cross_stiffness: TurningStiffness = 2e4
     damping_ratio: Annotated[Ratio, Field(le=1.0)] = 0.05
     damping_frequency: PositiveFrequency = 184.0
+
+    @property
+    def time(self) -> float:
+        """Damping over stiffness, s."""
+        return damping_time(self.damping_ratio, self.damping_frequency)
 
 
 class Friction(Table):
@@ -122,7 +131,8 @@ class Latch(Table):
     A side that is not given adds no compliance. What neither side models is the latch spring: where bodies hold
     all of it, the latch is kinematic. kind: "kinematic" or "spring" (of `stiffness`) whatever the bodies hold.
     measured: the torque of the hinges, in place of a linear spring where both sides are modelled with their
-    compliance. The effective inertia turns the damping ratio into N.m.s/rad.
+    compliance. The effective inertia turns the damping ratio into N.m.s/rad; where the scene has structural damping,
+    the latch has that instead.
     """
 
     kind: Literal["by_fidelity", "kinematic", "spring"] = "by_fidelity"

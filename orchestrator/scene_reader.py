@@ -15,13 +15,15 @@ from .scene_bodies import attachments, body_points, scene_points, start_poses
 from .scene_body_tables import Base, Body
 from .scene_components import buried_contacts, connection_problems
 from .scene_connection_tables import Ccl, Connection, Damper
+from .scene_damping import StructuralDamping
 from .scene_entries import Entries, EntryReader
 from .scene_layers import Layers, Tree, read_layers
 from .scene_line_tables import Friction, HingeLine, Joint
 from .scene_schema import Header, Scene
 from .scene_table import SceneError
 
-_TABLES = {"scene", "base", "joint", "friction"}
+_STRUCTURAL = "structural_damping"
+_TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
 _ARRAYS = {"body", "hinge_line", "ccl", "damper", "connection"}
 _ANY_HEADER = Header(name="any", until=1.0)
 
@@ -102,6 +104,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene 
         reader.table("joint", Joint, required=False),
         reader.table("friction", Friction, required=False),
     )
+    structural = reader.table(_STRUCTURAL, StructuralDamping, required=True) if _STRUCTURAL in tree else None
     bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
     loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
     connections = reader.tables("connection", Connection)
@@ -111,7 +114,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene 
         return None, reader.problems
     # where bodies stand and touch can be told whatever else is wrong
     scene = Scene(
-        file, tree, header or _ANY_HEADER, base, joint or Joint(), friction or Friction(),
+        file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
     )  # fmt: skip
     points = scene_points(scene)

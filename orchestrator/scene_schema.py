@@ -10,6 +10,7 @@ from pydantic import Field
 
 from .scene_body_tables import Base, Body
 from .scene_connection_tables import Ccl, Connection, Damper
+from .scene_damping import StructuralDamping
 from .scene_line_tables import Friction, HingeLine, Joint
 from .scene_table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
@@ -37,6 +38,7 @@ class Scene:
     header: Header
     base: Base
     joint: Joint
+    structural_damping: StructuralDamping | None
     friction: Friction
     bodies: tuple[Body, ...]
     hinge_lines: tuple[HingeLine, ...]

@@ -76,6 +76,14 @@ def vector(unit: str, sign: Sign = "any") -> BeforeValidator:
     return BeforeValidator(partial(_vector, unit=unit, sign=sign))
 
 
+def damping_time(ratio: float, frequency: float) -> float:
+    """Damping over stiffness (s) that gives a mode of this frequency (Hz) this fraction of critical damping.
+
+    c / k = 2 zeta / w for a mode on one spring, and for every mode where C is proportional to K.
+    """
+    return 2.0 * ratio / (2.0 * pi * frequency)
+
+
 Ratio = Annotated[float, quantity("1", "zero or positive")]
 PositiveRatio = Annotated[float, quantity("1", "positive")]
 Length = Annotated[float, quantity("m", "positive")]

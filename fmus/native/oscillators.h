@@ -65,40 +65,34 @@ static void oscillators_forget(Oscillators *all) { all->known = all->latest = 0;
 /* Quadratic form of the energy 2 zeta w int v^2 dt over a step, of mode j.
 
    With the scaled state y = (w z, v) and y' = A y the Gramian G = int E^T e e^T E dt, e = (0, 1), solves
-   A^T G + G A = E(h)^T e e^T E(h) - e e^T; the three equations of a mode are solved by elimination. */
+   A^T G + G A = E(h)^T e e^T E(h) - e e^T, with (-w s, a22) the second row of E: solved by elimination. */
 static inline void propagator_dissipation(Propagator *made, size_t j, double w, double zeta) {
-    double first = made->a21[j] / w, second = made->a22[j];
-    double r0 = first * first, r1 = first * second, r2 = second * second - 1.0;
-    double g12 = -r0 / (2.0 * w);
-    double g22 = (2.0 * w * g12 - r2) / (4.0 * zeta * w);
-    double g11 = r1 / w + 2.0 * zeta * g12 + g22;
-    double scale = zeta > 0.0 ? 2.0 * zeta * w : 0.0;
-    made->w11[j] = zeta > 0.0 ? scale * g11 * w * w : 0.0;
-    made->w12[j] = zeta > 0.0 ? 2.0 * scale * g12 * w : 0.0;
-    made->w22[j] = zeta > 0.0 ? scale * g22 : 0.0;
+    double first = -w * made->a12[j], second = made->a22[j];
+    double r0 = first * first, r1 = first * second;
+    double w22 = zeta > 0.0 ? 0.5 * (1.0 - second * second - r0) : 0.0;
+    made->w11[j] = w * w * (2.0 * zeta * (r1 - zeta * r0) + w22);
+    made->w12[j] = -2.0 * zeta * w * r0;
+    made->w22[j] = w22;
 }
 
-/* Mode j over a step h: the exponential of a 2x2 companion matrix, written with C = (e1 + e2) / 2 and
-   S = (e1 - e2) / (l1 - l2), which hold for under-, over- and critically damped modes alike. */
+/* Mode j over a step h: the exponential of a 2x2 companion matrix without differences of nearly equal
+   numbers, by the slower root, or by the real part of both where they are complex. Modes far above critical
+   damping keep the accuracy of the others. */
 static inline void propagator_mode(Propagator *made, size_t j, double w, double zeta, double h) {
-    double square = zeta * zeta - 1.0, root = sqrt(fabs(square)), gap = 2.0 * w * root, c, s;
-    if (square < 0.0) {
-        double decay = exp(-zeta * w * h);
-        c = decay * cos(w * root * h);
-        s = decay * sin(w * root * h) / (w * root);
-    } else {
-        double e1 = exp(w * (-zeta + root) * h), e2 = exp(w * (-zeta - root) * h);
-        c = 0.5 * (e1 + e2);
-        s = (e1 - e2) / gap;
-    }
-    if (gap * h < 1e-6) s = h * exp(-zeta * w * h);
-    double angle = w * h, a11 = c + zeta * w * s;
+    int over = zeta >= 1.0;
+    double root = sqrt(fabs((zeta - 1.0) * (zeta + 1.0))), gap = 2.0 * w * root;
+    double rate = over ? w / (zeta + root) : zeta * w;
+    double envelope = exp(-rate * h), swing = over ? 0.0 : envelope * cos(0.5 * gap * h);
+    double first = over ? envelope : swing, second = over ? envelope * exp(-gap * h) : swing;
+    double loss = over ? -expm1(-rate * h) : 1.0 - swing;
+    double s = envelope * (gap > 0.0 ? (over ? -expm1(-gap * h) : 2.0 * sin(0.5 * gap * h)) / gap : h);
+    double angle = w * h;
     double series = h * h * (0.5 - zeta * angle / 3.0 + (4.0 * zeta * zeta - 1.0) * angle * angle / 24.0);
-    made->a11[j] = a11;
+    made->a11[j] = first + rate * s;
     made->a12[j] = s;
     made->a21[j] = -w * w * s;
-    made->a22[j] = c - zeta * w * s;
-    made->b1[j] = angle < 1e-3 ? series : (1.0 - a11) / (w * w);
+    made->a22[j] = second - rate * s;
+    made->b1[j] = fmax(zeta, 1.0) * angle < 1e-3 ? series : (loss - rate * s) / (w * w);
     propagator_dissipation(made, j, w, zeta);
 }
 

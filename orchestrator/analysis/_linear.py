@@ -148,6 +148,19 @@ def modal_damping(model: LinearModel, modes: NormalModes) -> Vector:
     return result
 
 
+def damping_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
+    """Share (k,) of every body and connection in the damping of single modes; zero where nothing damps one."""
+    mechanism, shapes = model.mechanism, modes.shapes
+    total = np.einsum("ik,ij,jk->k", shapes, model.damping, shapes)
+    found = {
+        name: np.einsum("ik,ij,jk->k", motion @ shapes, viscous, motion @ shapes)
+        for name, motion, viscous in mechanism.damping_parts()
+    }
+    return {
+        name: np.divide(part, total, np.zeros_like(part), where=total > 0.0) for name, part in found.items()
+    }
+
+
 def effective_masses(model: LinearModel, modes: NormalModes) -> tuple[Vector, Vector]:
     """Effective masses (6, k) under motions of the base, and the rigid masses (6,) they are parts of.
 

@@ -6,7 +6,7 @@ rotation vector about it, then its modal coordinates. A fixed base has the six a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -280,11 +280,24 @@ class Mechanism:
             damping[rows, rows], stiffness[rows, rows] = body.modal_matrices()
             stiffness[rows, rows] += body.geometric_stiffness(wrenches[name])
         for name, connection in self.connections.items():
-            motion = np.concatenate([self.jacobian(name, k) for k in range(len(connection.ports))])
+            motion = self._port_motions(name)
             elastic, viscous = connection.tangents()
             stiffness += motion.T @ elastic @ motion
             damping += motion.T @ viscous @ motion
         return stiffness, damping
+
+    def damping_parts(self) -> Iterator[tuple[str, Vector, Vector]]:
+        """Name, motion (m, size) and damping (m, m) in these motions of every body with modes and every connection."""
+        for name, body in self.bodies.items():
+            if body.modes:
+                yield name, np.eye(self.size)[self.rows[name]], body.modal_matrices()[0]
+        for name, connection in self.connections.items():
+            yield name, self._port_motions(name), connection.tangents()[1]
+
+    def _port_motions(self, connection: str) -> Vector:
+        """Motion (6 ports, size) of all ports of a connection."""
+        ports = range(len(self.connections[connection].ports))
+        return np.concatenate([self.jacobian(connection, k) for k in ports])
 
     def mass(self) -> Vector:
         """Mass matrix (size, size)."""

@@ -7,6 +7,7 @@ stiffness of the connections; without friction. Modal damping is the diagonal of
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from math import isnan
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,10 +17,12 @@ from rich.console import Console
 
 from ..cli_options import SceneChoice, refuse_idle, scene_choice
 from ..cli_types import Count
+from ..scene import Scene
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, scene_model
 from ._linear import (
     LinearModel,
     NormalModes,
+    damping_shares,
     effective_masses,
     kinetic_shares,
     modal_damping,
@@ -29,6 +32,10 @@ from ._tables import plain_table
 
 _ROUNDED_UP = (9.995, 99.95)
 """%: from here on two decimals, and one, take more than four characters"""
+
+_SMALLEST_SHARE = 1e-3
+_TOLD = 4
+"""What damps a mode, in a sentence."""
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along, then rotations about the world axes."""
@@ -47,6 +54,8 @@ class Mode(NamedTuple):
     body: str
     """with the largest share in the kinetic energy"""
     share: float
+    damping_shares: Mapping[str, float]
+    """of what damps it, by body and connection, the largest first"""
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -54,6 +63,7 @@ class Mode(NamedTuple):
             "mode": self.number,
             "frequency_hz": self.frequency,
             "damping_ratio": None if isnan(self.damping_ratio) else self.damping_ratio,
+            "damping_share": dict(self.damping_shares),
             "effective_mass_fraction": dict(zip(DIRECTIONS, self.effective_mass_fractions, strict=True)),
             "body": self.body,
             "kinetic_energy_share": self.share,
@@ -64,15 +74,22 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
     """The first modes beyond the free motions; an unstable one comes first."""
     damping = modal_damping(model, modes)
     effective, total = effective_masses(model, modes)
-    shares = kinetic_shares(model, modes)
+    shares, losses = kinetic_shares(model, modes), damping_shares(model, modes)
     found: list[Mode] = []
     for k, frequency in enumerate(modes.frequencies.tolist()):
         if modes.is_free[k] or len(found) == count:
             continue
         body = max(shares, key=lambda name: float(shares[name][k]))
         fractions = tuple((effective[:, k] / total).tolist())
-        found.append(Mode(k + 1, frequency, float(damping[k]), fractions, body, float(shares[body][k])))
+        share, damped_by = float(shares[body][k]), _largest({name: float(s[k]) for name, s in losses.items()})
+        found.append(Mode(k + 1, frequency, float(damping[k]), fractions, body, share, damped_by))
     return found
+
+
+def _largest(shares: Mapping[str, float]) -> dict[str, float]:
+    """Shares of a thousandth and more, in their order."""
+    ordered = sorted(shares.items(), key=lambda item: -item[1])
+    return {name: share for name, share in ordered if share >= _SMALLEST_SHARE}
 
 
 @click.command("modes")
@@ -113,11 +130,13 @@ def command(
             "unbalanced_force_n": force,
             "unbalanced_torque_nm": torque,
             "free_motions": free,
+            "structural_damping": _structural(scene),
             "modes": [mode.as_dict() for mode in listed],
         }
         click.echo(json.dumps(content))
     else:
         _print(listed, free, force, torque)
+        _print_damping(listed, scene)
     if plot is not None:
         from ._linear_figures import draw_shapes  # matplotlib takes its time
 
@@ -143,6 +162,27 @@ def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
     console.print(
         f"{free} free motions (0 Hz); nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
     )
+
+
+def _structural(scene: Scene) -> dict[str, float] | None:
+    """The scene's structural damping for JSON."""
+    if scene.structural_damping is None:
+        return None
+    structural = scene.structural_damping
+    return {"ratio": structural.ratio, "reference_frequency_hz": structural.reference_frequency}
+
+
+def _print_damping(modes: list[Mode], scene: Scene) -> None:
+    """What damps the first mode, and by which rule."""
+    console = Console()
+    if modes and modes[0].damping_shares:
+        told = list(modes[0].damping_shares.items())[:_TOLD]
+        console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))
+    if scene.structural_damping is not None:
+        ratio, reference = scene.structural_damping.ratio, scene.structural_damping.reference_frequency
+        console.print(
+            f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, in proportion to frequency"
+        )
 
 
 def _percent(fraction: float) -> str:
