@@ -26,7 +26,7 @@ typedef struct {
     double relative, force, torque;
 } Tolerance;
 
-enum { POINTS = 3, ENERGIES = 4 };
+enum { POINTS = 3, ENERGIES = 5 };
 
 /* Mean wrenches (POINTS, size) of the last accepted steps at their mid-step times, the newest last. */
 typedef struct {
