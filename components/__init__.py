@@ -6,6 +6,7 @@ from pkgutil import iter_modules
 from ._component import (
     DISSIPATED_ENERGY,
     KINETIC_ENERGY,
+    NUMERICAL_DISSIPATION,
     POTENTIAL_ENERGY,
     REGISTRY,
     SUPPLIED_ENERGY,
@@ -25,6 +26,7 @@ for _module in iter_modules(__path__):
 __all__ = [
     "DISSIPATED_ENERGY",
     "KINETIC_ENERGY",
+    "NUMERICAL_DISSIPATION",
     "POTENTIAL_ENERGY",
     "REGISTRY",
     "SUPPLIED_ENERGY",

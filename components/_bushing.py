@@ -37,6 +37,14 @@ class StepMotion(NamedTuple):
     memory: Memory
 
 
+class MeanLoad(NamedTuple):
+    """Mean force of a coordinate over a step, its heat, and what the inertial terms took away (J)."""
+
+    force: float
+    heat: float
+    numerical: float
+
+
 def inertial_force(stiffness: float, m: StepMotion) -> float:
     """The two inertial terms."""
     change = m.end - m.start
@@ -51,17 +59,24 @@ def remembered(m: StepMotion, end_rate: float) -> Memory:
     return Memory(mean, end_rate if abs(end_rate) < abs(rigid) else rigid)
 
 
-def bushing_force(stiffness: float, damping: float, m: StepMotion, end_weight: float) -> tuple[float, float]:
-    """Mean force of spring, damper and inertial terms of one coordinate, and the energy turned to heat.
+def bushing_load(stiffness: float, damping: float, m: StepMotion, end_weight: float) -> MeanLoad:
+    """Mean load of spring, damper and inertial terms of one coordinate."""
+    if stiffness == 0.0 and damping == 0.0:
+        return MeanLoad(0.0, 0.0, 0.0)
+    return damped_load(-0.5 * stiffness * (m.start + m.end), stiffness, damping, m, end_weight)
+
+
+def damped_load(
+    elastic: float, stiffness: float, damping: float, m: StepMotion, end_weight: float
+) -> MeanLoad:
+    """Mean load with a damper and inertial terms beside the mean elastic force.
 
     end_weight above one half (static solutions) weights the end value instead of adding inertial terms.
     """
-    if stiffness == 0.0 and damping == 0.0:
-        return 0.0, 0.0
     change = m.end - m.start
-    extra = -damping * change / m.h
+    viscous = -damping * change / m.h
     if end_weight == 0.5:
-        extra += inertial_force(stiffness, m)
+        numerical = inertial_force(stiffness, m)
     else:
-        extra -= stiffness * (end_weight - 0.5) * change
-    return -0.5 * stiffness * (m.start + m.end) + extra, -extra * change
+        numerical = -stiffness * (end_weight - 0.5) * change
+    return MeanLoad(elastic + viscous + numerical, -viscous * change, -numerical * change)

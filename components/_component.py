@@ -44,11 +44,13 @@ Vector = NDArray[np.float64]
 KINETIC_ENERGY = "kinetic_energy"
 POTENTIAL_ENERGY = "potential_energy"
 DISSIPATED_ENERGY = "dissipated_energy"
+NUMERICAL_DISSIPATION = "numerical_dissipation"
 SUPPLIED_ENERGY = "supplied_energy"
 """Observations (J) that the energy balance of a scene adds up; dissipation is never found by difference.
 
-Kinetic, potential and dissipated energy change together by what is supplied from outside, such as the work of
-a drive.
+Kinetic, potential, dissipated energy and numerical dissipation change together by what is supplied from outside,
+such as the work of a drive. Dissipated energy is the heat of dampers, friction and latches alone; numerical
+dissipation is what the scheme takes away besides, and it may give back a part that it stored.
 """
 
 

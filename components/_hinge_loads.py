@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ._bushing import StepMotion, bushing_force, inertial_force
+from ._bushing import MeanLoad, StepMotion, bushing_load, damped_load
 from ._frames import Vector3
 from ._hinge_state import Constants, Loads, State, mean_swing, shifted
 from ._relative import conjugate_torque
@@ -15,32 +15,38 @@ _FORCE_SMOOTHING = 1.0
 
 def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
     """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
-    elastic: list[float] = []
-    heat = 0.0
-    for i, motion in enumerate(motions):
-        moved = shifted(motion, c.aligned_angle) if i == 3 else motion
-        force, lost = bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
-        elastic.append(force)
-        heat += lost
+    stiff = [
+        bushing_load(
+            c.stiffness[i],
+            c.damping[i],
+            shifted(motion, c.aligned_angle) if i == 3 else motion,
+            c.end_weight,
+        )
+        for i, motion in enumerate(motions)
+    ]
+    elastic = [load.force for load in stiff]
     force_on_b = (elastic[0], elastic[1], elastic[2])
     change = new.angle - old.angle
     friction = friction_torque(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
-    latch, latch_heat = mean_latch_torque(c, old, motions[3])
+    latch = mean_latch_load(c, old, motions[3])
+    numerical = sum(load.numerical for load in stiff) + latch.numerical
     twist = (
         elastic[3]
         + mean_force(c.motor, old.angle, new.angle, c.end_weight)
         + mean_force(c.harness, old.angle, new.angle, c.end_weight)
         + friction
-        + latch
+        + latch.force
     )
     if old.holding:
         twist -= c.hold_stiffness * (new.angle - old.hold_angle)
+        numerical += 0.5 * c.hold_stiffness * change * change
     return Loads(
         force_on_b,
         conjugate_torque(twist, (elastic[4], elastic[5]), mean_swing(old, new)),
-        latch,
+        latch.force,
         friction,
-        (-friction * change, latch_heat, heat),
+        (-friction * change, latch.heat, sum(load.heat for load in stiff)),
+        numerical,
     )
 
 
@@ -57,23 +63,21 @@ def friction_torque(
     return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
 
 
-def mean_latch_torque(c: Constants, old: State, motion: StepMotion) -> tuple[float, float]:
-    """Mean latch torque, and the energy it turned to heat."""
+def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
+    """Mean latch torque, its heat, and what its inertial terms took away."""
     if not old.latched or not c.latches:
-        return 0.0, 0.0
+        return MeanLoad(0.0, 0.0, 0.0)
     deflection = shifted(motion, old.latched_angle)
-    change = deflection.end - deflection.start
-    extra = -c.latch_damping * change / motion.h
-    if c.end_weight == 0.5:
-        extra += inertial_force(c.latch_stiffness, deflection)
-    return mean_force(c.latch, deflection.start, deflection.end) + extra, -extra * change
+    elastic = mean_force(c.latch, deflection.start, deflection.end)
+    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.end_weight)
 
 
 def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
     """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
 
     An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
-    would only do so after ringing at its own frequency.
+    would only do so after ringing at its own frequency. The heat is that of the latch; what other directions
+    lose is due to the joint taken for ideal.
     """
     locked = old.latched > 0.5 and c.locks
     stiff = [k > 0.0 for k in c.stiffness]
@@ -90,7 +94,8 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
         conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
         0.0,
         0.0,
-        (0.0, latch, sum(work) - latch),
+        (0.0, latch, 0.0),
+        sum(work) - latch,
     )
 
 
@@ -115,6 +120,7 @@ def endpoint_loads(c: Constants, s: State) -> Loads:
         latch,
         friction,
         (-friction * w[3], -viscous * w[3], damping),
+        0.0,
     )
 
 

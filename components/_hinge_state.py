@@ -65,6 +65,7 @@ class State(NamedTuple):
     latched_angle: float
     holding: float
     hold_angle: float
+    numerical_dissipation: float
 
     def pack(self) -> Vector:
         """As one array."""
@@ -121,13 +122,14 @@ HEATS = ("friction_heat", "latch_heat", "damping_heat")
 
 
 class Loads(NamedTuple):
-    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes."""
+    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes, numerical loss."""
 
     force: Vector3
     torque: Vector3
     latch_torque: float
     friction_torque: float
     heat: tuple[float, float, float]
+    numerical: float
 
 
 def mean_swing(old: State, new: State) -> tuple[float, float]:

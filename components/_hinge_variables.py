@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ._component import Quantity
+from ._relative import numerical_dissipation
 
 
 def parameters() -> list[Quantity]:
@@ -96,4 +97,5 @@ def observations() -> list[Quantity]:
         Quantity("damping_energy", "J", "Energy dissipated by the damping of the joint"),
         Quantity("potential_energy", "J", "Energy in bushing, motorisation spring, harness and latch"),
         Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+        numerical_dissipation(),
     ]

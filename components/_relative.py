@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
-from ._component import ComponentError, ContinuousStates, Quantity, Vector
+from ._component import NUMERICAL_DISSIPATION, ComponentError, ContinuousStates, Quantity, Vector
 from ._frames import (
     Quaternion,
     Vector3,
@@ -66,6 +66,11 @@ def dissipated_energies(
         tuple(names),
         indicators,
     )
+
+
+def numerical_dissipation() -> Quantity:
+    """The observation of what the inertial terms of a connection's stiff coordinates took away (J)."""
+    return Quantity(NUMERICAL_DISSIPATION, "J", "Energy taken by the scheme since the start, not a physical loss")
 
 
 def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_force, remembered
+from ._bushing import Memory, StepMotion, bushing_load, remembered
 from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
 from ._frames import nearest_turn, rotate
 from ._midstep import MidStepRate
@@ -20,6 +20,7 @@ from ._relative import (
     conjugate_torque,
     gives_end_point,
     mean_direction,
+    numerical_dissipation,
     pair,
     relative_pose,
     relative_rates,
@@ -27,7 +28,7 @@ from ._relative import (
 
 _PROFILES = ("step", "step5")
 _ANGLE, _SWING, _MEMORY, _CLOCK, _HEAT, _WORK = 0, 5, slice(7, 9), 9, 10, 11
-_SLIDE, _WRENCH = slice(12, 16), slice(16, 28)
+_SLIDE, _WRENCH, _NUMERICAL = slice(12, 16), slice(16, 28), 28
 _NOWHERE = (0.0, 0.0, 0.0)
 
 
@@ -153,7 +154,7 @@ class Drive(Component):
         rate = now.deflection_rate
         slide = MidStepRate.starting(rate)
         return np.array(
-            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 12)
+            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 13)
         )
 
     def _instant(self, c: _Constants, u: list[float], clock: float, reference: float) -> _Instant:
@@ -177,7 +178,7 @@ class Drive(Component):
         # inertial terms tame held torques, which an end-point torque is not
         memory = Memory(mean_rate, mean_rate) if self._endpoint else Memory(*v[_MEMORY])
         motion = StepMotion(start, now.deflection, h, memory)
-        torque, heat = bushing_force(c.stiffness, c.damping, motion, c.end_weight)
+        torque, heat, lost = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
         pose = now.pose
         swing = (0.5 * (v[_SWING] + pose.swing[0]), 0.5 * (v[_SWING + 1] + pose.swing[1]))
         world = mean_direction(
@@ -189,8 +190,9 @@ class Drive(Component):
         else:
             memory, slide = remembered(motion, rate), MidStepRate(*v[_SLIDE]).after(mean_rate, h)
         energies = (v[_HEAT] + heat, v[_WORK] + torque * (now.commanded - commanded))
-        wrench = pair(_NOWHERE, world, _NOWHERE)
-        return np.array((now.angle, *pose.frame, *pose.swing, *memory, clock, *energies, *slide, *wrench))
+        wrench, numerical = pair(_NOWHERE, world, _NOWHERE), v[_NUMERICAL] + lost
+        motions = (now.angle, *pose.frame, *pose.swing, *memory, clock)
+        return np.array((*motions, *energies, *slide, *wrench, numerical))
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports."""
@@ -215,6 +217,7 @@ class Drive(Component):
                 x[_WORK],
                 0.5 * c.stiffness * now.deflection * now.deflection,
                 x[_HEAT],
+                x[_NUMERICAL],
             )
         )
 
@@ -269,4 +272,5 @@ def _observations() -> list[Quantity]:
         Quantity("supplied_energy", "J", "Work of the motor since the start"),
         Quantity("potential_energy", "J", "Elastic energy of the gearbox"),
         Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+        numerical_dissipation(),
     ]

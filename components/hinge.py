@@ -155,7 +155,8 @@ class Hinge(Component):
             (0.0,) * 3,
             MidStepRate.starting(rates.twist),
             *((0.0,) * 6),
-            angle,
+            hold_angle=angle,
+            numerical_dissipation=0.0,
         ).pack()
 
     def step(self, c: Constants, x: Vector, u: Vector, h: float) -> Vector:
@@ -183,6 +184,7 @@ class Hinge(Component):
             friction_energy=old.friction_energy + loads.heat[0],
             latch_energy=old.latch_energy + loads.heat[1],
             damping_energy=old.damping_energy + loads.heat[2],
+            numerical_dissipation=old.numerical_dissipation + loads.numerical,
         ).pack()
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
@@ -256,6 +258,7 @@ class Hinge(Component):
                 *heat,
                 stored_energy(c, s),
                 sum(heat),
+                s.numerical_dissipation,
             )
         )
 

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_force, remembered
+from ._bushing import MeanLoad, Memory, StepMotion, bushing_load, remembered
 from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
 from ._frames import Quaternion, Vector3, cross, mean, rotate, rotate_back, subtract
-from ._relative import as_floats, gives_end_point, mean_direction, pair, unit_direction
+from ._relative import as_floats, gives_end_point, mean_direction, numerical_dissipation, pair, unit_direction
 
 _START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
-_CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH = 16, 17, 18, 19, slice(20, 32)
+_CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH, _NUMERICAL = 16, 17, 18, 19, slice(20, 32), 32
 _REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave
 
 
@@ -83,6 +83,7 @@ class HoldDown(Component):
                 Quantity("released", "1", "1 from the release on"),
                 Quantity("potential_energy", "J", "Elastic energy, with that of the preload"),
                 Quantity("dissipated_energy", "J", "Energy dissipated since the start, in the bolt too"),
+                numerical_dissipation(),
             ],
             feedthrough=self._endpoint,
         )
@@ -128,7 +129,7 @@ class HoldDown(Component):
         inputs = as_floats(u)
         now = self._instant(inputs, (0.0, 0.0, 0.0))
         rates = (*now.rate, *now.rate)
-        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 12))
+        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 13))
 
     @staticmethod
     def _instant(u: list[float], start: Vector3) -> _Instant:
@@ -148,7 +149,7 @@ class HoldDown(Component):
         frame, gap = (v[0], v[1], v[2], v[3]), (v[4], v[5], v[6])
         before, now = subtract(rotate_back(frame, gap), start), self._instant(inputs, start)
         clock = v[_CLOCK] if inputs[-1] > 0.5 else v[_CLOCK] + h
-        released, heat, bolt = v[_RELEASED], v[_HEAT], v[_RELEASE_HEAT]
+        released, heat, bolt, numerical = v[_RELEASED], v[_HEAT], v[_RELEASE_HEAT], v[_NUMERICAL]
         if not released and inputs[-3] > 0.5:
             released, bolt = 1.0, c.potential(before)
         rates: tuple[float, ...] = (*now.rate, *now.rate)
@@ -156,15 +157,17 @@ class HoldDown(Component):
         if not released:
             motions = [self._motion(v, i, before[i], now.displacement[i], h) for i in range(3)]
             loads = [self._load(c, i, motion) for i, motion in enumerate(motions)]
-            force = (loads[0][0], loads[1][0], loads[2][0])
-            heat += sum(lost for _, lost in loads)
+            force = (loads[0].force, loads[1].force, loads[2].force)
+            heat += sum(load.heat for load in loads)
+            numerical += sum(load.numerical for load in loads)
             wrench = pair(mean_direction(frame, now.frame, force), (0.0, 0.0, 0.0), mean(gap, now.gap))
             if inputs[-2] < 0.5:
                 memories = [remembered(m, rate) for m, rate in zip(motions, now.rate, strict=True)]
                 rates = (*(m.mean_rate for m in memories), *(m.end_rate for m in memories))
             if c.is_due(clock):
                 released, bolt = 1.0, c.potential(now.displacement)
-        return np.array((*now.frame, *now.gap, *start, *rates, clock, released, heat, bolt, *wrench))
+        moved = (*now.frame, *now.gap, *start, *rates, clock, released)
+        return np.array((*moved, heat, bolt, *wrench, numerical))
 
     def _motion(self, v: list[float], i: int, before: float, after: float, h: float) -> StepMotion:
         """Motion of a displacement; inertial terms tame held forces, which an end-point force is not."""
@@ -175,10 +178,10 @@ class HoldDown(Component):
         return StepMotion(before, after, h, memory)
 
     @staticmethod
-    def _load(c: _Constants, i: int, motion: StepMotion) -> tuple[float, float]:
-        """Mean force along an axis, and its heat."""
+    def _load(c: _Constants, i: int, motion: StepMotion) -> MeanLoad:
+        """Mean load along an axis."""
         moved = motion._replace(start=motion.start - c.free[i], end=motion.end - c.free[i])
-        return bushing_force(c.stiffness[i], c.damping[i], moved, c.end_weight)
+        return bushing_load(c.stiffness[i], c.damping[i], moved, c.end_weight)
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports."""
@@ -192,14 +195,14 @@ class HoldDown(Component):
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Force at the communication point, and energies."""
-        heat = x[_HEAT] + x[_RELEASE_HEAT]
+        losses = (x[_HEAT] + x[_RELEASE_HEAT], x[_NUMERICAL])
         if x[_RELEASED]:
-            return np.array((0.0, 0.0, 0.0, 1.0, 0.0, heat))
+            return np.array((0.0, 0.0, 0.0, 1.0, 0.0, *losses))
         now = self._now(x, u)
         rate = now.rate
         if not self._endpoint:
             rate = (float(x[_MEAN_RATES]), float(x[_MEAN_RATES + 1]), float(x[_MEAN_RATES + 2]))
-        return np.array((*c.force(now.displacement, rate), 0.0, c.potential(now.displacement), heat))
+        return np.array((*c.force(now.displacement, rate), 0.0, c.potential(now.displacement), *losses))
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Rate of the clock, and heat of damping (W)."""

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_force, remembered
+from ._bushing import Memory, StepMotion, bushing_load, remembered
 from ._component import Component, Port, Quantity, Vector
 from ._frames import conjugate, multiply, nearest_turn, rotate
 from ._midstep import MidStepRate
@@ -21,6 +21,7 @@ from ._relative import (
     conjugate_torque,
     dissipated_energies,
     gives_end_point,
+    numerical_dissipation,
     relative_pose,
     relative_rates,
 )
@@ -29,7 +30,7 @@ from .laws import stiction_factors
 Four = tuple[float, float, float, float]
 
 _OFFSET, _TWIST, _MEAN_RATES, _END_RATES = 7, 10, 13, 17
-_SLIDE, _FRICTION_HEAT, _DAMPING_HEAT, _WRENCH = slice(21, 25), 25, 26, slice(27, 33)
+_SLIDE, _FRICTION_HEAT, _DAMPING_HEAT, _WRENCH, _NUMERICAL = slice(21, 25), 25, 26, slice(27, 33), 33
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,7 @@ class Rail(Component):
         now = self._instant(inputs[:7], inputs, 0.0)
         slide = MidStepRate.starting(now.speed)
         memories = (*now.rates, *now.rates)
-        return np.array((*inputs[:7], *now.pose.offset, *now.stiff[1:], *memories, *slide, *(0.0,) * 8))
+        return np.array((*inputs[:7], *now.pose.offset, *now.stiff[1:], *memories, *slide, *(0.0,) * 9))
 
     def _instant(self, start: list[float], u: list[float], reference: float) -> _Instant:
         """The instant of the inputs; the twist is the one nearest the reference."""
@@ -137,7 +138,7 @@ class Rail(Component):
         v, inputs = as_floats(x), as_floats(u)
         now = self._instant(v[:7], inputs, v[_TWIST])
         starts = (v[_OFFSET], v[_TWIST], v[_TWIST + 1], v[_TWIST + 2])
-        load, mean_rates, end_rates, heat = [0.0] * 4, list(now.rates), list(now.rates), 0.0
+        loads, mean_rates, end_rates = [], list(now.rates), list(now.rates)
         for i in range(4):
             mean_rate = (now.stiff[i] - starts[i]) / h
             # inertial terms tame held wrenches, which an end-point wrench is not
@@ -145,11 +146,10 @@ class Rail(Component):
             if not self._endpoint:
                 memory = Memory(v[_MEAN_RATES + i], v[_END_RATES + i])
             motion = StepMotion(starts[i], now.stiff[i], h, memory)
-            load[i], lost = bushing_force(c.stiffness[i], c.damping[i], motion, c.end_weight)
-            heat += lost
+            loads.append(bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight))
             if inputs[-1] < 0.5:
                 mean_rates[i], end_rates[i] = remembered(motion, now.rates[i])
-        offset = now.pose.offset
+        load, offset = [mean.force for mean in loads], now.pose.offset
         slip_y, slip_z = (offset[1] - v[_OFFSET + 1]) / h, (offset[2] - v[_OFFSET + 2]) / h
         speed = sqrt(slip_y * slip_y + slip_z * slip_z)
         resistance = c.resistance(speed)
@@ -159,10 +159,12 @@ class Rail(Component):
         slide = (
             MidStepRate(*v[_SLIDE]).after(speed, h) if inputs[-1] < 0.5 else MidStepRate.starting(now.speed)
         )
+        heat, lost = sum(mean.heat for mean in loads), sum(mean.numerical for mean in loads)
         energies = (v[_FRICTION_HEAT] + resistance * speed * speed * h, v[_DAMPING_HEAT] + heat)
         wrench = (*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque))
         memories = (*mean_rates, *end_rates)
-        return np.array((*v[:7], *offset, *now.stiff[1:], *memories, *slide, *energies, *wrench))
+        moved = (*v[:7], *offset, *now.stiff[1:], *memories, *slide)
+        return np.array((*moved, *energies, *wrench, v[_NUMERICAL] + lost))
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrench on the trolley."""
@@ -192,6 +194,7 @@ class Rail(Component):
                 friction_heat,
                 sum(0.5 * k * q * q for k, q in zip(c.stiffness, now.stiff, strict=True)),
                 friction_heat + damping_heat,
+                float(x[_NUMERICAL]),
             )
         )
 
@@ -240,4 +243,5 @@ def _observations() -> list[Quantity]:
         Quantity("friction_energy", "J", "Energy dissipated by friction"),
         Quantity("potential_energy", "J", "Elastic energy of the guidance"),
         Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
+        numerical_dissipation(),
     ]

@@ -7,21 +7,28 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from components import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, SUPPLIED_ENERGY
+from components import (
+    DISSIPATED_ENERGY,
+    KINETIC_ENERGY,
+    NUMERICAL_DISSIPATION,
+    POTENTIAL_ENERGY,
+    SUPPLIED_ENERGY,
+)
 
 from .participant import Participant
 
 Rows = np.ndarray[Any, np.dtype[np.uintp]]
 
-_NAMES = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY, SUPPLIED_ENERGY)
+_NAMES = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY, NUMERICAL_DISSIPATION, SUPPLIED_ENERGY)
 
 
 class Energies(NamedTuple):
-    """Sums over all participants (J); dissipated and supplied count from the start."""
+    """Sums over all participants (J); what was dissipated and supplied counts from the start."""
 
     kinetic: float
     potential: float
     dissipated: float
+    numerical: float
     supplied: float
 
     @property
@@ -31,12 +38,12 @@ class Energies(NamedTuple):
 
     @property
     def balance(self) -> float:
-        """What stays as it is: all that is stored and was dissipated, less what was supplied from outside."""
-        return self.kinetic + self.potential + self.dissipated - self.supplied
+        """What stays as it is: all that is stored and was lost, less what was supplied from outside."""
+        return self.stored + self.dissipated + self.numerical - self.supplied
 
 
 def energy_rows(participants: Sequence[Participant]) -> Rows:
-    """Where the observations of all, in order, hold each of `Energies` (4, participants).
+    """Where the observations of all, in order, hold each of `Energies` (5, participants).
 
     Where a participant has none it is the place behind the last observation, which holds a zero.
     """

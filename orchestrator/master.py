@@ -43,8 +43,9 @@ SCENE_CHANNELS = (
     ("iterations", "1", "Sweeps over all participants in that step"),
     ("stored_energy", "J", "Kinetic and potential energy of all participants"),
     ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
+    ("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
     ("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
-    ("energy_residual", "J", "Stored and dissipated less supplied energy, minus their value at the start"),
+    ("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
 )
 
 
@@ -100,7 +101,7 @@ class Master:
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = self._coupling.accepted
-        self._energy_start = 0.0
+        self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
         self._parts = 1
         self._latched: list[StiffenedLine] = []
         outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
@@ -127,8 +128,7 @@ class Master:
         self._save()
         if preload:
             self._seek_equilibrium(start)
-        energies = self._coupling.observe(self.time)
-        self._energy_start = energies.balance
+        self._energy_start = energies = self._coupling.observe(self.time)
         self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
         self._record(0.0, 0)
 
@@ -351,14 +351,15 @@ class Master:
 
     def _record(self, h: float, iterations: int) -> Energies:
         """Observations of now and the scene's channels to the recorder; the energies among them."""
-        found = self._coupling.observe(self.time)
+        found, start = self._coupling.observe(self.time), self._energy_start
         self._scene[:] = (
             h,
             iterations,
             found.stored,
-            found.dissipated,
-            found.supplied,
-            found.balance - self._energy_start,
+            found.dissipated - start.dissipated,
+            found.numerical - start.numerical,
+            found.supplied - start.supplied,
+            found.balance - start.balance,
         )
         self.recorder.append(self.time, self._recorded)
         return found

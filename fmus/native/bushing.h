@@ -14,9 +14,9 @@ typedef struct StepMotion {
     double h, mean_rate, end_rate;
 } StepMotion;
 
-/* Mean force of a coordinate over a step, and the energy it turned to heat. */
+/* Mean force of a coordinate over a step, its heat, and what the inertial terms took away. */
 typedef struct MeanLoad {
-    real force, heat;
+    real force, heat, numerical;
 } MeanLoad;
 
 /* The same motion counted from another origin. */
@@ -39,17 +39,21 @@ static inline real remembered_end_rate(real mean_rate, double previous, real end
     return fabs(value_of(end_rate)) < fabs(value_of(rigid)) ? end_rate : rigid;
 }
 
-/* Mean force of spring, damper and inertial terms of one coordinate, and its heat. An end weight above one half
-   (static solutions) weights the end value instead of adding inertial terms. */
-static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m, double end_weight) {
-    if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0};
+/* Mean load with a damper and inertial terms beside the mean elastic force. An end weight above one half (static
+   solutions) weights the end value instead of adding inertial terms. */
+static inline MeanLoad damped_load(real elastic, double stiffness, double damping, const StepMotion *m,
+                                   double end_weight) {
     real change = m->end - m->start;
-    real extra = -damping * change / m->h;
-    if (end_weight == 0.5)
-        extra += inertial_force(stiffness, m);
-    else
-        extra -= stiffness * (end_weight - 0.5) * change;
-    return (MeanLoad){-0.5 * stiffness * (m->start + m->end) + extra, -extra * change};
+    real viscous = -damping * change / m->h;
+    real numerical = -stiffness * (end_weight - 0.5) * change;
+    if (end_weight == 0.5) numerical = inertial_force(stiffness, m);
+    return (MeanLoad){elastic + viscous + numerical, -viscous * change, -numerical * change};
+}
+
+/* Mean load of spring, damper and inertial terms of one coordinate. */
+static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m, double end_weight) {
+    if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0, 0.0};
+    return damped_load(-0.5 * stiffness * (m->start + m->end), stiffness, damping, m, end_weight);
 }
 
 #endif

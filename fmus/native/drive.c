@@ -5,7 +5,7 @@
 #include "relative.h"
 
 /* State: unwrapped angle, frame, swing, remembered rates of the deflection, clock, heat, work of the motor, mean
-   rates of two steps, wrenches of both ports. */
+   rates of two steps, wrenches of both ports, what inertial terms took away. */
 enum {
     ANGLE = 0,
     FRAME = 1,
@@ -16,12 +16,13 @@ enum {
     WORK = 11,
     SLIDE = 12,
     WRENCH = 16,
-    STATES = 28
+    NUMERICAL = 28,
+    STATES = 29
 };
 
 enum { STIFFNESS, DAMPING, ALIGNED_ANGLE, START_ANGLE, END_ANGLE, START_TIME, DURATION, END_WEIGHT, PARAMETERS };
 
-enum { CONTINUOUS = 3, OBSERVATIONS = 8 };
+enum { CONTINUOUS = 3, OBSERVATIONS = 9 };
 
 typedef struct Drive {
     double axis_frame[4];
@@ -108,6 +109,7 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     drive_store_pose(&now, x_next);
     x_next[CLOCK] = clock;
     x_next[HEAT] = x[HEAT] + load.heat;
+    x_next[NUMERICAL] = x[NUMERICAL] + load.numerical;
     x_next[WORK] = x[WORK] + load.force * (now.commanded - commanded);
     drive_store_torque(mean_direction(frame, now.pose.frame, conjugate), x_next + WRENCH);
     if (value_of(u[drive->impulse]) > 0.5) {
@@ -215,6 +217,7 @@ static void drive_observe(void *self, const double *x, const double *u, double *
     z[5] = x[WORK];
     z[6] = 0.5 * drive->stiffness * now.deflection * now.deflection;
     z[7] = x[HEAT];
+    z[8] = x[NUMERICAL];
 }
 
 static size_t drive_continuous(const void *self, size_t *places) {

@@ -66,6 +66,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     for (int i = 0; i < HEAT_CAUSES; i++) z[10 + i] = x[HEAT + i];
     z[13] = stored_energy(hinge, &grip, now.coordinates);
     z[14] = x[HEAT] + x[HEAT + 1] + x[HEAT + 2];
+    z[15] = x[NUMERICAL];
 }
 
 /* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */

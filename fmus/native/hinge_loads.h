@@ -32,13 +32,11 @@ static inline Transverse mean_swing(const double *x, const Motion *new) {
     };
 }
 
-/* Mean latch torque, and the energy it turned to heat. */
+/* Mean latch torque, its heat, and what its inertial terms took away. */
 static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
     StepMotion deflection = shifted_motion(motion, grip->latched_angle);
-    real change = deflection.end - deflection.start;
-    real extra = -hinge->latch_damping * change / motion.h;
-    if (hinge->end_weight == 0.5) extra += inertial_force(hinge->latch_stiffness, &deflection);
-    return (MeanLoad){law_mean_force(&hinge->latch, deflection.start, deflection.end) + extra, -extra * change};
+    real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
+    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->end_weight);
 }
 
 /* Mean force of a law with its end weight. */
@@ -48,7 +46,7 @@ static inline real weighted_mean_force(const Law *law, real start, real end, dou
 
 /* Mean loads over a step from both its ends (discrete gradients and mean rates). */
 static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
-    real elastic[COORDINATE_COUNT], heat = 0.0;
+    real elastic[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
     StepMotion turn = step_motion(x, new, HINGE_ANGLE, h);
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         StepMotion motion = step_motion(x, new, i, h);
@@ -56,25 +54,32 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         MeanLoad load = bushing_load(hinge->stiffness[i], hinge->damping[i], &motion, hinge->end_weight);
         elastic[i] = load.force;
         heat += load.heat;
+        numerical += load.numerical;
     }
     real change = turn.end - turn.start;
     real friction = friction_torque(hinge, grip, elastic, change / h);
-    MeanLoad latch = {0.0, 0.0};
+    MeanLoad latch = {0.0, 0.0, 0.0};
     if (latch_acts(hinge, grip)) latch = mean_latch_load(hinge, grip, turn);
     real twist = elastic[HINGE_ANGLE] + weighted_mean_force(&hinge->motor, turn.start, turn.end, hinge->end_weight) +
                  weighted_mean_force(&hinge->harness, turn.start, turn.end, hinge->end_weight) + friction + latch.force;
-    if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
+    numerical += latch.numerical;
+    if (grip->holding != 0.0) {
+        twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
+        numerical += 0.5 * hinge->hold_stiffness * change * change;
+    }
     return (Loads){
         {elastic[0], elastic[1], elastic[2]},
         conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, mean_swing(x, new)),
         latch.force,
         friction,
         {-friction * change, latch.heat, heat},
+        numerical,
     };
 }
 
 /* Loads that remove the relative rate in every stiff direction at the end of a vanishing step: an ideal joint
-   transmits a latch impulse through its constrained directions in no time. */
+   transmits a latch impulse through its constrained directions in no time. The heat is that of the latch; what other
+   directions lose is due to the joint taken for ideal. */
 static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
     int locked = grip->latched > 0.5 && hinge->locks;
     real load[COORDINATE_COUNT], latch = 0.0, sum = 0.0;
@@ -91,7 +96,8 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
         conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
         0.0,
         0.0,
-        {0.0, latch, sum - latch},
+        {0.0, latch, 0.0},
+        sum - latch,
     };
 }
 
@@ -119,6 +125,7 @@ static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const r
         latch,
         friction,
         {-friction * rate, -viscous * rate, damping},
+        0.0,
     };
 }
 

@@ -26,10 +26,11 @@ enum {
     LATCHED_ANGLE = 54,
     HOLDING = 55,
     HOLD_ANGLE = 56,
-    STATES = 57
+    NUMERICAL = 57, /* what inertial terms took away */
+    STATES = 58
 };
 
-enum { HEAT_CAUSES = 3, PAIR_SIZE = 2 * WRENCH_SIZE, OUTPUTS = PAIR_SIZE + 2, OBSERVATIONS = 15 };
+enum { HEAT_CAUSES = 3, PAIR_SIZE = 2 * WRENCH_SIZE, OUTPUTS = PAIR_SIZE + 2, OBSERVATIONS = 16 };
 
 enum { NO_LATCH, SPRING_LATCH, TABLE_LATCH, KINEMATIC_LATCH };
 
@@ -85,10 +86,11 @@ typedef struct Grip {
     real latched_angle, hold_angle;
 } Grip;
 
-/* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping. */
+/* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping,
+   what inertial terms took away. */
 typedef struct Loads {
     Vector3 force, torque;
-    real latch_torque, friction_torque, heat[HEAT_CAUSES];
+    real latch_torque, friction_torque, heat[HEAT_CAUSES], numerical;
 } Loads;
 
 /* Motion of the inputs; the angle is the one nearest the reference. */

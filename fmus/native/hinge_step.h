@@ -43,6 +43,7 @@ static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip
     latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->latch_angle);
     Loads loads = endpoint_loads(hinge, grip, new->coordinates, new->rates);
     for (int i = MEAN_RATES; i < HEAT; i++) x_next[i] = x[i];
+    x_next[NUMERICAL] = x[NUMERICAL];
     for (int i = 0; i < HEAT_CAUSES; i++) {
         x_next[HEAT + i] = x[HEAT + i] + 0.5 * h * (x[POWER + i] + loads.heat[i]);
         x_next[POWER + i] = loads.heat[i];
@@ -69,6 +70,7 @@ static inline void mean_step(const Hinge *hinge, const double *x, Grip *grip, co
         x_next[HEAT + i] = x[HEAT + i] + loads.heat[i];
         x_next[POWER + i] = x[POWER + i];
     }
+    x_next[NUMERICAL] = x[NUMERICAL] + loads.numerical;
 }
 
 /* One step; the inputs are those of its end. Commands act from its start. */

@@ -4,10 +4,10 @@
 #include "bushing.h"
 #include "relative.h"
 
-enum { AXES = 3, CONTINUOUS = 2, OBSERVATIONS = 6, PAIR_SIZE = 2 * WRENCH_SIZE };
+enum { AXES = 3, CONTINUOUS = 2, OBSERVATIONS = 7, PAIR_SIZE = 2 * WRENCH_SIZE };
 
 /* State: orientation of the inboard port, gap, offset at the start, remembered mean and end rates, clock, released or
-   not, heat of damping and of the release, wrenches of both ports. */
+   not, heat of damping and of the release, wrenches of both ports, what inertial terms took away. */
 enum {
     FRAME = 0,
     GAP = 4,
@@ -19,7 +19,8 @@ enum {
     HEAT = 18,
     RELEASE_HEAT = 19,
     WRENCH = 20,
-    STATES = 32
+    NUMERICAL = 32,
+    STATES = 33
 };
 
 enum { STIFFNESS, DAMPING, PRELOAD, RELEASE_TIME, END_WEIGHT, PARAMETERS };
@@ -87,7 +88,7 @@ static inline void store_rates(const real *rate, real *x) {
     for (int i = 0; i < AXES; i++) x[MEAN_RATES + i] = x[END_RATES + i] = rate[i];
 }
 
-/* Mean force over a held step, inboard axes; stores what is remembered, and adds to the heat. */
+/* Mean force over a held step, inboard axes; stores what is remembered, and adds to the losses. */
 static inline Vector3 held_force(const HoldDown *hold_down, const double *x, const real *before, const Instant *now,
                                  double h, real *x_next) {
     real force[AXES];
@@ -102,6 +103,7 @@ static inline Vector3 held_force(const HoldDown *hold_down, const double *x, con
         MeanLoad load = bushing_load(hold_down->stiffness[i], hold_down->damping[i], &motion, hold_down->end_weight);
         force[i] = load.force;
         x_next[HEAT] += load.heat;
+        x_next[NUMERICAL] += load.numerical;
     }
     return vector_of(force);
 }
@@ -121,6 +123,7 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     vector_store(now.gap, x_next + GAP);
     x_next[CLOCK] = clock;
     for (int i = RELEASED; i <= RELEASE_HEAT; i++) x_next[i] = x[i];
+    x_next[NUMERICAL] = x[NUMERICAL];
     for (int i = 0; i < PAIR_SIZE; i++) x_next[WRENCH + i] = 0.0;
     if (x[RELEASED] == 0.0 && value_of(u[hold_down->release_command]) > 0.5) {
         x_next[RELEASED] = 1.0;
@@ -254,6 +257,7 @@ static void hold_down_observe(void *self, const double *x, const double *u, doub
     z[3] = released;
     z[4] = released ? 0.0 : elastic_energy(hold_down, now.displacement);
     z[5] = x[HEAT] + x[RELEASE_HEAT];
+    z[6] = x[NUMERICAL];
 }
 
 static size_t hold_down_continuous(const void *self, size_t *places) {

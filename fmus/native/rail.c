@@ -7,10 +7,11 @@
 #include "laws.h"
 #include "relative.h"
 
-enum { STIFF_COUNT = 4, CONTINUOUS = 2, OBSERVATIONS = 6 };
+enum { STIFF_COUNT = 4, CONTINUOUS = 2, OBSERVATIONS = 7 };
 
 /* State: place and orientation at the start, offset and turn from there, remembered mean and end rates of the stiff
-   coordinates, mean sliding speeds of two steps, heat of friction and of damping, wrench. */
+   coordinates, mean sliding speeds of two steps, heat of friction and of damping, wrench, what inertial terms took
+   away. */
 enum {
     START = 0,
     OFFSET = 7,
@@ -20,7 +21,8 @@ enum {
     SLIDE = 21,
     HEAT = 25,
     WRENCH = 27,
-    STATES = 33
+    NUMERICAL = 33,
+    STATES = 34
 };
 
 enum {
@@ -115,7 +117,7 @@ static inline void rail_store_wrench(const Trolley *now, const real *load, real 
 int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Rail *rail = self;
     (void)why;
-    real start[OFFSET], load[STIFF_COUNT], heat = 0.0;
+    real start[OFFSET], load[STIFF_COUNT], heat = 0.0, numerical = 0.0;
     for (int i = 0; i < OFFSET; i++) start[i] = x_next[START + i] = x[START + i];
     Trolley now = trolley_of(rail, start, u, x[TWIST]);
     int impulse = value_of(u[rail->impulse]) > 0.5;
@@ -130,6 +132,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
         MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->end_weight);
         load[i] = mean.force;
         heat += mean.heat;
+        numerical += mean.numerical;
         x_next[MEAN_RATES + i] = mean_rate;
         x_next[END_RATES + i] = remembered_end_rate(mean_rate, motion.end_rate, now.rates[i]);
     }
@@ -139,6 +142,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
     real resistance = sliding_resistance(rail, speed);
     x_next[HEAT] = x[HEAT] + resistance * speed * speed * h;
     x_next[HEAT + 1] = x[HEAT + 1] + heat;
+    x_next[NUMERICAL] = x[NUMERICAL] + numerical;
     Transverse swing = {0.5 * (x[TWIST + 1] + now.stiff[2]), 0.5 * (x[TWIST + 2] + now.stiff[3])};
     rail_store_wrench(&now, load, resistance, slip, swing, x_next + WRENCH);
     return 1;
@@ -240,6 +244,7 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     z[3] = x[HEAT];
     z[4] = energy;
     z[5] = x[HEAT] + x[HEAT + 1];
+    z[6] = x[NUMERICAL];
 }
 
 static size_t rail_continuous(const void *self, size_t *places) {

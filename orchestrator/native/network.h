@@ -26,7 +26,7 @@ typedef struct {
     double relative, force, torque;
 } Tolerance;
 
-enum { POINTS = 3, ENERGIES = 4 };
+enum { POINTS = 3, ENERGIES = 5 };
 
 /* A rotation about an axis fixed in a port of a connection that an event made stiff: what the torque about it, the
    rows [row, row + 3) of the unknown, may err is judged beside an energy of its own. weight: 1 over twice the
