@@ -6,7 +6,7 @@ Every wing runs at a tolerance of its own, between 1e-2 and 1e-6, unless one is 
 bodies, how many of them are flexible, whether the base is free, latches from the base outwards (spring, table,
 kinematic, none), tolerance, steps of both runs, largest error over tolerance by group, what went wrong. --limit is
 the processor time (s) of a run. Where the reference fails, a run at a tenth of the tolerance takes its place; errors
-against it are told, not counted. Then a summary.
+against it are told, not counted. Then a summary, of what is done where it is interrupted.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import csv
 import re
 from argparse import ArgumentParser
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
@@ -132,11 +133,16 @@ def try_wing(seed: int, tolerance: float | None = None, limit: float = 120.0) ->
     return told(steps=(found.costs.steps, 0), reference_failure=sentence)
 
 
-def campaign(seeds: Sequence[int], tolerance: float | None, limit: float, jobs: int) -> Iterator[Trial]:
+def campaign(
+    seeds: Sequence[int], tolerance: float | None, limit: float, jobs: int
+) -> Generator[Trial, None, None]:
     """All wings, in the order of their seeds, so many at a time."""
     work = partial(try_wing, tolerance=tolerance, limit=limit)
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
+    try:
         yield from pool.map(work, seeds)
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 HEAD = (
@@ -261,13 +267,15 @@ def main() -> None:
     trials = []
     print(HEAD)
     seeds = range(chosen.first, chosen.first + chosen.wings)
-    for trial in campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs):
-        trials.append(trial)
-        print(row(trial), flush=True)
-    print()
-    print("\n".join(summary(trials)))
+    found = campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs)
+    with suppress(KeyboardInterrupt):
+        for trial in found:
+            trials.append(trial)
+            print(row(trial), flush=True)
+    print("\n" + "\n".join(summary(trials)), flush=True)
     if chosen.out:
         write_csv(trials, chosen.out)
+    found.close()
 
 
 if __name__ == "__main__":
