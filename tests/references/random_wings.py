@@ -127,10 +127,10 @@ def rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
-def random_wing(seed: int) -> Table:
-    """The tree of a valid scene, always the same for a seed; SI units."""
+def random_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Table:
+    """The tree of a valid scene with so few to so many bodies, always the same for a seed; SI units."""
     dice = Dice(seed)
-    pieces = _pieces(dice)
+    pieces = _pieces(dice, bodies)
     lines = [_line(dice, pieces, k) for k in range(len(pieces))]
     time = _motorise(dice, pieces, lines)
     tree = {
@@ -146,9 +146,9 @@ def random_wing(seed: int) -> Table:
     return {name: value for name, value in tree.items() if value}
 
 
-def load_wing(seed: int) -> Scene:
+def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Scene:
     """The wing of a seed as a checked scene."""
-    return read_scene(f"random_wing_{seed}.toml", random_wing(seed))
+    return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies))
 
 
 def toml_text(tree: Mapping[str, Any]) -> str:
@@ -201,9 +201,9 @@ def _friction(dice: Dice) -> Table:
     }
 
 
-def _pieces(dice: Dice) -> list[Piece]:
+def _pieces(dice: Dice, bodies: tuple[int, int]) -> list[Piece]:
     """The bodies, from the base outwards; what a flexible one does not leave open, its neighbours follow."""
-    count, share = dice.count(*BODIES), dice.pick(0.0, 0.0, 0.5, 1.0)
+    count, share = dice.count(*bodies), dice.pick(0.0, 0.0, 0.5, 1.0)
     chosen: list[Entry | None] = []
     for k in range(count):
         entry = _entry(dice, last=k == count - 1) if dice.chance(share) else None
