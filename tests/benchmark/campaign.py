@@ -41,7 +41,7 @@ from tests.benchmark.campaign_errors import (
     says_so,
     worst,
 )
-from tests.references.random_wings import load_wing
+from tests.references.random_wings import BODIES, load_wing
 
 REFERENCES = (0.01, 0.1)
 """Tolerances of the reference over that of the run: what is wanted, and what replaces it where it fails."""
@@ -100,9 +100,11 @@ def _attempt(assembly: Assembly, tolerance: float, limit: float, path: Path) -> 
         path.unlink(missing_ok=True)
 
 
-def try_wing(seed: int, tolerance: float | None = None, limit: float = 120.0) -> Trial:
+def try_wing(
+    seed: int, tolerance: float | None = None, limit: float = 120.0, bodies: tuple[int, int] = BODIES
+) -> Trial:
     """Run the wing of a seed, and its reference; at the wing's own tolerance unless one is given."""
-    scene = load_wing(seed)
+    scene = load_wing(seed, bodies)
     flexible = {body.name: body.flexible for body in scene.bodies}
     kinds = {line.name: line_latch(scene, line, flexible, "mean").kind for line in scene.hinge_lines}
     wanted = tolerance or scene.header.tolerance

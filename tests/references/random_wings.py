@@ -1,29 +1,23 @@
 """Random valid wings by seed, which nothing was tuned to: accordions of two to six bodies on a fixed or free base.
 
 Masses from 0.1 to 100 kg, joints from 1e3 to 1e9 N/m, all kinds of latches, friction up to 0.5, rigid bodies and
-those of the catalogue with flexible modes. No wing is left out for being difficult; motors are chosen so that
-something moves: each alone would open what hangs on its line in about the same time.
+those of the catalogue with flexible modes. No wing is left out for being difficult; motors are chosen so that all
+lines of the folded wing would open in about the same time.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from math import exp, log, pi, sqrt
-from typing import Any, NamedTuple
+from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 
-from components._frames import Vector3
 from orchestrator.scene import Scene, read_scene
-from orchestrator.scene_bodies import body_model, body_points
-from orchestrator.scene_body_tables import Body
-
-Table = dict[str, Any]
+from tests.references.random_bodies import Dice, Piece, Table, random_pieces, rounded, sides
 
 BODIES = (2, 6)
-MASS = (0.1, 100.0)
 STIFFNESS = (1e3, 1e9)
 LATCH_STIFFNESS = (1e2, 1e7)
 TOLERANCE = (1e-6, 1e-2)
@@ -34,103 +28,12 @@ _SMALLEST_SHARE = 0.2
 """Least torque of a motor, as a share of what opens its line alone in time."""
 _LARGEST_BESIDE_FLEXIBLE = 6.0
 """N.m; some times the motors of the wings whose panels the catalogue has."""
-_DIGITS = 6
 
 
-class Entry(NamedTuple):
-    """A flexible body of the catalogue: points of its inboard and its outboard hinge line, middle or left and right."""
-
-    name: str
-    inboard: tuple[str, ...]
-    outboard: tuple[str, ...]
-
-
-def _sides(line: str) -> tuple[str, str]:
-    return f"{line}_left", f"{line}_right"
-
-
-ENTRIES = (
-    Entry("amos3_yoke", ("hl1",), _sides("hl2")),
-    Entry("amos3_panel1", _sides("hl2"), _sides("hl3")),
-    Entry("amos3_panel2", _sides("hl3"), ()),
-    Entry("workbench_panel", _sides("hl"), ()),
-    Entry("bepicolombo_inboard", _sides("hl1"), _sides("hl2")),
-    Entry("bepicolombo_outboard", _sides("hl2"), ()),
-    Entry("arabsat_yoke", ("hl1",), _sides("hl2")),
-    Entry("arabsat_panel", _sides("inboard"), _sides("outboard")),
-    Entry("arabsat_panel_tip", _sides("inboard"), ()),
-)
-
-
-@dataclass(frozen=True)
-class Piece:
-    """A body of a wing: its table, the points that hinges use, what the choice of motors needs to know.
-
-    inboard, outboard: points of the hinge lines. widths: half the distance of these points (m), 0 for one in the
-    middle. length: from line to line (m). center: of mass, from the inboard line (m). inertia: about it (kg.m2).
-    """
-
-    table: Table
-    inboard: tuple[str, ...]
-    outboard: tuple[str, ...]
-    widths: tuple[float, float]
-    length: float
-    mass: float
-    center: float
-    inertia: float
-
-    @property
-    def name(self) -> str:
-        """Name of the body."""
-        return str(self.table["name"])
-
-    @property
-    def flexible(self) -> bool:
-        """Whether it is an entry of the catalogue."""
-        return "catalogue" in self.table
-
-
-class Dice:
-    """What is drawn from the generator of a seed, to six digits so that a file of it can be read."""
-
-    def __init__(self, seed: int) -> None:
-        self._generator = np.random.default_rng(seed)
-
-    def chance(self, probability: float) -> bool:
-        """Whether something of a probability happens."""
-        return bool(self._generator.random() < probability)
-
-    def uniform(self, low: float, high: float) -> float:
-        """Evenly between two values."""
-        return rounded(float(self._generator.uniform(low, high)))
-
-    def decades(self, low: float, high: float) -> float:
-        """Evenly in the logarithm."""
-        return rounded(exp(self._generator.uniform(log(low), log(high))))
-
-    def count(self, low: int, high: int) -> int:
-        """An integer from low to high."""
-        return int(self._generator.integers(low, high + 1))
-
-    def pick(self, *choices: Any) -> Any:
-        """One of the choices."""
-        return choices[int(self._generator.integers(len(choices)))]
-
-    def direction(self) -> list[float]:
-        """A unit vector."""
-        vector = self._generator.normal(size=3)
-        return [rounded(float(x)) for x in vector / np.linalg.norm(vector)]
-
-
-def rounded(value: float) -> float:
-    """To six significant digits."""
-    return float(f"{value:.{_DIGITS}g}")
-
-
-def random_wing(seed: int) -> Table:
-    """The tree of a valid scene, always the same for a seed; SI units."""
+def random_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Table:
+    """The tree of a valid scene with so few to so many bodies, always the same for a seed; SI units."""
     dice = Dice(seed)
-    pieces = _pieces(dice)
+    pieces = random_pieces(dice, bodies)
     lines = [_line(dice, pieces, k) for k in range(len(pieces))]
     time = _motorise(dice, pieces, lines)
     tree = {
@@ -146,9 +49,9 @@ def random_wing(seed: int) -> Table:
     return {name: value for name, value in tree.items() if value}
 
 
-def load_wing(seed: int) -> Scene:
+def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Scene:
     """The wing of a seed as a checked scene."""
-    return read_scene(f"random_wing_{seed}.toml", random_wing(seed))
+    return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies))
 
 
 def toml_text(tree: Mapping[str, Any]) -> str:
@@ -201,95 +104,9 @@ def _friction(dice: Dice) -> Table:
     }
 
 
-def _pieces(dice: Dice) -> list[Piece]:
-    """The bodies, from the base outwards; what a flexible one does not leave open, its neighbours follow."""
-    count, share = dice.count(*BODIES), dice.pick(0.0, 0.0, 0.5, 1.0)
-    chosen: list[Entry | None] = []
-    for k in range(count):
-        entry = _entry(dice, last=k == count - 1) if dice.chance(share) else None
-        before = chosen[-1] if chosen else None
-        fits = before is None or entry is None or _widths(before)[1] == _widths(entry)[0]
-        chosen.append(entry if fits else None)
-    widths = [_width(dice, *pair) for pair in zip([None, *chosen], [*chosen, None], strict=True)]
-    return [
-        _rigid(dice, f"b{k}", (widths[k], widths[k + 1]))
-        if entry is None
-        else _catalogue(dice, f"b{k}", entry)
-        for k, entry in enumerate(chosen)
-    ]
-
-
-def _entry(dice: Dice, *, last: bool) -> Entry:
-    """Any entry; inside the wing only one that something can hang on."""
-    return dice.pick(*(entry for entry in ENTRIES if last or entry.outboard))
-
-
-def _width(dice: Dice, before: Entry | None, after: Entry | None) -> float:
-    """Half the distance (m) of the two hinges of a line, 0 for a single one."""
-    if after is not None:
-        return _widths(after)[0]
-    if before is not None:
-        return _widths(before)[1]
-    return dice.pick(0.0, dice.uniform(0.05, 0.6))
-
-
-def _widths(entry: Entry) -> tuple[float, float]:
-    """Half the distances (m) of the hinges of both lines of an entry; 0 where there is no outboard one."""
-    points = body_points(Body(name="body", catalogue=entry.name))
-    return _half(points, entry.inboard), _half(points, entry.outboard)
-
-
-def _half(points: Mapping[str, Vector3], names: Sequence[str]) -> float:
-    return abs(points[names[0]][1]) if names else 0.0
-
-
-def _rigid(dice: Dice, name: str, widths: tuple[float, float]) -> Piece:
-    """A plate with its centre of mass and its thickness somewhere."""
-    mass, length = dice.decades(*MASS), dice.decades(0.3, 2.5)
-    side = max(*widths, dice.uniform(0.1, 0.6))
-    thickness = dice.uniform(0.02, 0.2) * length
-    squares = [length**2, (2.0 * side) ** 2, thickness**2]
-    inertia = [rounded(mass * (sum(squares) - own) / 12.0) for own in squares]
-    center = rounded(dice.uniform(0.3, 0.7) * length)
-    points = {"root": [0.0, 0.0, 0.0], "tip": [length, 0.0, 0.0]}
-    for line, x, width in (("root", 0.0, widths[0]), ("tip", length, widths[1])):
-        points |= {f"{line}_left": [x, width, 0.0], f"{line}_right": [x, -width, 0.0]} if width else {}
-    table = {
-        "name": name,
-        "rigid": {
-            "mass": mass,
-            "center_of_mass": [center, rounded(dice.uniform(-0.2, 0.2) * side), 0.0],
-            "inertia": inertia,
-            "points": points,
-        },
-    }
-    inboard, outboard = (
-        _sides(line) if width else (line,) for line, width in zip(("root", "tip"), widths, strict=True)
-    )
-    return Piece(table, inboard, outboard, widths, length, mass, center, inertia[1])
-
-
-def _catalogue(dice: Dice, name: str, entry: Entry) -> Piece:
-    """A flexible body, sometimes with other damping and with a mass at its end."""
-    table: Table = {"name": name, "catalogue": entry.name, "fixed_interface_modes": dice.pick(2, 5, 10)}
-    if dice.chance(0.5):
-        table["damping_ratio"] = dice.decades(1e-3, 0.1)
-    if dice.chance(0.3):
-        point = (entry.outboard or entry.inboard)[-1]
-        table["attached_masses"] = [{"point": point, "mass": dice.decades(0.1, 10.0)}]
-    body = Body.model_validate(table)
-    model, points = body_model(body, flexible=False), body_points(body)
-    root = points[entry.inboard[0]][0]
-    length = points[entry.outboard[0]][0] - root if entry.outboard else 0.0
-    return Piece(
-        table, entry.inboard, entry.outboard, _widths(entry), length,
-        float(model.mass), float(model.center_of_mass[0]) - root, float(model.inertia[1][1]),
-    )  # fmt: skip
-
-
 def _base(dice: Dice, first: Piece) -> Table:
     width = first.widths[0]
-    names = _sides("root") if width else ("root",)
+    names = sides("root") if width else ("root",)
     points = dict(zip(names, ([0.0, width, 0.0], [0.0, -width, 0.0]), strict=False))
     if not dice.chance(0.4):
         return {"points": points}
@@ -303,7 +120,7 @@ def _line(dice: Dice, pieces: Sequence[Piece], k: int) -> Table:
     """The line inboard of a body, without its motor: axes alternate, so that the wing is folded like an accordion."""
     outer, inner = pieces[k], pieces[k - 1] if k else None
     width = outer.widths[0]
-    seats = inner.outboard if inner else (_sides("root") if width else ("root",))
+    seats = inner.outboard if inner else (sides("root") if width else ("root",))
     kinds = ("revolute", dice.pick("cylindrical", "cylindrical", "spherical"))
     hinges = [
         {"name": f"h{k}_{i}", "inboard": seat, "outboard": point, "kind": kind}
