@@ -23,6 +23,7 @@ from .assembly import Assembly
 from .cli_options import SceneChoice, backend_option, scene_choice
 from .cli_progress import progress
 from .cli_types import Number
+from .estimate import doubtful, with_estimates
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
@@ -96,6 +97,10 @@ def _tell_of_python(backend: Backend | None) -> None:
     show_default=True,
 )
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
+@click.option(
+    "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
+    help="Estimate the errors of headline numbers, for half the cost of the run.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def run_command(
     choice: SceneChoice,
@@ -105,6 +110,7 @@ def run_command(
     step: float | None,
     master: MasterKind,
     with_verify: bool,
+    with_estimate: bool,
     as_json: bool,
     backend: Backend | None,
 ) -> None:
@@ -130,6 +136,11 @@ def run_command(
         end = until or assembly.until
         with progress(assembly.name, end) as watch:
             outcome = run(assembly, path, numbers, end, master, watch, _warn, load)
+        if with_estimate:
+            with progress(f"{assembly.name}: errors", end) as watch:
+                outcome = with_estimates(assembly, outcome, numbers, end, watch, load)
+            for sentence in doubtful(outcome.headline, numbers.tolerance):
+                _warn(sentence)
         verified = None
         if with_verify:
             with progress(assembly.name, end) as watch:

@@ -24,7 +24,7 @@ _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
-_LEAST_LATCH_SHARE = 1e-4
+_LEAST_LATCH_SHARE = 1e-6
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
@@ -273,11 +273,14 @@ class Master:
         self.segments.append([])
 
     def _engage(self, line: HingeLine) -> float:
-        """Latch a line, judge its torque from now on, and return the step size (s) to go on with."""
+        """Latch a line, and return the step size (s) to go on with.
+
+        What a latch law stiffens is resolved, and its torque judged from now on. A lock cannot be resolved.
+        """
         coupling, h = self._coupling, self._sizes.size
-        if not self._controlled:
+        if line.kinematic or not self._controlled:
             self._command("latch_command", 1.0, line.hinges)
-            return h
+            return min(h, self.settings.event_step)
         coupling.linearize(self.time, h)
         before = slopes(coupling, line.hinges, self.time, h)
         self._command("latch_command", 1.0, line.hinges)
@@ -286,11 +289,7 @@ class Master:
         if not hinges:
             return h
         self._command("latch_command", 0.0, line.hinges)
-        found = stiffened_line(coupling, hinges, h)
-        if not line.kinematic:
-            found, h = self._resolving(found, h)
-        else:
-            h = min(h, self.settings.event_step)
+        found, h = self._resolving(stiffened_line(coupling, hinges, h), h)
         self._command("latch_command", 1.0, line.hinges)
         self._latched.append(found)
         self._judge_latches()
@@ -309,13 +308,15 @@ class Master:
         return found, h
 
     def _judge_latches(self) -> None:
-        """Judge the torques of latched lines beside the energies that these hold at most."""
-        least = _LEAST_LATCH_SHARE * self._error.energy
+        """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""
+        whole = self._error.energy
         self._coupling.watch(
             [
                 torque
                 for line in self._latched
-                for torque in watched_torques(self._coupling, line, max(line.energy, least))
+                for torque in watched_torques(
+                    self._coupling, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
+                )
             ]
         )
 

@@ -47,7 +47,8 @@ def _numbers(result: Result) -> Iterator[str]:
     from .report_page import heading, table
 
     yield heading("Headline numbers")
-    yield table(("quantity", "of", "value", "unit"), headline_rows(headline(result)), numeric=(2,))
+    columns = ("quantity", "of", "value", "unit", "estimated error")
+    yield table(columns, headline_rows(headline(result)), numeric=(2, 4))
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))

@@ -316,6 +316,16 @@ class Result:
         return values
 
 
+def add_statistics(path: str | Path, values: Mapping[str, Scalar]) -> None:
+    """Set scalars about a finished run by name; ResultError where the file cannot be written."""
+    try:
+        with h5py.File(path, "r+") as file:
+            for name, value in values.items():
+                file["statistics"].attrs[name] = value
+    except _HDF5_ERRORS as error:
+        raise ResultError(f"{path}: the result cannot be written ({_reason(error)})") from None
+
+
 def _write_provenance(folder: Any, provenance: Mapping[str, str]) -> None:  # noqa: ANN401
     for name, text in provenance.items():
         folder.create_dataset(name, data=text, dtype=_TEXT)

@@ -6,8 +6,9 @@ across the event.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,10 +18,12 @@ from rich.table import Table
 
 from .assembly import HingeLine
 from .noise import noise_floor, without_noise
-from .result import Result
+from .result import Result, ResultError
 
 Vector = NDArray[np.float64]
 
+ESTIMATED_ERRORS = "estimated_errors"
+"""Name of the statistic that holds the estimated errors of a result's headline numbers."""
 _EVENT_WIDTH = 2e-7
 """Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
 _NEAR_PEAK = 0.1
@@ -34,13 +37,23 @@ class Peak(NamedTuple):
     value: float
 
 
+Key = tuple[str, str]
+"""Quantity and what it is of, which tell a headline number from all others of a run."""
+
+
 class Number(NamedTuple):
-    """One headline number for people: what, of which component, value and unit."""
+    """One headline number for people: what, of which component, value, unit, and its estimated error, if known."""
 
     quantity: str
     of: str
     value: float
     unit: str
+    error: float | None = None
+
+    @property
+    def key(self) -> Key:
+        """What tells it from all others."""
+        return self.quantity, self.of
 
 
 @dataclass(frozen=True)
@@ -52,6 +65,7 @@ class Headline:
     lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
     (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
     last latch-up. energy_residual: largest, relative to motor_energy; None where there is none.
+    estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
     """
 
     complete: bool
@@ -66,13 +80,21 @@ class Headline:
     cable_forces: Mapping[str, Mapping[str, tuple[float, float]]]
     motor_energy: float
     energy_residual: float | None
+    estimated_errors: Mapping[Key, float] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain dictionaries, tuples and numbers, ready for JSON."""
-        return asdict(self)
+        """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
+        nested: dict[str, dict[str, float]] = {}
+        for (quantity, of), error in self.estimated_errors.items():
+            nested.setdefault(quantity, {})[of] = error
+        return {**asdict(self), "estimated_errors": nested}
 
     def numbers(self) -> Iterator[Number]:
-        """Every number in a row of its own."""
+        """Every number in a row of its own, with its estimated error where there is one."""
+        for number in self._bare_numbers():
+            yield number._replace(error=self.estimated_errors.get(number.key))
+
+    def _bare_numbers(self) -> Iterator[Number]:
         yield Number("end time", "", self.end_time, "s")
         for line, time in self.latch_times.items():
             yield Number("latch time", line, time, "s")
@@ -125,7 +147,21 @@ def headline(result: Result) -> Headline:
         cable_forces={name: _force_extremes(result, name) for name in result.recording("tension_a")},
         motor_energy=released,
         energy_residual=_relative_residual(result, released),
+        estimated_errors=_estimated_errors(result),
     )
+
+
+def errors_text(errors: Mapping[Key, float]) -> str:
+    """Estimated errors as the text that a result keeps under `ESTIMATED_ERRORS` in its statistics."""
+    return json.dumps([[quantity, of, error] for (quantity, of), error in errors.items()])
+
+
+def _estimated_errors(result: Result) -> dict[Key, float]:
+    text = str(result.statistics.get(ESTIMATED_ERRORS, "[]"))
+    try:
+        return {(str(quantity), str(of)): float(error) for quantity, of, error in json.loads(text)}
+    except (ValueError, TypeError):
+        raise ResultError(f"{result.path}: the estimated errors of the result are damaged") from None
 
 
 def headline_table(found: Headline) -> Table:
@@ -140,15 +176,17 @@ def headline_table(found: Headline) -> Table:
     table.add_column("of")
     table.add_column("value", justify="right", min_width=7)
     table.add_column("unit")
+    if found.estimated_errors:
+        table.add_column("estimated error", justify="right")
     previous = ""
-    for quantity, of, value, unit in headline_rows(found):
-        table.add_row("" if quantity == previous else quantity, of, value, unit)
+    for quantity, *cells in headline_rows(found):
+        table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
         previous = quantity
     return table
 
 
-def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str]]:
-    """Quantity, of, value and unit of every headline number as texts.
+def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
+    """Quantity, of, value, unit and estimated error of every headline number as texts.
 
     Round-off beside the largest of a load's components reads 0; cable forces that are nothing are left out.
     """
@@ -169,7 +207,8 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str]]:
         floor = floors.get(number.quantity, floors.get(number.of, 0.0))
         digits = ".6f" if number.unit == "s" else ".5g"
         value = format(without_noise(number.value, floor), digits)
-        yield number.quantity, of, value, "" if number.unit == "1" else number.unit
+        error = "" if number.error is None else format(number.error, ".1g")
+        yield number.quantity, of, value, "" if number.unit == "1" else number.unit, error
 
 
 def _floors(found: Headline) -> dict[str, float]:

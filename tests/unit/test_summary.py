@@ -89,7 +89,7 @@ def test_round_off_reads_zero_and_absent_forces_are_left_out(found):
     """1e-9 N beside 200 N, minus zero, and the lateral force of a free loop."""
     forces = {"tension_a": (-0.0, 40.0), "lateral_force": (-0.0, -1e-12)}
     noisy = replace(found, interface_force_peaks=(200.0, 1.2e-9, 0.03), cable_forces={"loop": forces})
-    shown = {(quantity, of): value for quantity, of, value, _ in headline_rows(noisy)}
+    shown = {(quantity, of): value for quantity, of, value, *_ in headline_rows(noisy)}
     assert [shown["interface force peak", axis] for axis in "xyz"] == ["200", "0", "0.03"]
     assert shown["tension a lowest", "loop"] == "0"
     assert not [key for key in shown if key[0].startswith("lateral")]
@@ -97,7 +97,7 @@ def test_round_off_reads_zero_and_absent_forces_are_left_out(found):
 
 def test_motor_energy_says_until_when(found):
     def until(headline):
-        return next(of for quantity, of, _, _ in headline_rows(headline) if quantity == "motor energy")
+        return next(of for quantity, of, *_ in headline_rows(headline) if quantity == "motor energy")
 
     assert until(found) == "up to the last latch-up"
     assert until(replace(found, latch_times={})) == "over the run"

@@ -1,0 +1,95 @@
+"""How far off are the headline numbers of a run? A companion takes every two of its steps as one.
+
+The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
+it differs by is three times the error of the run where the error goes with the square of the step size, and once
+where friction, stops or unresolved vibrations leave order one. The estimate is the middle of both in the logarithm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from math import sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from .assembly import Assembly
+from .master import Settings
+from .result import Result, add_statistics
+from .run import Loader, Outcome, RunError, as_fmus, run
+from .summary import ESTIMATED_ERRORS, Headline, Key, errors_text, headline
+
+_SHARE = 1.0 / sqrt(3.0)
+_MOST_TOLERANCES = 10.0
+_VOUCHED_FOR = ("latch time", "latch torque peak", "interface force peak", "interface torque peak")
+_NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
+
+
+def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Every two steps as one; the last of an odd number alone."""
+    return [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
+
+
+def with_estimates(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    until: float | None = None,
+    watch: Callable[[float, float], None] = lambda time, h: None,
+    load: Loader = as_fmus,
+) -> Outcome:
+    """The outcome whose headline numbers, and those of its file, carry `estimated_errors`."""
+    errors = estimated_errors(assembly, outcome, settings, until, watch, load)
+    add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, headline=headline(Result.open(outcome.path)))
+
+
+def estimated_errors(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    until: float | None = None,
+    watch: Callable[[float, float], None] = lambda time, h: None,
+    load: Loader = as_fmus,
+) -> Mapping[Key, float]:
+    """Estimated error of every headline number, in its unit, by quantity and what it is of.
+
+    Empty where nothing can be said: for explicit masters, and where steps twice as long do not converge. A number
+    that only one of the two has, such as the time of a latch-up that the other does not reach, is left out.
+    """
+    if outcome.master != "implicit":
+        return {}
+    with TemporaryDirectory(prefix="fanfold_") as folder:
+        plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
+        try:
+            found = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
+        except RunError:
+            return {}
+    coarse = {number.key: number.value for number in found.headline.numbers()}
+    return {
+        number.key: _SHARE * abs(number.value - coarse[number.key])
+        for number in outcome.headline.numbers()
+        if number.key in coarse and number.quantity not in _NOT_ESTIMATED
+    }
+
+
+def doubtful(found: Headline, tolerance: float) -> list[str]:
+    """A sentence for every headline number that cannot be vouched for to ten tolerances.
+
+    Latch times and torques are judged beside their own values, components of a load beside its largest.
+    """
+    largest: dict[str, float] = {}
+    for number in found.numbers():
+        kind = number.quantity if number.quantity.startswith("interface") else " of ".join(number.key)
+        largest[kind] = max(largest.get(kind, 0.0), abs(number.value))
+    sentences = []
+    for number in found.numbers():
+        kind = number.quantity if number.quantity.startswith("interface") else " of ".join(number.key)
+        if number.quantity not in _VOUCHED_FOR or number.error is None:
+            continue
+        if number.error > _MOST_TOLERANCES * tolerance * largest[kind]:
+            sentences.append(
+                f"the {number.quantity} of {number.of} is known to {number.error / largest[kind]:.1g} of its size "
+                f"only, more than ten times the tolerance of {tolerance:g}; a smaller --tolerance makes it surer"
+            )
+    return sentences
