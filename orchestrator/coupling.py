@@ -102,6 +102,13 @@ class Coupling:
         for participant in self._participants:
             participant.save()
 
+    def restore(self) -> None:
+        """Take all participants back to their saved states, with the motions of those at the connections."""
+        for participant in self._participants:
+            participant.restore()
+            participant.read()
+        self.network.carry_motion()
+
     def accept(self, time: float, h: float) -> None:
         """Take the step from a time over h as made: wrenches for the next guess, states to solve from."""
         middle = time + 0.5 * h

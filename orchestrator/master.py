@@ -267,6 +267,7 @@ class Master:
         if line.kinematic:
             self._impulse()
         else:
+            self._coupling.restore()
             self._record(0.0, 0)  # with the torque that the damping of the latch begins with
         self._coupling.restart()
         self._sizes.restart(size, stirred=False)
