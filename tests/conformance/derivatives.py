@@ -1,6 +1,6 @@
 """Run in a process of its own: step derivatives of one native FMU against differences of whole steps.
 
-    python derivatives.py KIND=PATH
+    python derivatives.py native KIND=PATH
 
 Prints the largest error of every kind of pair relative to the largest derivative of the same output quantity
 with respect to the same input quantity's unit, as one JSON object.
@@ -81,5 +81,5 @@ def errors(kind, path):
 
 
 if __name__ == "__main__":
-    ((kind, path),) = (argument.split("=", 1) for argument in sys.argv[1:])
+    ((kind, path),) = (argument.split("=", 1) for argument in sys.argv[2:])
     print("\n" + json.dumps(errors(kind, path)))

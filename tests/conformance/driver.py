@@ -23,6 +23,9 @@ KINDS = {**REGISTRY, Toy.kind: Toy}
 TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}
 """Values of a hinge or loop by unit, for parameters that are zero by default."""
 OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
+POSE_ROUNDING = 4.0 * np.finfo(float).eps
+"""Of a relative pose of order one, whose coordinates are sums of four products."""
+STIFFNESS_UNITS = {"N": ("N/m",), "N.m": ("N.m/rad", "N/m")}
 
 
 @cache
@@ -115,6 +118,12 @@ class Reference:
 
     def observations(self):
         return self.component.observe(self.constants, self.x, _frozen(self.u))
+
+    def noise(self, unit):
+        """What the rounding of poses makes of a force or torque: by the largest stiffness, at arms up to a metre."""
+        layout, units = self.component.parameter_layout, STIFFNESS_UNITS.get(unit, ())
+        felt = [self.p[layout[q.name]].max() for q in layout.quantities if q.unit in units]
+        return POSE_ROUNDING * max(felt, default=0.0)
 
     def random_inputs(self, rng):
         """Inputs near their start values, within their ranges, quaternions of length one."""

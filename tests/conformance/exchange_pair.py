@@ -1,6 +1,7 @@
 """A native FMU in model exchange beside the component it must agree with: what the checks of model exchange share.
 
-Rates agree with those of the component to 1e-11 of the largest scalar of each quantity.
+Rates agree with those of the component to 1e-11 of the largest scalar of each quantity, wrenches also to what the
+rounding of poses makes of them.
 """
 
 from __future__ import annotations
@@ -160,8 +161,8 @@ def same(pair, what=""):
     rates = pair.fmu.rates()
     agree(component.continuous.quantities, rates, component.rates(c, pair.x, u), f"rates {what}")
     agree_numbers(pair.fmu.indicators(), component.indicators(c, complete, u), f"indicators {what}")
-    found = pair.fmu.get(firsts[2], sizes[2])
-    agree(component.output_layout.quantities, found, component.outputs(c, complete, u), f"outputs {what}")
+    found, expected = pair.fmu.get(firsts[2], sizes[2]), component.outputs(c, complete, u)
+    agree(component.output_layout.quantities, found, expected, f"outputs {what}", pair.reference.noise)
     found = pair.fmu.get(firsts[3], sizes[3])
     agree(
         component.observation_layout.quantities, found, component.observe(c, complete, u), f"observed {what}"
@@ -170,18 +171,18 @@ def same(pair, what=""):
     assert shown.tobytes() == np.concatenate((pair.fmu.states(), rates)).tobytes(), "variables differ"
 
 
-def agree(quantities, found, expected, what):
+def agree(quantities, found, expected, what, noise=lambda unit: 0.0):
     first = 0
     for quantity in quantities:
         place = slice(first, first + quantity.size)
-        agree_numbers(found[place], expected[place], f"{what}: {quantity.name}")
+        agree_numbers(found[place], expected[place], f"{what}: {quantity.name}", noise(quantity.unit))
         first += quantity.size
     assert first == len(found) == len(expected), what
 
 
-def agree_numbers(found, expected, what):
-    error = np.abs(found - expected).max(initial=0.0)
-    assert error <= AGREEMENT * max(np.abs(expected).max(initial=0.0), CANCELLED), f"{what} by {error:g}"
+def agree_numbers(found, expected, what, noise=0.0):
+    error, size = (np.abs(values).max(initial=0.0) for values in (found - expected, expected))
+    assert error <= max(AGREEMENT * max(size, CANCELLED), noise), f"{what} by {error:g}"
 
 
 def said(fmu, status, expected, *words):

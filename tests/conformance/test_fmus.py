@@ -102,7 +102,8 @@ def test_outputs_depend_on_inputs_only_with_feedthrough(kind):
 @pytest.mark.parametrize("kind", BACKENDS["native"])
 def test_step_derivatives_are_those_of_whole_steps(kind):
     """Central differences of save, set, doStep, get, restore; their own error is below 1e-7 for these steps."""
-    command = [sys.executable, str(TRIAL.with_name("derivatives.py")), f"{kind}={path_of(kind, 'native')}"]
+    script, subject = str(TRIAL.with_name("derivatives.py")), f"{kind}={path_of(kind, 'native')}"
+    command = [sys.executable, script, "native", subject]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
     assert run.returncode == 0, run.stderr[-2000:]
