@@ -36,7 +36,7 @@ HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 class Joint(Table):
     """[joint]: stiffnesses of every hinge, and the mode of the panel on its hinges whose damping is given.
 
-    Damping is proportional to stiffness, as structural damping is.
+    Damping is proportional to stiffness, as structural damping is, which takes its place where the scene has that.
     """
 
     axial_stiffness: Stiffness = 2e6
