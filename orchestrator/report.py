@@ -44,10 +44,13 @@ def _opening(result: Result, title: str) -> Iterator[str]:
 
 
 def _numbers(result: Result) -> Iterator[str]:
-    from .report_page import heading, table
+    from .report_page import heading, paragraph, table
 
+    found = headline(result)
     yield heading("Headline numbers")
-    yield table(("quantity", "of", "value", "unit"), headline_rows(headline(result)), numeric=(2,))
+    yield table(("quantity", "of", "value", "unit"), headline_rows(found), numeric=(2,))
+    for sentence in found.warnings:
+        yield paragraph(f"Warning: {sentence}.", "warning")
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))

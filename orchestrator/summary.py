@@ -16,6 +16,7 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from .assembly import HingeLine
+from .energy_ledger import energy_ledger
 from .noise import noise_floor, without_noise
 from .result import Result
 
@@ -51,7 +52,8 @@ class Headline:
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
     (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
-    last latch-up. energy_residual: largest, relative to motor_energy; None where there is none.
+    last latch-up. energy_exchanged, numerical_dissipation and energy_residual (largest, over energy_exchanged; None
+    where there is none): see `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
     """
 
     complete: bool
@@ -65,7 +67,10 @@ class Headline:
     damper_torque_peaks: Mapping[str, float]
     cable_forces: Mapping[str, Mapping[str, tuple[float, float]]]
     motor_energy: float
+    energy_exchanged: float
+    numerical_dissipation: float
     energy_residual: float | None
+    warnings: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dictionaries, tuples and numbers, ready for JSON."""
@@ -93,7 +98,9 @@ class Headline:
                 yield Number(f"{words} highest", name, high, "N")
         yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
         if self.energy_residual is not None:
-            yield Number("energy residual", "relative to motor energy", self.energy_residual, "1")
+            yield Number("energy exchanged", "", self.energy_exchanged, "J")
+            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
+            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
 
 
 def headline(result: Result) -> Headline:
@@ -105,6 +112,7 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
+    ledger = energy_ledger(result)
     return Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
@@ -124,7 +132,10 @@ def headline(result: Result) -> Headline:
         },
         cable_forces={name: _force_extremes(result, name) for name in result.recording("tension_a")},
         motor_energy=released,
-        energy_residual=_relative_residual(result, released),
+        energy_exchanged=ledger.exchanged if ledger else 0.0,
+        numerical_dissipation=ledger.numerical if ledger else 0.0,
+        energy_residual=ledger.relative_residual if ledger else None,
+        warnings=ledger.warnings() if ledger else (),
     )
 
 
@@ -144,6 +155,8 @@ def headline_table(found: Headline) -> Table:
     for quantity, of, value, unit in headline_rows(found):
         table.add_row("" if quantity == previous else quantity, of, value, unit)
         previous = quantity
+    if found.warnings:
+        table.caption = "\n".join(f"Warning: {sentence}" for sentence in found.warnings)
     return table
 
 
@@ -300,10 +313,3 @@ def _motor_energy(result: Result, until: float) -> float:
     """Energy that all motorisation springs released up to a time (J)."""
     names = result.recording("motor_energy")
     return float(sum(np.interp(until, result.time, result.signal(name, "motor_energy")) for name in names))
-
-
-def _relative_residual(result: Result, released: float) -> float | None:
-    """Largest residual of the energy balance over the released energy."""
-    if released <= 0.0 or not result.has("scene", "energy_residual"):
-        return None
-    return float(np.max(np.abs(result.signal("scene", "energy_residual")))) / released
