@@ -41,7 +41,8 @@ def scene(axis=(0.0, 0.0, 1.0), start=None, **change):
 
 def energy(run):
     total = run.signal("body", "kinetic_energy") + run.signal("body", "potential_energy")
-    return total + run.signal("bolt", "potential_energy") + run.signal("bolt", "dissipated_energy")
+    accounts = ("potential_energy", "dissipated_energy", "numerical_dissipation")
+    return total + sum(run.signal("bolt", name) for name in accounts)
 
 
 def place(run):

@@ -46,6 +46,7 @@ def energy(run, bodies=("trolley",), connections=("rail",)):
         total = total + run.signal(name, "kinetic_energy") + run.signal(name, "potential_energy")
     for name in connections:
         total = total + run.signal(name, "potential_energy") + run.signal(name, "dissipated_energy")
+        total = total + run.signal(name, "numerical_dissipation")
     return total
 
 
