@@ -8,9 +8,13 @@ limit of infinite stiffness, a damping ratio of 5e-5 at w h = 0.1. With d the in
     -0.20 k (d - d_previous)   and   -0.05 k (p - p_previous),   p = 2 d - p_previous.
 
 p is h times the end rate as a held force on a rigid body gives it. Both terms work exactly like the change
-of a stored energy, 0.10 k d^2 and 0.025 k p^2, minus a loss, and setting p back to a smaller true end rate
-only loses. So at a constant step no body, however flexible, gains energy from them. A change of step
-keeps the remembered rates, which is smooth where the coordinate moves.
+of a stored energy, 0.10 k d^2 and 0.025 k p^2, minus a loss, and setting p back to something smaller only
+loses. So at a constant step no body, however flexible, gains energy from them. p is set back to the true end
+rate, because on a flexible body it would keep a part that changes its sign every step, but never below the line
+through the last two mean rates: held forces leave a flexible body's end rate too small by a share that does not
+vanish with h, and a slow mode would lose that share of the stored energy in every step. A change of step keeps the
+remembered rates, which is smooth where the coordinate moves; there the terms may give back more than they took, by
+the order of (w h)^2 of the energy of the coordinate.
 """
 
 from __future__ import annotations
@@ -55,8 +59,9 @@ def inertial_force(stiffness: float, m: StepMotion) -> float:
 def remembered(m: StepMotion, end_rate: float) -> Memory:
     """Memory after the step; `end_rate` is the true rate at its end."""
     mean = (m.end - m.start) / m.h
-    rigid = 2.0 * mean - m.memory.end_rate
-    return Memory(mean, end_rate if abs(end_rate) < abs(rigid) else rigid)
+    rigid, ahead = 2.0 * mean - m.memory.end_rate, 1.5 * mean - 0.5 * m.memory.mean_rate
+    bound = ahead if abs(end_rate) < abs(ahead) else end_rate
+    return Memory(mean, bound if abs(bound) < abs(rigid) else rigid)
 
 
 def bushing_load(stiffness: float, damping: float, m: StepMotion, end_weight: float) -> MeanLoad:
@@ -75,8 +80,6 @@ def damped_load(
     """
     change = m.end - m.start
     viscous = -damping * change / m.h
-    if end_weight == 0.5:
-        numerical = inertial_force(stiffness, m)
-    else:
-        numerical = -stiffness * (end_weight - 0.5) * change
+    static = -stiffness * (end_weight - 0.5) * change
+    numerical = inertial_force(stiffness, m) if end_weight == 0.5 else static
     return MeanLoad(elastic + viscous + numerical, -viscous * change, -numerical * change)

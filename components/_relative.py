@@ -70,7 +70,9 @@ def dissipated_energies(
 
 def numerical_dissipation() -> Quantity:
     """The observation of what the inertial terms of a connection's stiff coordinates took away (J)."""
-    return Quantity(NUMERICAL_DISSIPATION, "J", "Energy taken by the scheme since the start, not a physical loss")
+    return Quantity(
+        NUMERICAL_DISSIPATION, "J", "Energy taken by the scheme since the start, not a physical loss"
+    )
 
 
 def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:

@@ -23,7 +23,7 @@ from .assembly import Assembly
 from .cli_options import SceneChoice, backend_option, scene_choice
 from .cli_progress import progress
 from .cli_types import Number
-from .estimate import doubtful, with_estimates
+from .companion import with_estimates
 from .master import Settings
 from .result import Result, ResultError
 from .run import MasterKind, Outcome, RunError, as_fmus, export, run
@@ -139,8 +139,6 @@ def run_command(
         if with_estimate:
             with progress(f"{assembly.name}: errors", end) as watch:
                 outcome = with_estimates(assembly, outcome, numbers, end, watch, load)
-            for sentence in doubtful(outcome.headline, numbers.tolerance):
-                _warn(sentence)
         verified = None
         if with_verify:
             with progress(assembly.name, end) as watch:

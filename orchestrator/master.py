@@ -24,6 +24,7 @@ _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
+_SAME_SCALE = 2.0
 _LEAST_LATCH_SHARE = 1e-6
 _STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
@@ -297,16 +298,16 @@ class Master:
         return h
 
     def _resolving(self, found: StiffenedLine, h: float) -> tuple[StiffenedLine, float]:
-        """A latched line on the time scale of a step that resolves how it starts, and that step (s)."""
-        wanted = self._error.resolved_angle
+        """A latched line on the time scale of its own swing, and a step (s) that resolves how it starts."""
+        size = h
         for _ in range(_FREQUENCY_SEARCH):
-            fastest = max(found.frequency, found.decay)
-            if fastest * h <= wanted:
+            swing = min(1.0 / max(found.frequency, found.decay), self._sizes.largest)
+            if 1.0 / _SAME_SCALE < swing / h < _SAME_SCALE:
                 break
-            h = max(wanted / fastest, 0.1 * h)
+            h = swing
             self._coupling.linearize(self.time, h)
             found = stiffened_line(self._coupling, found.hinges, h)
-        return found, h
+        return found, min(size, self._error.resolved_angle / max(found.frequency, found.decay))
 
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""

@@ -25,6 +25,12 @@ _CLOSE_UP_CROSSINGS = 8
 OTHER_FORCES: Final = ("contact_force", "tension", "normal_force", "drag_force")
 """Signals of contacts, suspensions, rails and air drag that share a figure."""
 
+_TOTALS: Final = {
+    "stored_energy": "stored",
+    "dissipated_energy": "dissipated",
+    "numerical_dissipation": "taken by the scheme",
+    "supplied_energy": "supplied",
+}
 _CAUSES: Final = {
     "friction_energy": "hinge friction",
     "latch_energy": "latches",
@@ -191,12 +197,15 @@ def interface_loads(result: Result) -> Figure | None:
 
 
 def energy_balance(result: Result) -> Figure | None:
-    """Energy stored, dissipated (by cause) and supplied, and the residual of the balance on its own axis."""
+    """Energy stored, dissipated (by cause), taken by the scheme and supplied; the residual on its own axis."""
     if not result.has("scene", "stored_energy"):
         return None
-    kinds = [kind for kind in ("stored", "dissipated", "supplied") if result.has("scene", f"{kind}_energy")]
-    signals = [(kind, result.signal("scene", f"{kind}_energy")) for kind in kinds]
-    totals = [(kind, energy) for kind, energy in signals if energy.any()]
+    signals = [
+        (label, result.signal("scene", channel))
+        for channel, label in _TOTALS.items()
+        if result.has("scene", channel)
+    ]
+    totals = [(label, energy) for label, energy in signals if energy.any()]
     figure, axes = new_figure("Energy balance", [1.0, 1.0, 0.8])
     draw(axes[0], result.time, totals)
     draw(axes[1], result.time, _dissipated_by_cause(result))
@@ -265,7 +274,10 @@ def _ringing_end(time: Vector, torque: Vector, start: float) -> float:
 
 
 def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
-    """Dissipated energy by cause; components that tell no causes count by what they are."""
+    """Dissipated energy by cause since the start, and what the scheme itself took.
+
+    Components that tell no causes count by what they are; a static search before the run counts for nothing.
+    """
     found: dict[str, Vector] = {}
     for name in result.recording("dissipated_energy"):
         if name == "scene":
@@ -275,5 +287,8 @@ def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
             what = next((text for mark, text in _MARKS.items() if result.has(name, mark)), "other")
             causes = [("dissipated_energy", what)]
         for variable, cause in causes:
-            found[cause] = found.get(cause, 0.0) + result.signal(name, variable)
+            energy = result.signal(name, variable)
+            found[cause] = found.get(cause, 0.0) + energy - energy[0]
+    if result.has("scene", "numerical_dissipation"):
+        found["the scheme"] = result.signal("scene", "numerical_dissipation")
     return list(found.items())

@@ -44,11 +44,14 @@ def _opening(result: Result, title: str) -> Iterator[str]:
 
 
 def _numbers(result: Result) -> Iterator[str]:
-    from .report_page import heading, table
+    from .report_page import heading, paragraph, table
 
+    found = headline(result)
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
-    yield table(columns, headline_rows(headline(result)), numeric=(2, 4))
+    yield table(columns, headline_rows(found), numeric=(2, 4))
+    for sentence in found.warnings:
+        yield paragraph(f"Warning: {sentence}.", "warning")
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))

@@ -101,7 +101,7 @@ class ErrorEstimate:
     """
 
     def __init__(self, tolerance: float, stored: float) -> None:
-        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(tolerance / _REFERENCE_TOLERANCE)
+        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(min(1.0, tolerance / _REFERENCE_TOLERANCE))
         self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), _LEAST_KINETIC_ENERGY)
 
     @property

@@ -6,9 +6,8 @@ across the event.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,13 +16,13 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from .assembly import HingeLine
+from .energy_ledger import energy_ledger, tolerance_asked
+from .estimated_errors import Key, doubts, estimated_errors
 from .noise import noise_floor, without_noise
-from .result import Result, ResultError
+from .result import Result
 
 Vector = NDArray[np.float64]
 
-ESTIMATED_ERRORS = "estimated_errors"
-"""Name of the statistic that holds the estimated errors of a result's headline numbers."""
 _EVENT_WIDTH = 2e-7
 """Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
 _NEAR_PEAK = 0.1
@@ -35,10 +34,6 @@ class Peak(NamedTuple):
 
     time: float
     value: float
-
-
-Key = tuple[str, str]
-"""Quantity and what it is of, which tell a headline number from all others of a run."""
 
 
 class Number(NamedTuple):
@@ -64,7 +59,8 @@ class Headline:
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
     (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
-    last latch-up. energy_residual: largest, relative to motor_energy; None where there is none.
+    last latch-up. energy_exchanged, numerical_dissipation and energy_residual (largest, over energy_exchanged; None
+    where there is none): see `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
     """
 
@@ -79,7 +75,10 @@ class Headline:
     damper_torque_peaks: Mapping[str, float]
     cable_forces: Mapping[str, Mapping[str, tuple[float, float]]]
     motor_energy: float
+    energy_exchanged: float
+    numerical_dissipation: float
     energy_residual: float | None
+    warnings: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
@@ -115,7 +114,9 @@ class Headline:
                 yield Number(f"{words} highest", name, high, "N")
         yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
         if self.energy_residual is not None:
-            yield Number("energy residual", "relative to motor energy", self.energy_residual, "1")
+            yield Number("energy exchanged", "", self.energy_exchanged, "J")
+            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
+            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
 
 
 def headline(result: Result) -> Headline:
@@ -127,7 +128,8 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
-    return Headline(
+    ledger = energy_ledger(result)
+    found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
@@ -146,22 +148,14 @@ def headline(result: Result) -> Headline:
         },
         cable_forces={name: _force_extremes(result, name) for name in result.recording("tension_a")},
         motor_energy=released,
-        energy_residual=_relative_residual(result, released),
-        estimated_errors=_estimated_errors(result),
+        energy_exchanged=ledger.exchanged if ledger else 0.0,
+        numerical_dissipation=ledger.numerical if ledger else 0.0,
+        energy_residual=ledger.relative_residual if ledger else None,
+        warnings=ledger.warnings() if ledger else (),
+        estimated_errors=estimated_errors(result),
     )
-
-
-def errors_text(errors: Mapping[Key, float]) -> str:
-    """Estimated errors as the text that a result keeps under `ESTIMATED_ERRORS` in its statistics."""
-    return json.dumps([[quantity, of, error] for (quantity, of), error in errors.items()])
-
-
-def _estimated_errors(result: Result) -> dict[Key, float]:
-    text = str(result.statistics.get(ESTIMATED_ERRORS, "[]"))
-    try:
-        return {(str(quantity), str(of)): float(error) for quantity, of, error in json.loads(text)}
-    except (ValueError, TypeError):
-        raise ResultError(f"{result.path}: the estimated errors of the result are damaged") from None
+    told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
+    return replace(found, warnings=(*found.warnings, *told))
 
 
 def headline_table(found: Headline) -> Table:
@@ -182,6 +176,8 @@ def headline_table(found: Headline) -> Table:
     for quantity, *cells in headline_rows(found):
         table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
         previous = quantity
+    if found.warnings:
+        table.caption = "\n".join(f"Warning: {sentence}" for sentence in found.warnings)
     return table
 
 
@@ -339,10 +335,3 @@ def _motor_energy(result: Result, until: float) -> float:
     """Energy that all motorisation springs released up to a time (J)."""
     names = result.recording("motor_energy")
     return float(sum(np.interp(until, result.time, result.signal(name, "motor_energy")) for name in names))
-
-
-def _relative_residual(result: Result, released: float) -> float | None:
-    """Largest residual of the energy balance over the released energy."""
-    if released <= 0.0 or not result.has("scene", "energy_residual"):
-        return None
-    return float(np.max(np.abs(result.signal("scene", "energy_residual")))) / released

@@ -33,10 +33,13 @@ static inline real inertial_force(double stiffness, const StepMotion *m) {
     return -stiffness * (0.20 * from_mean + 0.10 * from_end);
 }
 
-/* End rate to remember of a step with the given mean rate; `end_rate` is the true one. */
-static inline real remembered_end_rate(real mean_rate, double previous, real end_rate) {
-    real rigid = 2.0 * mean_rate - previous;
-    return fabs(value_of(end_rate)) < fabs(value_of(rigid)) ? end_rate : rigid;
+/* What a coordinate remembers of a step; `end_rate` is the true rate at its end. */
+static inline void remember_rates(const StepMotion *m, real end_rate, real *mean_rate, real *remembered) {
+    real mean = (m->end - m->start) / m->h;
+    real rigid = 2.0 * mean - m->end_rate, ahead = 1.5 * mean - 0.5 * m->mean_rate;
+    real bound = fabs(value_of(end_rate)) < fabs(value_of(ahead)) ? ahead : end_rate;
+    *mean_rate = mean;
+    *remembered = fabs(value_of(bound)) < fabs(value_of(rigid)) ? bound : rigid;
 }
 
 /* Mean load with a damper and inertial terms beside the mean elastic force. An end weight above one half (static

@@ -116,8 +116,7 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
         x_next[MEMORY] = x_next[MEMORY + 1] = now.deflection_rate;
         store_starting_rate(now.deflection_rate, x_next + SLIDE);
     } else {
-        x_next[MEMORY] = mean_rate;
-        x_next[MEMORY + 1] = remembered_end_rate(mean_rate, motion.end_rate, now.deflection_rate);
+        remember_rates(&motion, now.deflection_rate, x_next + MEMORY, x_next + MEMORY + 1);
         store_rate_after(x + SLIDE, mean_rate, h, x_next + SLIDE);
     }
     return 1;

@@ -24,9 +24,8 @@ static inline void store_grip(const Grip *grip, real *x) {
 /* What the coordinates remember of the step. */
 static inline void store_memories(const double *x, const Motion *new, double h, real *x_next) {
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        real mean_rate = (new->coordinates[i] - x[COORDINATES + i]) / h;
-        x_next[MEAN_RATES + i] = mean_rate;
-        x_next[END_RATES + i] = remembered_end_rate(mean_rate, x[END_RATES + i], new->rates[i]);
+        StepMotion motion = step_motion(x, new, i, h);
+        remember_rates(&motion, new->rates[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
     }
     store_rate_after(x + SLIDE, x_next[MEAN_RATES + HINGE_ANGLE], h, x_next + SLIDE);
 }

@@ -97,8 +97,7 @@ static inline Vector3 held_force(const HoldDown *hold_down, const double *x, con
         StepMotion motion = {before[i], now->displacement[i], h, x[MEAN_RATES + i], x[END_RATES + i]};
         /* inertial terms tame held forces, which an end-point force is not */
         if (hold_down->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
-        x_next[MEAN_RATES + i] = mean_rate;
-        x_next[END_RATES + i] = remembered_end_rate(mean_rate, motion.end_rate, now->rate[i]);
+        remember_rates(&motion, now->rate[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
         motion = shifted_motion(motion, hold_down->free[i]);
         MeanLoad load = bushing_load(hold_down->stiffness[i], hold_down->damping[i], &motion, hold_down->end_weight);
         force[i] = load.force;

@@ -133,8 +133,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
         load[i] = mean.force;
         heat += mean.heat;
         numerical += mean.numerical;
-        x_next[MEAN_RATES + i] = mean_rate;
-        x_next[END_RATES + i] = remembered_end_rate(mean_rate, motion.end_rate, now.rates[i]);
+        remember_rates(&motion, now.rates[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
     }
     store_rate_after(x + SLIDE, speed, h, x_next + SLIDE);
     if (impulse) store_instant_rates(&now, x_next);

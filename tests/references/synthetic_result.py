@@ -22,6 +22,7 @@ DAMPER_COEFFICIENT = 3.0
 MOTOR_TORQUE = 1.2
 PRELOAD, CABLE_SWING, CABLE_RATE = 50.0, 20.0, 0.9
 RESIDUAL = 2e-5
+NUMERICAL = 3e-3
 END = 14.0
 LARGEST_STEP = 0.011
 
@@ -200,11 +201,13 @@ def signals() -> tuple[Vector, dict[str, dict[str, Signal]]]:
 def _scene(time: Vector, found: Mapping[str, Mapping[str, Signal]]) -> dict[str, Signal]:
     heat = sum(s["dissipated_energy"].values for s in found.values() if "dissipated_energy" in s)
     residual = RESIDUAL * np.sin(0.5 * np.pi * time / END)
+    numerical = NUMERICAL * time / END
     return {
         "step_size": Signal("s", np.diff(time, prepend=0.0)),
         "iterations": Signal("1", 2.0 + (np.arange(time.size) % 7 == 0)),
-        "stored_energy": Signal("J", 25.0 - heat + residual),
+        "stored_energy": Signal("J", 25.0 - heat - numerical + residual),
         "dissipated_energy": Signal("J", heat),
+        "numerical_dissipation": Signal("J", numerical),
         "energy_residual": Signal("J", residual),
     }
 

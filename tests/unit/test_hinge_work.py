@@ -59,7 +59,7 @@ def energy_rest(component, c, states, h=0.1):
     before, after = observed(component, c, x, states[1]), observed(component, c, y, states[2])
     done = work(component.outputs(c, y, states[2]), states[1], states[2], 2)
     stored = after["potential_energy"] - before["potential_energy"]
-    heat = after["dissipated_energy"] - before["dissipated_energy"]
+    heat = sum(after[name] - before[name] for name in ("dissipated_energy", "numerical_dissipation"))
     scale = before["potential_energy"] + after["potential_energy"] + abs(heat)
     return done + stored + heat, scale
 

@@ -14,14 +14,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from .assembly import Assembly
+from .estimated_errors import ESTIMATED_ERRORS, Key, errors_text
 from .master import Settings
 from .result import Result, add_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
-from .summary import ESTIMATED_ERRORS, Headline, Key, errors_text, headline
+from .summary import headline
 
 _SHARE = 1.0 / sqrt(3.0)
-_MOST_TOLERANCES = 10.0
-_VOUCHED_FOR = ("latch time", "latch torque peak", "interface force peak", "interface torque peak")
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
@@ -71,25 +70,3 @@ def estimated_errors(
         for number in outcome.headline.numbers()
         if number.key in coarse and number.quantity not in _NOT_ESTIMATED
     }
-
-
-def doubtful(found: Headline, tolerance: float) -> list[str]:
-    """A sentence for every headline number that cannot be vouched for to ten tolerances.
-
-    Latch times and torques are judged beside their own values, components of a load beside its largest.
-    """
-    largest: dict[str, float] = {}
-    for number in found.numbers():
-        kind = number.quantity if number.quantity.startswith("interface") else " of ".join(number.key)
-        largest[kind] = max(largest.get(kind, 0.0), abs(number.value))
-    sentences = []
-    for number in found.numbers():
-        kind = number.quantity if number.quantity.startswith("interface") else " of ".join(number.key)
-        if number.quantity not in _VOUCHED_FOR or number.error is None:
-            continue
-        if number.error > _MOST_TOLERANCES * tolerance * largest[kind]:
-            sentences.append(
-                f"the {number.quantity} of {number.of} is known to {number.error / largest[kind]:.1g} of its size "
-                f"only, more than ten times the tolerance of {tolerance:g}; a smaller --tolerance makes it surer"
-            )
-    return sentences

@@ -1,0 +1,118 @@
+"""A deployed, latched wing without any damping that swings in one of its modes, and what becomes of the energy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.analysis._configuration import configuration, with_angles
+from orchestrator.analysis._linear import linearise, normal_modes
+from orchestrator.analysis._mechanism import Mechanism, PlacedBody
+from orchestrator.assembly import Assembly, Part
+from orchestrator.fmu import FmuParticipant
+from orchestrator.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.network import Network
+from orchestrator.run import as_fmus
+from orchestrator.scene import assemble, find_scene, load_scene
+
+Vector = NDArray[np.float64]
+
+_HEADER = 16 + 7 * 8
+"""Bytes of a serialised state before its numbers: owner, then seven doubles, the fourth and fifth of them counts."""
+_UNDAMPED: dict[str, dict[str, Any]] = {
+    "body": {"damping_scale": 0.0},
+    "hinge": {
+        "translational_damping": (0.0, 0.0, 0.0),
+        "rotational_damping": (0.0, 0.0, 0.0),
+        "latch_damping": 0.0,
+        "friction_coefficient": 0.0,
+        "friction_preload": 0.0,
+        "motor_stiffness": 0.0,
+        "motor_wind_up": 0.0,
+    },
+}
+
+
+@dataclass
+class Record:
+    """Times and scene channels (N, channels)."""
+
+    times: list[float] = field(default_factory=list)
+    rows: list[Vector] = field(default_factory=list)
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Called by the master."""
+        self.times.append(time)
+        self.rows.append(values[-1].copy())
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Called by the master."""
+
+    def channel(self, name: str) -> Vector:
+        """A scene channel over time."""
+        place = [channel for channel, _, _ in SCENE_CHANNELS].index(name)
+        return np.array(self.rows)[:, place]
+
+
+def undamped_wing(scene: str, variants: Sequence[str]) -> Assembly:
+    """Bodies and hinges of a scene, deployed, without damping, friction, motors, harness, dampers and cables."""
+    loaded = load_scene(find_scene(scene), variants)
+    found = assemble(with_angles(loaded, configuration(loaded, "deployed").angles))
+    parts = {p.name: p for p in found.parts if p.kind in ("body", "fixed_base", "hinge")}
+    links = tuple(link for link in found.links if link.connection[0] in parts)
+    used = {link.body for link in links}
+    return replace(found, parts=tuple(_undamped(part, used) for part in parts.values()), links=links)
+
+
+def _undamped(part: Part, used: set[tuple[str, str]]) -> Part:
+    structure = dict(part.structure)
+    if part.kind == "hinge":
+        structure |= {"harness_angle": (), "harness_torque": ()}
+    else:
+        structure["ports"] = [port for port in structure["ports"] if (part.name, port["name"]) in used]
+    return replace(part, structure=structure, start={**part.start, **_UNDAMPED.get(part.kind, {})})
+
+
+def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tuple[Record, float]:
+    """The latched wing with a joule in one mode (0 is the first), from its undeformed shape; period (s)."""
+    hinges = [hinge for line in wing.hinge_lines for hinge in line.hinges]
+    mechanism = Mechanism(wing.parts, wing.links, wing.base)
+    mechanism.follow()
+    mechanism.command("latch_command", 1.0, hinges)
+    model = linearise(mechanism)
+    modes = normal_modes(model)
+    record, rates = Record(), np.sqrt(2.0) * modes.shapes[:, number]
+    period = 1.0 / float(modes.frequencies[number])
+    with as_fmus(wing) as participants:
+        network = Network(participants, wing.links)
+        master = Master(network, (), record, settings)
+        for hinge in hinges:
+            joint = network.by_name[hinge]
+            joint.inputs[joint.input_layout["latch_command"]] = 1.0
+        master.initialize(preload=False)
+        for body in network.bodies:
+            rows, placed = mechanism.rows[body.name], mechanism.bodies[body.name]
+            if placed.body is not None:
+                assert isinstance(body, FmuParticipant)
+                _set_moving(body, placed, model.mass[rows, rows], rates[rows])
+            body.read()
+        network.carry_motion()
+        record.times.clear(), record.rows.clear()
+        master.run(periods * period)
+    return record, period
+
+
+def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: Vector) -> None:
+    """Momenta and angular velocity of an undeformed body from the rates of its coordinates."""
+    state = bytearray(body._fmu.serializeFMUstate(body._fmu.getFMUstate()))
+    known, size = np.frombuffer(state, dtype=float, count=2, offset=16 + 3 * 8).astype(int)
+    x = np.frombuffer(state, dtype=float, count=size, offset=_HEADER + 8 * known)
+    x[7:13] = mass[:6, :6] @ rates[:6]
+    x[13:16] = placed.axes.T @ rates[3:6]
+    x[17 + placed.modes :] = rates[6:]
+    body._fmu.setFMUstate(body._fmu.deSerializeFMUstate(bytes(state)))
+    body.save()
