@@ -13,6 +13,7 @@ from .assembly import HingeLine
 from .balance import Energies
 from .convergence import Solution, Tolerance
 from .coupling import Coupling
+from .guard import EnergyGuard
 from .network import Network
 from .participant import Vector
 from .stepping import ErrorEstimate, StepSizes, failure, find_event
@@ -97,6 +98,8 @@ class Master:
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = self._coupling.accepted
+        self._energies = Energies(0.0, 0.0, 0.0, 0.0)
+        self._guard = EnergyGuard(self._energies)
         self._energy_start = 0.0
         self._parts = 1
         outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
@@ -123,8 +126,9 @@ class Master:
         self._save()
         if preload:
             self._seek_equilibrium(start)
-        energies = self._coupling.observe(self.time)
+        energies = self._observe(0.0)
         self._energy_start = energies.balance
+        self._guard = EnergyGuard(energies)
         self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
         self._record(0.0, 0)
 
@@ -163,6 +167,7 @@ class Master:
             line = self._latching(h)
             if line is not None:
                 h, solution = self._step_to(line, h, solution)
+                self._observe(h)
             self._accept(h, solution)
             if line is not None:
                 self._latch(line)
@@ -200,6 +205,11 @@ class Master:
                 raise failure(coupling, solution, self.time, h)
             self.statistics.rejected += 1
             return None
+        if not self._guard.allows(self._observe(h), h):
+            if self._smaller():
+                self.statistics.rejected += 1
+                return None
+            self._guard.give_in(self._energies)
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
             return solution
@@ -249,7 +259,8 @@ class Master:
         self._coupling.accept(self.time, h)
         self.time += h
         self._watch()
-        self._error.see(self._record(h, solution.iterations).kinetic)
+        self._record(h, solution.iterations)
+        self._error.see(self._energies.kinetic)
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
@@ -279,6 +290,7 @@ class Master:
         self._save()
         self._command("impulse", 0.0)
         self._coupling.forget()
+        self._observe(0.0)
         self._record(_IMPULSE_STEP, solution.iterations)
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
@@ -296,9 +308,15 @@ class Master:
         """Note how far the hinge lines are from their latches."""
         self._before = {line.name: self._distance(line) for line in self._pending}
 
-    def _record(self, h: float, iterations: int) -> Energies:
-        """Observations of now and the scene's channels to the recorder; the energies among them."""
-        found = self._coupling.observe(self.time)
+    def _observe(self, h: float) -> Energies:
+        """Observations of all participants, h (s) after the present time, and their energies."""
+        self._energies = self._coupling.observe(self.time + h)
+        return self._energies
+
+    def _record(self, h: float, iterations: int) -> None:
+        """The last observations and the scene's channels to the recorder."""
+        found = self._energies
+        self._guard.accept(found)
         self._scene[:] = (
             h,
             iterations,
@@ -308,4 +326,3 @@ class Master:
             found.balance - self._energy_start,
         )
         self.recorder.append(self.time, self._recorded)
-        return found
