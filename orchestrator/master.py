@@ -16,6 +16,7 @@ from .coupling import Coupling
 from .guard import EnergyGuard
 from .network import Network
 from .participant import Vector
+from .static_search import DURATION, StaticSearch
 from .stepping import ErrorEstimate, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
@@ -23,7 +24,6 @@ _IMPULSE_TOLERANCE = 1e-10
 _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
-_STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
 class Recorder(Protocol):
@@ -113,7 +113,7 @@ class Master:
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
-        start = -sum(_STATIC_STEPS) if preload else 0.0
+        start = -DURATION if preload else 0.0
         for body in self.network.bodies:
             body.write()
             body.read()
@@ -125,15 +125,15 @@ class Master:
             participant.read()
         self._save()
         if preload:
-            self._seek_equilibrium(start)
+            self._seek_equilibrium()
         energies = self._observe(0.0)
         self._energy_start = energies.balance
         self._guard = EnergyGuard(energies)
         self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
         self._record(0.0, 0)
 
-    def _seek_equilibrium(self, start: float) -> None:
-        """Static equilibrium by implicit steps of the participants' own gradient flow."""
+    def _seek_equilibrium(self) -> None:
+        """Static equilibrium of the participants with all hinges held."""
         changed = [
             (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
             for p in self._participants
@@ -144,13 +144,8 @@ class Master:
             participant.set_parameter(name, value)
         self._command("hold", 1.0)
         self._coupling.mode = "static"
-        for h in _STATIC_STEPS:
-            solution = self._coupling.solve(start, h, self._wrenches)
-            if not solution.converged:
-                raise failure(self._coupling, solution, start, h)
-            self._wrenches[:] = self._coupling.wrenches
-            self._save()
-            start += h
+        StaticSearch(self._coupling, self.network.bodies, self._wrenches).run()
+        self._watch()
         for participant, name, _, normal in changed:
             participant.set_parameter(name, normal)
         self._command("hold", 0.0)
