@@ -117,8 +117,9 @@ def _add_annotations(root: Element, component: Component, backend: Backend) -> N
         said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))
     if said:
         tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
+        coupling = SubElement(tool, "Coupling")  # the schema allows a tool one element
         for element, attributes in said:
-            SubElement(tool, element, attributes)
+            SubElement(coupling, element, attributes)
 
 
 def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:

@@ -274,7 +274,7 @@ def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any
 
 def _says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:
     """Whether the annotation of Fanfold's own FMUs is there and makes a statement that the standard cannot."""
-    return annotation is not None and annotation.find(f"{element}[@{attribute}]") is not None
+    return annotation is not None and annotation.find(f".//{element}[@{attribute}]") is not None
 
 
 def _is_coupled(name: str) -> bool:
