@@ -241,9 +241,9 @@ def test_engine_equals_python(tmp_path, monkeypatch, backend):
     assembly = wing()
     load = partial(as_fmus, backend=backend)
     # later an error estimate comes closer to where steps grow than its noise, from rounding times stiffness
-    one = run(assembly, tmp_path / "engine.h5", Settings(), 0.08, load=load)
+    one = run(assembly, tmp_path / "engine.h5", Settings(), 0.1, load=load)
     in_python(monkeypatch)
-    other = run(assembly, tmp_path / "python.h5", Settings(), 0.08, load=load)
+    other = run(assembly, tmp_path / "python.h5", Settings(), 0.1, load=load)
     counts = [(o.costs.steps, o.costs.iterations, o.costs.rejected) for o in (one, other)]
     assert counts[0] == counts[1]
     for mine, theirs in zip(one.segments, other.segments, strict=True):
