@@ -19,6 +19,8 @@
    The whole state is the one array x, so saving, restoring and serialising it is exact by construction.
    A component that an outer solver may integrate also gives its `continuous` states and, where they differ
    from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
+   A body whose motion answers its wrenches alike in every configuration, in axes that turn with it, says so by
+   `constant_mobility`: the master then differentiates it once for every step size, others again and again.
 4. Give `example()`: a small instance that the tests over the registry run.
 5. For native FMUs write the same equations once more in C, one file beside `fmus/native/kernel.h`, which says
    how, and give `native_data()`; without them the component is exported as a PythonFMU.
@@ -186,6 +188,7 @@ class Component(ABC):
     ports: tuple[Port, ...]
     feedthrough: bool
     continuous: ContinuousStates | None = None
+    constant_mobility: bool = False
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)

@@ -118,6 +118,9 @@ class Body(Component):
             observations=observations(self.modes),
         )
         self.continuous = continuous_states(data.frequency)
+        # deformation moves the arms of forces and the inertia: a slender body that bends by a tenth of its length
+        # turns about its axis a thousand times harder than straight
+        self.constant_mobility = self.modes == 0
         self._placed = BodyPorts(data, ports)
         self.arms = self._placed.arms
         self.translation, self.rotation = self._placed.translation, self._placed.rotation

@@ -24,6 +24,7 @@ class FixedBase(Component):
     """
 
     kind = "fixed_base"
+    constant_mobility = True
 
     def __init__(
         self, ports: Sequence[Mapping[str, Any]], reference: Sequence[float] = (0.0, 0.0, 0.0)

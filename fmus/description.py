@@ -39,6 +39,10 @@ STEP_DERIVATIVE = (
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
     "it is that of the outputs at the communication point, as the standard means it."
 )
+CONSTANT_MOBILITY = (
+    "The derivative of the ports' motion with respect to the wrenches held in a communication step depends on the "
+    "step's size alone, in axes that turn with the first port, but for terms of the order of the angle turned in it."
+)
 
 
 def header(component: Component, name: str, generated: datetime, backend: Backend) -> dict[str, str]:
@@ -85,9 +89,7 @@ def model_description(
     add_units(root, [*units, *state_units(component)] if backend == "native" else units)
     _add_log_categories(root)
     SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
-    if backend == "native":
-        annotations = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
-        SubElement(annotations, "DirectionalDerivative", {"afterStep": STEP_DERIVATIVE})
+    _add_annotations(root, component, backend)
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
     if backend == "native":
@@ -104,6 +106,20 @@ def _add_log_categories(root: Element) -> None:
     categories = SubElement(root, "LogCategories")
     for category, text in Fmi2Slave.log_categories.items():
         SubElement(categories, "Category", {"name": category, "description": text})
+
+
+def _add_annotations(root: Element, component: Component, backend: Backend) -> None:
+    """What a master may rely on, in words that the standard has no attribute for."""
+    said = []
+    if backend == "native":
+        said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
+    if component.constant_mobility:
+        said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))
+    if said:
+        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
+        coupling = SubElement(tool, "Coupling")  # the schema allows a tool one element
+        for element, attributes in said:
+            SubElement(coupling, element, attributes)
 
 
 def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:

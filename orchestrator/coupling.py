@@ -360,12 +360,8 @@ class Coupling:
     def _probed(self, key: tuple[str, float], time: float) -> tuple[Matrices, Matrices]:
         """Matrices of all bodies and of all connections at their last motions, probed where they are not known."""
         network, h = self.network, key[1]
-        if key not in self._mobilities:
-            self.probes += 1
-            self._mobilities[key] = Matrices(
-                mobility_of(body, len(ports), time, h)
-                for body, ports in zip(network.bodies, network.body_ports, strict=True)
-            )
+        if key not in self._mobilities or key not in self._stiffnesses:
+            self._probe_bodies(key, time)
         if key not in self._stiffnesses:
             self.probes += 1
             self._stiffnesses[key] = Matrices(
@@ -373,6 +369,20 @@ class Coupling:
                 for connection, ports in zip(network.connections, network.connection_ports, strict=True)
             )
         return self._mobilities[key], self._stiffnesses[key]
+
+    def _probe_bodies(self, key: tuple[str, float], time: float) -> None:
+        """Mobilities of all bodies but those that are known and constant, which are only turned along."""
+        network = self.network
+        known = self._mobilities.get(key)
+        if known and all(body.constant_mobility for body in network.bodies):
+            return
+        self.probes += 1
+        self._mobilities[key] = Matrices(
+            known.probes[number]
+            if known and body.constant_mobility
+            else mobility_of(body, len(ports), time, key[1])
+            for number, (body, ports) in enumerate(zip(network.bodies, network.body_ports, strict=True))
+        )
 
     def _factorize(self, time: float, h: float) -> None:
         """LU factors of I - stiffness x mobility, from probes turned to the present orientations."""

@@ -3,11 +3,15 @@
 Connections between the same bodies form a group, and groups that share a body depend on each other. Groups
 are eliminated by least degree: a chain, and a tree of chains, then stay as sparse as they were, so that
 memory and work grow linearly with the number of bodies. The tables are read by orchestrator/native/blocks.h.
+
+A body that never moves joins nothing: no wrench depends on those that it takes, so each of them is a group of its
+own that is eliminated first.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Set
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from typing import Any
@@ -49,13 +53,14 @@ Range = tuple[int, int]
 class _Pattern:
     """Groups, the neighbours of each, and the columns of a group that another depends on."""
 
-    def __init__(self, meetings: list[Meeting]) -> None:
+    def __init__(self, meetings: list[Meeting], still: Set[int]) -> None:
         bodies_of: dict[int, set[int]] = defaultdict(set)
         for meeting in meetings:
             bodies_of[meeting.connection].add(meeting.body)
         members: dict[tuple[int, ...], list[int]] = defaultdict(list)
         for link, meeting in enumerate(meetings):
-            members[tuple(sorted(bodies_of[meeting.connection]))].append(link)
+            alone = (-1, link) if meeting.body in still else ()
+            members[alone or tuple(sorted(bodies_of[meeting.connection] - still))].append(link)
         self.members = [sorted(links, key=lambda i: (meetings[i].body, i)) for links in members.values()]
         self.sizes = [_WRENCH * len(links) for links in self.members]
         ranges: dict[int, dict[int, Range]] = defaultdict(dict)
@@ -68,11 +73,28 @@ class _Pattern:
                 ranges[body][group] = _hull(ranges[body].get(group, span), span)
         self.columns: dict[tuple[int, int], Range] = {}
         self.neighbours: list[set[int]] = [set() for _ in self.members]
-        for groups in ranges.values():
-            for i in groups:
-                for j, span in groups.items():
-                    if i != j:
-                        self.join(i, j, span)
+        self.followers: dict[int, set[int]] = {}
+        for group, links in enumerate(self.members):
+            if meetings[links[0]].body in still:
+                around = bodies_of[meetings[links[0]].connection] - still
+                self._follow(group, [ranges[body] for body in around])
+        for body, groups in ranges.items():
+            if body not in still:
+                self._join_all(groups)
+
+    def _follow(self, group: int, around: list[dict[int, Range]]) -> None:
+        """Let a group on a body that never moves depend on those around; none depends on it."""
+        self.followers[group] = {other for groups in around for other in groups}
+        for groups in around:
+            for other, span in groups.items():
+                key = (group, other)
+                self.columns[key] = _hull(self.columns.get(key, span), span)
+
+    def _join_all(self, groups: dict[int, Range]) -> None:
+        for i in groups:
+            for j, span in groups.items():
+                if i != j:
+                    self.join(i, j, span)
 
     def join(self, row: int, column: int, span: Range) -> None:
         """Let a group depend on columns of another."""
@@ -82,10 +104,10 @@ class _Pattern:
 
     def eliminate(self) -> list[int]:
         """Fill in what elimination by least degree does, and return its order."""
-        left = set(range(len(self.members)))
+        left = set(range(len(self.members))) - set(self.followers)
         queue = [(self._degree(group), group) for group in left]
         heapify(queue)
-        order = []
+        order = list(self.followers)
         while queue:
             degree, group = heappop(queue)
             if group not in left or degree != self._degree(group):
@@ -105,9 +127,9 @@ class _Pattern:
         return sum(self.sizes[other] for other in self.neighbours[group])
 
 
-def eliminate(meetings: list[Meeting]) -> Elimination:
-    """Order and tables for the links of a network, in the order of its unknowns."""
-    pattern = _Pattern(meetings)
+def eliminate(meetings: list[Meeting], still: Set[int] = frozenset()) -> Elimination:
+    """Order and tables for the links of a network, in the order of its unknowns; still: bodies that never move."""
+    pattern = _Pattern(meetings, still)
     order = pattern.eliminate()
     rank = {group: position for position, group in enumerate(order)}
     begin = np.cumsum([0, *(pattern.sizes[group] for group in order)]).tolist()
@@ -119,8 +141,12 @@ def eliminate(meetings: list[Meeting]) -> Elimination:
         blocks.append((rank[row], rank[column], first, last - first, length))
         length += pattern.sizes[row] * (last - first)
     later = [sorted(pattern.neighbours[group], key=rank.__getitem__) for group in order]
+    right = [
+        sorted(pattern.followers.get(group, pattern.neighbours[group]), key=rank.__getitem__)
+        for group in order
+    ]
     lower = [[number[(i, group)] for i in others] for group, others in zip(order, later, strict=True)]
-    upper = [[number[(group, i)] for i in others] for group, others in zip(order, later, strict=True)]
+    upper = [[number[(group, i)] for i in others] for group, others in zip(order, right, strict=True)]
     targets = [number[(i, j)] for others in later for i in others for j in others]
 
     def part(row: int, column: int) -> tuple[int, int]:
@@ -139,16 +165,17 @@ def eliminate(meetings: list[Meeting]) -> Elimination:
         _indices(lists[1]),
         _indices([i for each in upper for i in each]),
         _indices(targets),
-        _indices([part(row, column) for row, column in _pairs(meetings)]),
+        _indices([part(row, column) for row, column in _pairs(meetings, still)]),
     )
 
 
-def _pairs(meetings: list[Meeting]) -> list[tuple[int, int]]:
+def _pairs(meetings: list[Meeting], still: Set[int]) -> list[tuple[int, int]]:
     """Row and column links of the matrix, in the order in which connections are added to it."""
     of_body: dict[int, list[int]] = defaultdict(list)
     of_connection: dict[int, list[tuple[int, int]]] = defaultdict(list)
     for link, meeting in enumerate(meetings):
-        of_body[meeting.body].append(link)
+        if meeting.body not in still:
+            of_body[meeting.body].append(link)
         of_connection[meeting.connection].append((meeting.connection_port, link))
     found = []
     for connection in sorted(of_connection):

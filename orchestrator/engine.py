@@ -32,7 +32,7 @@ import numpy as np
 from .balance import Energies, Rows
 from .elimination import eliminate
 from .fmu import Calls, FmuParticipant
-from .network import Network
+from .network import Meeting, Network
 from .participant import ParticipantError, Vector
 
 if TYPE_CHECKING:
@@ -201,6 +201,7 @@ class Matrices:
             *(_Probe(probe.matrix.ctypes.data, probe.axes.ctypes.data) for probe in self.probes)
         )
         self.address = addressof(self._table)
+        self.zeros = frozenset(i for i, probe in enumerate(self.probes) if not probe.matrix.any())
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,6 +238,7 @@ class Engine:
         self._matrices: tuple[Matrices, ...] = ()
         self._watched: Any = None
         self._kept: list[Any] = [shared]
+        self._turned: list[int] = []
         self._data = _Network(
             participants=len(self._participants),
             bodies=len(network.bodies),
@@ -267,22 +269,34 @@ class Engine:
         )
 
     def _set_up(self, network: Network) -> None:
-        """Tables of indices and all memory that is ever needed."""
+        """All memory that is ever needed."""
         size, most = network.size, self._data.limits.most
-        order = eliminate(network.meetings)
-        first = len(network.bodies)
-        link = [
-            (m.body, m.body_port, first + m.connection, m.connection_port, place)
-            for m, place in zip(network.meetings, order.place.tolist(), strict=True)
-        ]
-        self._data.link = self._keep(np.array(link, dtype=np.uintp))
-        self._data.parts = self._keep(order.parts)
         for name in ("residual", "scale", "bend", "noise", "steps", "squares", "product"):
             largest = 6 * max(map(len, network.connection_ports)) * 6 * max(map(len, network.body_ports))
             length = {"steps": most * size, "squares": most, "product": largest}.get(name, size)
             setattr(self._data, name, self._keep(np.zeros(length)))
         self._data.history.values = self._keep(np.zeros(_POINTS * size))
-        matrix = self._data.matrix
+        rows = [slice(r.start // 6, r.stop // 6) for r in network.rows]
+        links = [np.arange(r.start, r.stop) for r in rows] + [r[::6] // 6 for r in network.connection_rows]
+        for calls, found in zip(self._calls, links, strict=True):
+            calls.ports = len(found)
+            calls.links = self._keep(found.astype(np.uintp))
+            self._turned.append(self._keep(np.zeros(72 * len(found) ** 2)))
+            calls.turned = self._turned[-1]
+        self._arrange(network.meetings, frozenset())
+
+    def _arrange(self, meetings: list[Meeting], still: frozenset[int]) -> None:
+        """Tables of indices and room for the linear system without the bodies that never move."""
+        self._meetings, self._still = meetings, still
+        order = eliminate(meetings, still)
+        first = self._data.bodies
+        link = [
+            (m.body, m.body_port, first + m.connection, m.connection_port, place)
+            for m, place in zip(meetings, order.place.tolist(), strict=True)
+        ]
+        self._data.link = self._keep(np.array(link, dtype=np.uintp))
+        self._data.parts = self._keep(order.parts)
+        matrix, size = self._data.matrix, self._data.size
         matrix.groups, matrix.block_count = len(order.begin) - 1, len(order.blocks)
         matrix.size, matrix.length = size, order.length
         for name in ("begin", "blocks", "lower_begin", "lower", "upper_begin", "upper", "targets"):
@@ -290,12 +304,8 @@ class Engine:
         for name, length in (("values", order.length), ("transposed", order.length), ("ordered", size)):
             setattr(matrix, name, self._keep(np.zeros(length)))
         matrix.pivots = self._keep(np.zeros(size, dtype=np.uintp))
-        rows = [slice(r.start // 6, r.stop // 6) for r in network.rows]
-        links = [np.arange(r.start, r.stop) for r in rows] + [r[::6] // 6 for r in network.connection_rows]
-        for calls, found in zip(self._calls, links, strict=True):
-            calls.ports = len(found)
-            calls.links = self._keep(found.astype(np.uintp))
-            calls.turned = self._keep(np.zeros(72 * len(found) ** 2))
+        for body in range(first):
+            self._calls[body].turned = None if body in still else self._turned[body]
 
     def _keep(self, array: np.ndarray[Any, Any]) -> int:
         """The address of an array that lives as long as the engine."""
@@ -328,7 +338,10 @@ class Engine:
         return int(self._data.worst_row)
 
     def use(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
-        """Take matrices of all bodies and of all connections."""
+        """Take matrices of all bodies and of all connections; a body without mobility leaves the linear system."""
+        still = mobilities.zeros
+        if still != self._still:
+            self._arrange(self._meetings, still)
         self._matrices = (mobilities, stiffnesses)
         self._data.mobility, self._data.stiffness = mobilities.address, stiffnesses.address
 

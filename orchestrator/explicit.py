@@ -73,6 +73,7 @@ class ExplicitMaster(Master):
             self.time += h
             self.statistics.steps += 1
             self.statistics.sweeps += 1
+            self._observe(0.0)
             self._record(h, 1)
             self.settings.progress(self.time, h)
 

@@ -36,6 +36,7 @@ FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its
 """What an FMU could not do, by the number that the engine has for it; "" where a message says more."""
 _FINITE = 4
 _OVERWRITES_NO_STATE = "PythonFMU"
+_ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
 
 
 class Calls(Structure):
@@ -64,7 +65,8 @@ class FmuParticipant:
     """One instance of an FMU file.
 
     Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
-    directional_derivatives: whether it gives, right after a step, the derivatives of that step.
+    directional_derivatives: whether it gives, right after a step, the derivatives of that step; the standard means
+    those at the end of the step alone.
     """
 
     def __init__(
@@ -91,9 +93,11 @@ class FmuParticipant:
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
-        self.directional_derivatives = bool(
-            description.coSimulation.providesDirectionalDerivative
-        ) and _differentiates_steps(self._folder)
+        annotation = ElementTree.parse(self._folder / "modelDescription.xml").find(_ANNOTATION)
+        self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and _says(
+            annotation, "DirectionalDerivative", "afterStep"
+        )
+        self.constant_mobility = _says(annotation, "Mobility", "constant")
         self._overwrites_state = _OVERWRITES_NO_STATE not in (description.generationTool or "")
         reals = [v for v in description.modelVariables if v.type == "Real"]
         self.parameter_layout, self._parameter_references = _group(
@@ -268,10 +272,9 @@ def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any
     return array, len(references), values.ctypes.data_as(POINTER(c_double))
 
 
-def _differentiates_steps(folder: Path) -> bool:
-    """Whether the derivatives after a step are those of the step; the standard means those at its end alone."""
-    root = ElementTree.parse(folder / "modelDescription.xml")
-    return root.find("VendorAnnotations/Tool[@name='Fanfold']/DirectionalDerivative[@afterStep]") is not None
+def _says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:
+    """Whether the annotation of Fanfold's own FMUs is there and makes a statement that the standard cannot."""
+    return annotation is not None and annotation.find(f".//{element}[@{attribute}]") is not None
 
 
 def _is_coupled(name: str) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 from components import rotation_matrix
 
 from .coupling import Coupling
-from .interface import stiffness_of
+from .interface import Matrix, stiffness_of
 from .local_error import WatchedTorque
 from .participant import Participant, Vector
 
@@ -55,8 +55,8 @@ class StiffenedLine(NamedTuple):
 class Slope(NamedTuple):
     """Stiffness (6 ports, 12 ports) of a connection over a step, and over one so long that damping adds nothing."""
 
-    step: Vector
-    long: Vector
+    step: Matrix
+    long: Matrix
 
 
 def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> list[Slope]:
@@ -65,7 +65,7 @@ def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> l
     return [Slope(_stiffness(c, time, h), _stiffness(c, time, _LONG_STEP)) for c in connections]
 
 
-def _stiffness(connection: Participant, time: float, h: float) -> Vector:
+def _stiffness(connection: Participant, time: float, h: float) -> Matrix:
     connection.restore()
     connection.write()
     connection.do_step(time, h)

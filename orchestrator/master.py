@@ -13,9 +13,11 @@ from .assembly import HingeLine
 from .balance import Energies
 from .convergence import Solution, Tolerance
 from .coupling import Coupling
+from .guard import EnergyGuard
 from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
 from .network import Network
 from .participant import Vector
+from .static_search import DURATION, StaticSearch
 from .stepping import ErrorEstimate, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
@@ -26,7 +28,6 @@ _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _SAME_SCALE = 2.0
 _LEAST_LATCH_SHARE = 1e-6
-_STATIC_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 25)
 
 
 class Recorder(Protocol):
@@ -102,7 +103,8 @@ class Master:
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = self._coupling.accepted
-        self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._guard = EnergyGuard(self._energies)
         self._parts = 1
         self._latched: list[StiffenedLine] = []
         outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
@@ -116,7 +118,7 @@ class Master:
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
-        start = -sum(_STATIC_STEPS) if preload else 0.0
+        start = -DURATION if preload else 0.0
         for body in self.network.bodies:
             body.write()
             body.read()
@@ -128,13 +130,14 @@ class Master:
             participant.read()
         self._save()
         if preload:
-            self._seek_equilibrium(start)
-        self._energy_start = energies = self._coupling.observe(self.time)
+            self._seek_equilibrium()
+        self._energy_start = energies = self._observe(0.0)
+        self._guard = EnergyGuard(energies)
         self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
         self._record(0.0, 0)
 
-    def _seek_equilibrium(self, start: float) -> None:
-        """Static equilibrium by implicit steps of the participants' own gradient flow."""
+    def _seek_equilibrium(self) -> None:
+        """Static equilibrium of the participants with all hinges held."""
         changed = [
             (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
             for p in self._participants
@@ -145,13 +148,8 @@ class Master:
             participant.set_parameter(name, value)
         self._command("hold", 1.0)
         self._coupling.mode = "static"
-        for h in _STATIC_STEPS:
-            solution = self._coupling.solve(start, h, self._wrenches)
-            if not solution.converged:
-                raise failure(self._coupling, solution, start, h)
-            self._wrenches[:] = self._coupling.wrenches
-            self._save()
-            start += h
+        StaticSearch(self._coupling, self.network.bodies, self._wrenches).run()
+        self._watch()
         for participant, name, _, normal in changed:
             participant.set_parameter(name, normal)
         self._command("hold", 0.0)
@@ -168,6 +166,7 @@ class Master:
             line = self._latching(h)
             if line is not None:
                 h, solution = self._step_to(line, h, solution)
+                self._observe(h)
             self._accept(h, solution)
             if line is not None:
                 self._latch(line)
@@ -205,6 +204,11 @@ class Master:
                 raise failure(coupling, solution, self.time, h)
             self.statistics.rejected += 1
             return None
+        if not self._guard.allows(self._observe(h), h):
+            if self._smaller():
+                self.statistics.rejected += 1
+                return None
+            self._guard.give_in(self._energies)
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
             return solution
@@ -254,7 +258,8 @@ class Master:
         self._coupling.accept(self.time, h)
         self.time += h
         self._watch()
-        self._error.see(self._record(h, solution.iterations).kinetic)
+        self._record(h, solution.iterations)
+        self._error.see(self._energies.kinetic)
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
@@ -269,6 +274,7 @@ class Master:
             self._impulse()
         else:
             self._coupling.restore()
+            self._observe(0.0)
             self._record(0.0, 0)  # with the torque that the damping of the latch begins with
         self._coupling.restart()
         self._sizes.restart(size, stirred=False)
@@ -335,6 +341,7 @@ class Master:
         self._save()
         self._command("impulse", 0.0)
         self._coupling.forget()
+        self._observe(0.0)
         self._record(_IMPULSE_STEP, solution.iterations)
 
     def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
@@ -352,9 +359,15 @@ class Master:
         """Note how far the hinge lines are from their latches."""
         self._before = {line.name: self._distance(line) for line in self._pending}
 
-    def _record(self, h: float, iterations: int) -> Energies:
-        """Observations of now and the scene's channels to the recorder; the energies among them."""
-        found, start = self._coupling.observe(self.time), self._energy_start
+    def _observe(self, h: float) -> Energies:
+        """Observations of all participants, h (s) after the present time, and their energies."""
+        self._energies = self._coupling.observe(self.time + h)
+        return self._energies
+
+    def _record(self, h: float, iterations: int) -> None:
+        """The last observations and the scene's channels to the recorder."""
+        found, start = self._energies, self._energy_start
+        self._guard.accept(found)
         self._scene[:] = (
             h,
             iterations,
@@ -365,4 +378,3 @@ class Master:
             found.balance - start.balance,
         )
         self.recorder.append(self.time, self._recorded)
-        return found

@@ -27,6 +27,7 @@ class Participant(Protocol):
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
     the present state in the one slot there is; `restore` goes back to it, any number of times.
+    `constant_mobility`: of a body, see `Component`; False where nothing is known.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Participant(Protocol):
     observation_layout: Layout
     parameter_layout: Layout
     can_restore: bool
+    constant_mobility: bool
 
     def initialize(self, time: float) -> None:
         """Leave initialisation with the inputs as they are."""
@@ -76,6 +78,7 @@ class InProcess:
     ) -> None:
         self.name = name
         self.component = component
+        self.constant_mobility = component.constant_mobility
         self.parameter_layout = component.parameter_layout
         self.input_layout = component.input_layout
         self.output_layout = component.output_layout

@@ -34,30 +34,36 @@ class SparseSystem:
             for connection, ports in enumerate(network.connection_ports)
             for port in range(len(ports))
         ]
-        diagonal = np.arange(network.size)
-        rows, columns = [diagonal], [diagonal]
-        for connection, _, body, _ in self._products:
-            own, other = network.connection_rows[connection], network.rows[body]
-            row, column = np.meshgrid(own, np.arange(other.start, other.stop), indexing="ij")
-            rows.append(row.ravel())
-            columns.append(column.ravel())
-        self._places = (np.concatenate(rows), np.concatenate(columns))
+        self._network = network
+        self._diagonal = np.arange(network.size)
         self._ones = np.ones(network.size)
-        self._factors = splu(csc_array((self._ones, (diagonal, diagonal)), self._shape))
+        self._factors = splu(self._identity())
+
+    def _identity(self) -> csc_array:
+        return csc_array((self._ones, (self._diagonal, self._diagonal)), self._shape)
 
     def factorize(self, mobilities: Sequence[Matrix], stiffnesses: Sequence[Matrix]) -> None:
         """Take matrices of all bodies (12 ports, 6 ports) and connections (6 ports, 12 ports)."""
-        values = [self._ones]
+        network, values = self._network, [self._ones]
+        rows, columns = [self._diagonal], [self._diagonal]
         for connection, port, body, body_port in self._products:
+            if not mobilities[body].any():  # a body that never moves
+                continue
+            other = network.rows[body]
+            place = np.meshgrid(
+                network.connection_rows[connection], np.arange(other.start, other.stop), indexing="ij"
+            )
+            rows.append(place[0].ravel())
+            columns.append(place[1].ravel())
             stiffness = stiffnesses[connection][:, 12 * port : 12 * port + 12]
             mobility = mobilities[body][12 * body_port : 12 * body_port + 12]
             values.append(-(stiffness @ mobility).ravel())
-        matrix = csc_array((np.concatenate(values), self._places), self._shape)
+        places = (np.concatenate(rows), np.concatenate(columns))
+        matrix = csc_array((np.concatenate(values), places), self._shape)
         try:
             self._factors = splu(matrix, permc_spec=_PERMUTATION)
         except (RuntimeError, ValueError):  # no pivot: the residual itself is as good a correction as any
-            diagonal = self._places[0][: len(self._ones)]
-            self._factors = splu(csc_array((self._ones, (diagonal, diagonal)), self._shape))
+            self._factors = splu(self._identity())
 
     def solve(self, residual: Vector) -> Vector:
         """Chord Newton correction for a residual (size,)."""

@@ -106,8 +106,8 @@ class ErrorEstimate:
 
     @property
     def resolved_angle(self) -> float:
-        """Angular frequency times step size at which the error of a vibration that holds all energy is allowed."""
-        return self._allowed ** (1.0 / 3.0)
+        """Angular frequency times step size (rad) at which the error of a vibration that holds all energy is allowed."""
+        return float(self._allowed ** (1.0 / 3.0))
 
     def see(self, kinetic: float) -> None:
         """Take note of the kinetic energy (J)."""

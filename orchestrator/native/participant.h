@@ -32,7 +32,8 @@ typedef struct {
     void **saved;
     size_t ports;
     const size_t *links;
-    double *turned; /* a body's mobility (12 ports, 6 ports), a connection's stiffness (6 ports, 12 ports) */
+    double *turned; /* a body's mobility (12 ports, 6 ports), a connection's stiffness (6 ports, 12 ports);
+                       NULL for a body that never moves */
 } Participant;
 
 /* Derivative of a body's motions (12 ports, 6 ports) by its wrenches over the step just made; FMI status. */

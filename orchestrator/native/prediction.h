@@ -52,7 +52,7 @@ static double work_of(const Network *n, const double *change) {
     double total = 0.0;
     for (const Participant *body = n->participant; body < n->participant + n->bodies; body++) {
         const size_t rows = WRENCH * body->ports;
-        for (size_t row = 0; row < rows; row++)
+        for (size_t row = 0; row < rows && body->turned; row++)
             total += change[row] * dot(mobility_row(body, row), change, rows);
         change += rows;
     }
@@ -72,7 +72,7 @@ static double noise_work(Network *n) {
     size_t i = 0;
     for (const Participant *body = n->participant; body < n->participant + n->bodies; body++)
         for (size_t row = 0; row < WRENCH * body->ports; row++, i++) {
-            const double mobility = mobility_row(body, row)[row];
+            const double mobility = body->turned ? mobility_row(body, row)[row] : 0.0;
             n->noise[i] = noise_of(n, i, mobility);
             total += mobility * n->noise[i] * n->noise[i];
         }

@@ -82,6 +82,7 @@ static INLINE const Part *subtract_connection(Network *n, const Participant *p, 
         const Link *l = n->link + p->links[port];
         const Participant *body = n->participant + l->body;
         const size_t columns = WRENCH * body->ports;
+        if (!body->turned) continue;
         memset(n->product, 0, rows * columns * sizeof(double));
         subtract_product(n->product, columns, p->turned + COORDINATES * port, COORDINATES * p->ports,
                          body->turned + COORDINATES * l->body_port * columns, columns, rows, used, columns);
@@ -101,6 +102,7 @@ VECTORISED static void assemble(Network *n) {
     const size_t used = coordinates_used(n);
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
+        if (!p->turned) continue; /* a body that never moves */
         if (i < n->bodies)
             turn(n->mobility + i, p->output, COORDINATES * p->ports, WRENCH * p->ports, used, p->turned);
         else

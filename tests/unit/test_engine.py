@@ -136,11 +136,17 @@ NETWORKS = {
 }
 
 
+@pytest.mark.parametrize("still", [(), (0,), (0, 1)])
 @pytest.mark.parametrize("name", NETWORKS)
-def test_linear_system_of_any_network(name):
-    """Independent path: corrections of the engine and of the sparse solver equal those of a dense matrix."""
+def test_linear_system_of_any_network(name, still):
+    """Independent path: corrections of the engine and of the sparse solver equal those of a dense matrix.
+
+    Bodies that never move leave the elimination, not the solution.
+    """
     network = NETWORKS[name]()
     probes = network.probes()
+    for body in still:
+        probes[body].matrix[:] = 0.0
     turned = network.turned(probes)
     residual = network.rng.standard_normal(network.size)
     expected = np.linalg.solve(network.dense(turned), residual)
@@ -294,6 +300,16 @@ def test_prediction_and_energies_equal_python(monkeypatch):
             coupling.restart()
             np.testing.assert_array_equal(coupling.predicted(time, size), coupling.accepted)
             assert coupling.error_work(time, size) is None
+
+
+def test_bodies_that_never_move_join_nothing():
+    """Count: legs of two bodies on one base are eliminated as if each stood alone, but for what the base takes."""
+    legs = [pair for k in range(8) for pair in ((0, 1 + 2 * k), (1 + 2 * k, 2 + 2 * k))]
+    one, eight = (
+        eliminate(Wired(bodies, legs[:count]).meetings, {0}) for bodies, count in ((3, 2), (17, 16))
+    )
+    assert eight.length == 8 * one.length
+    assert eight.targets.size == 8 * one.targets.size
 
 
 def test_without_a_library_python_does_it(tmp_path, monkeypatch):

@@ -1,0 +1,68 @@
+"""The static search before a run: uneven stiffnesses, and scenes without an equilibrium."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fmus import native_library
+from orchestrator.assembly import Part
+from orchestrator.master import Master, Settings
+from orchestrator.network import Network
+from orchestrator.participant import in_process
+from orchestrator.run import as_fmus
+from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.static_search import _described, _motion
+from orchestrator.stepping import StepError
+from tests.references.coupled import base, between, rigid, turned
+
+PRELOAD = 80.0
+
+
+class NoRecord:
+    """Takes nothing down."""
+
+    def append(self, time, values):
+        """Called by the master."""
+
+    def event(self, time, component, text):
+        """Called by the master."""
+
+
+@pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
+@pytest.mark.parametrize(
+    ("axial", "radial"),
+    [("1e4", "1e9"), ("1e7", "1e9"), ("1e9", "1e4"), ("161343", "57132832"), ("1e4", "1e4")],
+)
+def test_any_stiffnesses_of_the_joints(axial, radial):
+    """Closed form: the loops' 80 N are internal loads, so nothing is left at the base of a wing at rest.
+
+    The iteration ends at 1e-6 of the largest wrench; a share of 1e-5 allows for the sum over its hinges and loops.
+    """
+    settings = (f"joint.axial_stiffness={axial}", f"joint.radial_stiffness={radial}")
+    assembly = assemble(load_scene(find_scene("amos3"), (), settings), (), ())
+    with as_fmus(assembly) as participants:
+        network = Network(participants, assembly.links)
+        Master(network, assembly.hinge_lines, NoRecord(), Settings()).initialize(preload=True)
+        spacecraft = network.by_name["spacecraft"]
+        found, at = spacecraft.observe(), spacecraft.observation_layout
+        assert np.abs(found[at["interface_force"]]).max() < 1e-5 * PRELOAD
+        assert np.abs(found[at["interface_torque"]]).max() < 1e-5 * PRELOAD
+
+
+def test_free_motion_is_named():
+    """A body that slides along z under gravity: body, direction and size."""
+    body = rigid("load", 2.0, (0.1, 0.1, 0.1), {"top": (0.0, 0.0, 0.0)}, gravity=(0.0, 0.0, -9.8))
+    stiffness = {"translational_stiffness": (1e6, 1e6, 0.0), "rotational_stiffness": (1e4,) * 3}
+    parts = [base(root=(0.0, 0.0, 0.0)), body, Part("joint", "hinge", {}, stiffness)]
+    network = Network(in_process(parts), between("joint", "base.root", "load.top"))
+    master = Master(network, (), NoRecord(), Settings())
+    with pytest.raises(StepError, match=r"load still moves along \(0, 0, -1\), by 9.8 m/s2"):
+        master.initialize(preload=True)
+
+
+def test_free_rotation_is_named():
+    """Closed form: small turns about an axis keep it, and in h seconds an acceleration a turns by a h^2."""
+    before = np.array((1.0, 2.0, 3.0, *turned((0.0, 0.6, 0.8), 0.7)))
+    after = np.array((1.0, 2.0, 3.0, *turned((0.0, 0.6, 0.8), 0.702)))
+    assert _described(_motion(before, after), 0.1) == "about (0, 0.6, 0.8), by 0.2 rad/s2"
