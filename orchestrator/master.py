@@ -26,7 +26,6 @@ _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
-_SAME_SCALE = 2.0
 _LEAST_LATCH_SHARE = 1e-6
 
 
@@ -289,31 +288,34 @@ class Master:
         if line.kinematic or not self._controlled:
             self._command("latch_command", 1.0, line.hinges)
             return min(h, self.settings.event_step)
-        coupling.linearize(self.time, h)
+        coupling.linearize(self.time, self._sizes.largest)
         before = slopes(coupling, line.hinges, self.time, h)
         self._command("latch_command", 1.0, line.hinges)
         after = slopes(coupling, line.hinges, self.time, h)
-        hinges = stiffenings(coupling, line.hinges, before, after, h)
-        if not hinges:
-            return h
         self._command("latch_command", 0.0, line.hinges)
-        found, h = self._resolving(stiffened_line(coupling, hinges, h), h)
+        hinges = stiffenings(coupling, line.hinges, before, after, h)
+        if hinges:
+            slow = stiffened_line(coupling, hinges, self._sizes.largest)
+            self._latched.append(slow)
+            self._judge_latches()
+            h = self._resolving(slow, h)
         self._command("latch_command", 1.0, line.hinges)
-        self._latched.append(found)
-        self._judge_latches()
         return h
 
-    def _resolving(self, found: StiffenedLine, h: float) -> tuple[StiffenedLine, float]:
-        """A latched line on the time scale of its own swing, and a step (s) that resolves how it starts."""
-        size = h
+    def _resolving(self, line: StiffenedLine, h: float) -> float:
+        """A step (s), h at the most, that resolves how a latched line starts.
+
+        What turns at first may be much less than what swings later: the rotation is followed to shorter times.
+        """
+        size, found = self._sizes.largest, line
         for _ in range(_FREQUENCY_SEARCH):
-            swing = min(1.0 / max(found.frequency, found.decay), self._sizes.largest)
-            if 1.0 / _SAME_SCALE < swing / h < _SAME_SCALE:
+            swing = 1.0 / max(found.frequency, found.decay)
+            if swing > 0.5 * size:
                 break
-            h = swing
-            self._coupling.linearize(self.time, h)
-            found = stiffened_line(self._coupling, found.hinges, h)
-        return found, min(size, self._error.resolved_angle / max(found.frequency, found.decay))
+            size = max(swing, 0.1 * size)
+            self._coupling.linearize(self.time, size)
+            found = stiffened_line(self._coupling, found.hinges, size)
+        return min(h, self._error.resolved_angle / max(found.frequency, found.decay))
 
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""
