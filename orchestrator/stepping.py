@@ -106,7 +106,7 @@ class ErrorEstimate:
 
     @property
     def resolved_angle(self) -> float:
-        """Angular frequency times step size (rad) at which the error of a vibration that holds all energy is allowed."""
+        """Angular frequency times step size (rad) up to which a vibration that holds all energy is followed well."""
         return float(self._allowed ** (1.0 / 3.0))
 
     def see(self, kinetic: float) -> None:
