@@ -5,7 +5,6 @@ What orchestrator/native/prediction.h does for a network of FMUs.
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -49,13 +48,20 @@ class History:
         return result
 
     def curvature(self, time: float, value: Vector, h: float) -> Bend | None:
-        """h^2 u'' from the last two points and a new one; None with fewer than two."""
-        line = self.extrapolated(time, 2)
-        if line is None or len(self._times) < 2:
+        """h^2 u'' of the last points and a new one, its mean now and a step before; None with fewer than two.
+
+        What changes sign with every step cancels: the ringing of stiff joints that a change of step stirs.
+        """
+        if len(self._times) < 2:
             return None
-        factor = 2.0 * h * h / ((time - self._times[-1]) * (time - self._times[-2]))
-        weights = _weights(time, self._times[-2:])
-        return Bend(factor * (value - line), factor * sqrt(1.0 + sum(w * w for w in weights)))
+        times = [*self._times, time]
+        weights = np.zeros(len(times))
+        for first in (len(times) - 3, max(len(times) - 4, 0)):
+            for i in range(first, first + 3):
+                others = [times[i] - times[j] for j in range(first, first + 3) if j != i]
+                weights[i] += h * h / (others[0] * others[1])
+        values = np.vstack((self._values[-len(self._times) :], value))
+        return Bend(weights @ values, float(np.linalg.norm(weights)))
 
 
 def _weights(time: float, times: list[float]) -> tuple[float, ...]:

@@ -26,7 +26,7 @@ _REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
-_LEAST_LATCH_SHARE = 1e-6
+_LEAST_LATCH_SHARE = 1e-3
 
 
 class Recorder(Protocol):
@@ -309,13 +309,14 @@ class Master:
         """
         size, found = self._sizes.largest, line
         for _ in range(_FREQUENCY_SEARCH):
-            swing = 1.0 / max(found.frequency, found.decay)
-            if swing > 0.5 * size:
+            if found.fastest * size < 2.0:
                 break
+            swing = 1.0 / found.fastest
             size = max(swing, 0.1 * size)
             self._coupling.linearize(self.time, size)
             found = stiffened_line(self._coupling, found.hinges, size)
-        return min(h, self._error.resolved_angle / max(found.frequency, found.decay))
+        wanted = self._error.resolved_angle
+        return wanted / found.fastest if found.fastest * h > wanted else h
 
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""

@@ -92,17 +92,39 @@ static double watched_square(const Network *n, const Watched *w, double h, doubl
     return w->weight * h * h * fmax(0.0, torque * torque - gain * gain * noise * noise);
 }
 
-/* Square of the relative error that h^2 u'', from the last two points and the present one, makes of velocities: its
+/* Add to weights (POINTS + 1,) of the remembered wrenches and the present one, at `times`, those of half of
+   h^2 u'' from three of them. */
+static void add_curvature(const double *times, size_t first, double h, double *weights) {
+    for (size_t i = first; i < first + 3; i++) {
+        double weight = h * h;
+        for (size_t j = first; j < first + 3; j++)
+            if (j != i) weight /= times[i] - times[j];
+        weights[i] += weight;
+    }
+}
+
+/* Note h^2 u'' of the present wrenches: the mean of it now and a step before, in which what changes sign with every
+   step cancels. How much independent errors of the wrenches grow in it. */
+static double bend(Network *n, double middle, double h) {
+    const History *past = &n->history;
+    double times[POINTS + 1], weights[POINTS + 1] = {0.0}, gain = 0.0;
+    memcpy(times, past->times, POINTS * sizeof(double));
+    times[POINTS] = middle;
+    add_curvature(times, POINTS - 2, h, weights);
+    add_curvature(times, past->count < POINTS ? POINTS - 2 : POINTS - 3, h, weights);
+    for (size_t i = 0; i < n->size; i++) n->bend[i] = weights[POINTS] * n->wrenches[i];
+    for (size_t k = POINTS - past->count; k < POINTS; k++)
+        for (size_t i = 0; i < n->size; i++) n->bend[i] += weights[k] * past->values[k * n->size + i];
+    for (size_t k = 0; k <= POINTS; k++) gain += weights[k] * weights[k];
+    return sqrt(gain);
+}
+
+/* Square of the relative error that h^2 u'', from the last points and the present one, makes of velocities: its
    work over an energy, or what it is at a watched torque. What errors left by the solutions have in it does not
    count; not a number with fewer points. */
 static double error_square(Network *n, double middle, double h, double energy) {
-    const double *times = n->history.times + POINTS - 2;
     if (n->history.count < 2) return NAN;
-    const double factor = 2.0 * h * h / ((middle - times[1]) * (middle - times[0]));
-    extrapolate(n, middle, 2, n->bend);
-    for (size_t i = 0; i < n->size; i++) n->bend[i] = factor * (n->wrenches[i] - n->bend[i]);
-    const double share = (middle - times[0]) / (times[1] - times[0]);
-    const double gain = factor * sqrt(1.0 + share * share + (1.0 - share) * (1.0 - share));
+    const double gain = bend(n, middle, h);
     double largest = fmax(0.0, work_of(n, n->bend) - gain * gain * noise_work(n)) / energy;
     for (const Watched *w = n->watched; w < n->watched + n->watched_count; w++)
         largest = fmax(largest, watched_square(n, w, h, gain));

@@ -27,6 +27,7 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 from orchestrator.assembly import Assembly
+from orchestrator.companion import with_estimates
 from orchestrator.master import Settings
 from orchestrator.run import Outcome, RunError, run
 from orchestrator.scene import assemble
@@ -82,7 +83,9 @@ class _TooLong(Exception):
     """A run that takes more than its processor time."""
 
 
-def _attempt(assembly: Assembly, tolerance: float, limit: float, path: Path) -> Outcome | str:
+def _attempt(
+    assembly: Assembly, tolerance: float, limit: float, path: Path, *, estimated: bool = False
+) -> Outcome | str:
     """A run, or the sentence it failed with; a fault of the program is told by its type."""
     start = process_time()
 
@@ -91,7 +94,9 @@ def _attempt(assembly: Assembly, tolerance: float, limit: float, path: Path) -> 
             raise _TooLong(f"takes more than {limit:g} s, is at t = {time:.4g} s with steps of {h:.1e} s")
 
     try:
-        return run(assembly, path, Settings(tolerance, assembly.largest_step), watch=watch)
+        settings = Settings(tolerance, assembly.largest_step)
+        outcome = run(assembly, path, settings, watch=watch)
+        return with_estimates(assembly, outcome, settings) if estimated else outcome
     except (RunError, _TooLong) as error:
         return str(error).removeprefix(f"{assembly.name}: ").partition("; results up to")[0]
     except Exception as error:  # whatever it is, the campaign goes on and tells of it
@@ -119,7 +124,7 @@ def try_wing(
     )
     assembly = assemble(scene)
     with TemporaryDirectory(prefix="fanfold_campaign_") as folder:
-        found = _attempt(assembly, wanted, limit, Path(folder) / "run.h5")
+        found = _attempt(assembly, wanted, limit, Path(folder) / "run.h5", estimated=True)
         if isinstance(found, str):
             return told(failure=found)
         sentence = ""

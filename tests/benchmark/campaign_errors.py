@@ -32,7 +32,7 @@ class Deviation(NamedTuple):
 
 def estimated_errors(found: Headline) -> Mapping[Key, float]:
     """Errors that a run estimated for its headline numbers, in their units, by quantity and what it is of."""
-    return dict(getattr(found, "estimated_errors", {}))
+    return found.estimated_errors
 
 
 def deviations(found: Headline, reference: Headline, locks: Collection[str]) -> list[Deviation]:
