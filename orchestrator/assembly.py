@@ -47,7 +47,10 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A scene at one fidelity, ready to become FMUs or in-process components; `flexible` names modal bodies."""
+    """A scene at one fidelity, ready to become FMUs or in-process components; `flexible` names modal bodies.
+
+    driving_energy (J): what motorisation springs give on the way to the latch angles.
+    """
 
     name: str
     scene_tree: Mapping[str, Any]
@@ -60,4 +63,5 @@ class Assembly:
     tolerance: float
     largest_step: float
     preload: bool
+    driving_energy: float = 0.0
     geometry: Mapping[str, Geometry] = field(default_factory=dict)

@@ -57,7 +57,8 @@ class Settings:
     tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
     with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant
     communication step size instead of control, divided only where it does not converge. step_plan: step
-    sizes of an earlier run to follow, one list per segment between events.
+    sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
+    through the scene, beside which errors are judged before it moves.
     """
 
     tolerance: float = 1e-4
@@ -67,6 +68,7 @@ class Settings:
     event_step: float = 2e-4
     fixed_step: float | None = None
     step_plan: Sequence[Sequence[float]] | None = None
+    driving_energy: float = 0.0
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 
@@ -97,7 +99,7 @@ class Master:
         self._pending = [line for line in hinge_lines if line.latches]
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
-        self._error = ErrorEstimate(settings.tolerance, 0.0)
+        self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
@@ -132,7 +134,7 @@ class Master:
             self._seek_equilibrium()
         self._energy_start = energies = self._observe(0.0)
         self._guard = EnergyGuard(energies)
-        self._error = ErrorEstimate(self.settings.tolerance, energies.stored)
+        self._error = ErrorEstimate(self.settings.tolerance, energies.stored, self.settings.driving_energy)
         self._record(0.0, 0)
 
     def _seek_equilibrium(self) -> None:

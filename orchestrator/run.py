@@ -122,7 +122,7 @@ def run(
     With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one.
     """
     end = assembly.until if until is None else until
-    settings = replace(settings, progress=watch)
+    settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))

@@ -98,6 +98,7 @@ def assemble(
         tolerance=header.tolerance,
         largest_step=header.largest_step,
         preload=header.preload,
+        driving_energy=sum(line.motor_energy for line in lines),
         geometry=geometry,
     )
 

@@ -193,6 +193,15 @@ class HingeLine(Table):
         return self.stowed_angle if self.start_angle is None else self.start_angle
 
     @property
+    def motor_energy(self) -> float:
+        """Energy (J) that the motorisation spring gives from the initial to the deployed angle, 0 without one."""
+        if self.motor is None:
+            return 0.0
+        left = self.deployed_angle - self.initial_angle
+        rise = (self.motor.stowed - self.motor.deployed) / (self.deployed_angle - self.stowed_angle)
+        return max(0.0, left * (self.motor.deployed + 0.5 * rise * left))
+
+    @property
     def sensor(self) -> str:
         """Name of the hinge whose angle latches the line: the marked one, else the first."""
         return next((hinge.name for hinge in self.hinges if hinge.sensor), self.hinges[0].name)
