@@ -70,7 +70,7 @@ class StaticSearch:
 
     def _check_held(self, *poses: Sequence[Vector], h: float) -> None:
         """StepError that names the body that moves most, if nothing slows it down."""
-        before, last = ([_motion(a, b) for a, b in zip(*pair, strict=True)] for pair in pairwise(poses))
+        before, last = (_motions(*pair) for pair in pairwise(poses))
         worst = int(np.argmax([np.abs(move).max() for move in last]))
         size = float(np.abs(last[worst]).max())
         change = float(np.abs(last[worst] - before[worst]).max())
@@ -81,6 +81,13 @@ class StaticSearch:
             f"moves {_described(last[worst], h)}; nothing, or next to nothing, holds it in that direction: add a "
             "connection with stiffness there, or start without preload"
         )
+
+
+def _motions(before: Sequence[Vector], after: Sequence[Vector]) -> list[Vector]:
+    """Motions of all bodies but for a translation that they share: a free spacecraft falls as one."""
+    moves = [_motion(a, b) for a, b in zip(before, after, strict=True)]
+    shared = np.mean([move[:3] for move in moves], axis=0)
+    return [np.concatenate((move[:3] - shared, move[3:])) for move in moves]
 
 
 def _motion(before: Vector, after: Vector) -> Vector:

@@ -43,6 +43,23 @@ def test_curvature_of_a_parabola():
     np.testing.assert_allclose(bend.change, 2.0 * SLOPES[:, 2] * 0.2**2, rtol=1e-12)
 
 
+def test_what_changes_sign_with_every_step_does_not_bend():
+    """Closed form: u = +-1 has second differences of +-4, whose mean over two steps is zero."""
+    history = History(1)
+    for k in range(3):
+        history.add(0.1 * k, np.array([(-1.0) ** k]))
+    bend = history.curvature(0.3, np.array([-1.0]), 0.1)
+    np.testing.assert_allclose(bend.change, 0.0, atol=1e-14)
+
+
+def test_gain_is_that_of_independent_errors():
+    """Closed form: at even steps the mean of (1, -2, 1, 0) and (0, 1, -2, 1) is (1, -1, -1, 1) / 2, of length 1."""
+    history = History(1)
+    for k in range(3):
+        history.add(0.1 * k, np.zeros(1))
+    assert history.curvature(0.3, np.zeros(1), 0.1).gain == pytest.approx(1.0, rel=1e-12)
+
+
 def test_too_few_points_give_nothing():
     history = History(2)
     assert history.extrapolated(0.1) is None
