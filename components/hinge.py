@@ -239,7 +239,8 @@ class Hinge(Component):
         rate = s.rates[3]
         if not self._endpoint:
             # a command acts from the next step's start, which is this instant
-            s = s.commanded(float(u[26]), float(u[28]))
+            old = State.unpack(x).commanded(float(u[26]), float(u[28]))
+            s = s._replace(latched=old.latched, latched_angle=old.latched_angle, hold_angle=old.hold_angle)
             s = s._replace(rates=(*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:]))
         loads = endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)

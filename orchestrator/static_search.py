@@ -84,8 +84,10 @@ class StaticSearch:
 
 
 def _motions(before: Sequence[Vector], after: Sequence[Vector]) -> list[Vector]:
-    """Motions of all bodies but for a translation that they share: a free spacecraft falls as one."""
+    """Motions of all bodies; where none stays, but for their mean translation: a free spacecraft falls as one."""
     moves = [_motion(a, b) for a, b in zip(before, after, strict=True)]
+    if not all(move.any() for move in moves):
+        return moves
     shared = np.mean([move[:3] for move in moves], axis=0)
     return [np.concatenate((move[:3] - shared, move[3:])) for move in moves]
 
