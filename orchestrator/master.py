@@ -273,13 +273,19 @@ class Master:
         self._coupling.forget()
         if line.kinematic:
             self._impulse()
-        else:
-            self._coupling.restore()
-            self._observe(0.0)
-            self._record(0.0, 0)  # with the torque that the damping of the latch begins with
+        elif self.settings.fixed_step is None:
+            self._record_latched(min(_IMPULSE_STEP, 0.1 * size))
         self._coupling.restart()
         self._sizes.restart(size, stirred=False)
         self.segments.append([])
+
+    def _record_latched(self, after: float) -> None:
+        """A row with the torque that the damping of a latch begins with, told as a little later (s)."""
+        self._coupling.restore()
+        self._observe(0.0)
+        self.time += after
+        self._record(after, 0)
+        self.time -= after
 
     def _engage(self, line: HingeLine) -> float:
         """Latch a line, and return the step size (s) to go on with.
