@@ -98,12 +98,12 @@ class ErrorEstimate:
     over an energy, is the square of a relative error in velocity; measured so, a light attachment point that
     springs about without energy does not hold up a whole wing. The energy is the largest of what motors will put
     through the scene, of the kinetic energy seen, and of a thousandth of what is stored at the start. The part
-    that is allowed goes with the tolerance to the power 3/2, so that errors, which go with h^2 where those of a
-    step go with h^3, follow the tolerance.
+    that is allowed goes with the tolerance to the power 3/2 below 1e-4, so that errors, which go with h^2 where
+    those of a step go with h^3, follow the tolerance.
     """
 
     def __init__(self, tolerance: float, stored: float, driving: float = 0.0) -> None:
-        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(tolerance / _REFERENCE_TOLERANCE)
+        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(min(1.0, tolerance / _REFERENCE_TOLERANCE))
         self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
 
     @property
