@@ -10,6 +10,8 @@ from .balance import Energies
 
 _SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
+_ROUNDED = 1e-12
+"""Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest."""
 _STEADY = 2.0
 _STEADY_TRIALS = 4
 _ALLOWANCE = 2.0
@@ -36,7 +38,7 @@ class EnergyGuard:
     def allows(self, found: Energies, h: float) -> bool:
         """Whether a step of size h (s) from the last accepted one to these energies stands."""
         jump = self._jump(found)
-        known = max(self._power * h, self._rounding)
+        known = max(self._power * h, self._rounding, _ROUNDED * sum(map(abs, found)))
         if not jump > max(_SHARE * self._in_motion(found), known):
             return True
         self._powers.append(jump / h)

@@ -71,24 +71,24 @@ def test_slender_cantilever_at_a_fixed_long_step():
 
 def test_guard_rejects_what_smaller_steps_cure():
     """A jump of the balance beside the energy in motion is refused, one of rounding size is not."""
-    guard = EnergyGuard(Energies(0.0, 5e4, 0.0, 0.0))
-    guard.accept(Energies(10.0, 5e4 - 10.0, 0.0, 0.0))
-    assert not guard.allows(Energies(11.0, 5e4 - 10.0, 0.0, 0.0), 0.02)
-    assert guard.allows(Energies(11.0, 5e4 - 11.0 + 1e-4, 0.0, 0.0), 0.01)
-    assert guard.allows(Energies(0.0, 5e4, 3.0, 3.0), 0.01)  # supplied and turned to heat at once
+    guard = EnergyGuard(Energies(0.0, 5e4, 0.0, 0.0, 0.0))
+    guard.accept(Energies(10.0, 5e4 - 10.0, 0.0, 0.0, 0.0))
+    assert not guard.allows(Energies(11.0, 5e4 - 10.0, 0.0, 0.0, 0.0), 0.02)
+    assert guard.allows(Energies(11.0, 5e4 - 11.0 + 1e-4, 0.0, 0.0, 0.0), 0.01)
+    assert guard.allows(Energies(0.0, 5e4, 3.0, 0.0, 3.0), 0.01)  # supplied and turned to heat at once
 
 
 def test_guard_never_waits_for_a_participant_that_keeps_no_books():
     """A power nobody accounts for passes after a few halvings, rounding once the smallest step is reached."""
-    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0))
-    answers = [guard.allows(Energies(1.0, 0.0, 5.0 * h, 0.0), h) for h in 0.1 * 0.5 ** np.arange(5)]
+    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0, 0.0))
+    answers = [guard.allows(Energies(1.0, 0.0, 5.0 * h, 0.0, 0.0), h) for h in 0.1 * 0.5 ** np.arange(5)]
     assert answers == [False, False, False, True, True]
-    guard.accept(Energies(1.0, 0.0, 5.0 * 0.1, 0.0))
-    assert guard.allows(Energies(1.0, 0.0, 5.0 * 0.2, 0.0), 0.1)
+    guard.accept(Energies(1.0, 0.0, 5.0 * 0.1, 0.0, 0.0))
+    assert guard.allows(Energies(1.0, 0.0, 5.0 * 0.2, 0.0, 0.0), 0.1)
 
-    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0))
-    noisy = Energies(1.0, 0.0, 0.5, 0.0)
+    guard = EnergyGuard(Energies(1.0, 0.0, 0.0, 0.0, 0.0))
+    noisy = Energies(1.0, 0.0, 0.5, 0.0, 0.0)
     assert not any(guard.allows(noisy, h) for h in 0.1 * 0.5 ** np.arange(8))
     guard.give_in(noisy)
     guard.accept(noisy)
-    assert guard.allows(Energies(1.0, 0.0, 0.0, 0.0), 0.1)
+    assert guard.allows(Energies(1.0, 0.0, 0.0, 0.0, 0.0), 0.1)

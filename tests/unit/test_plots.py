@@ -59,8 +59,8 @@ def test_close_ups_begin_before_the_latch_and_hold_the_true_peak(result):
 
 def test_curves_of_one_axes_differ_in_colour_and_in_line_style(result):
     lines = [line for line in plots.energy_balance(result).axes[1].lines if line.get_label()[0] != "_"]
-    assert len(lines) == 6
-    assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 6
+    assert len(lines) == 7
+    assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 7
     assert len({line.get_linestyle() for line in lines[:4]}) == 4
 
 
