@@ -8,6 +8,7 @@ where friction, stops or unresolved vibrations leave order one. The estimate is 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
 from pathlib import Path
@@ -18,7 +19,7 @@ from .estimated_errors import ESTIMATED_ERRORS, Key, errors_text
 from .master import Settings
 from .result import Result, add_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
-from .summary import headline
+from .summary import Headline, headline
 
 _SHARE = 1.0 / sqrt(3.0)
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
@@ -37,36 +38,25 @@ def with_estimates(
     watch: Callable[[float, float], None] = lambda time, h: None,
     load: Loader = as_fmus,
 ) -> Outcome:
-    """The outcome whose headline numbers, and those of its file, carry `estimated_errors`."""
-    errors = estimated_errors(assembly, outcome, settings, until, watch, load)
+    """The outcome whose headline numbers, and those of its file, carry estimated errors.
+
+    There are none where nothing can be said: for explicit masters, and where steps twice as long do not converge.
+    """
+    errors: Mapping[Key, float] = {}
+    if outcome.master == "implicit":
+        plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
+        with TemporaryDirectory(prefix="fanfold_") as folder, suppress(RunError):
+            coarse = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
+            errors = _errors(outcome.headline, coarse.headline)
     add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, headline=headline(Result.open(outcome.path)))
 
 
-def estimated_errors(
-    assembly: Assembly,
-    outcome: Outcome,
-    settings: Settings,
-    until: float | None = None,
-    watch: Callable[[float, float], None] = lambda time, h: None,
-    load: Loader = as_fmus,
-) -> Mapping[Key, float]:
-    """Estimated error of every headline number, in its unit, by quantity and what it is of.
-
-    Empty where nothing can be said: for explicit masters, and where steps twice as long do not converge. A number
-    that only one of the two has, such as the time of a latch-up that the other does not reach, is left out.
-    """
-    if outcome.master != "implicit":
-        return {}
-    with TemporaryDirectory(prefix="fanfold_") as folder:
-        plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-        try:
-            found = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
-        except RunError:
-            return {}
-    coarse = {number.key: number.value for number in found.headline.numbers()}
+def _errors(fine: Headline, coarse: Headline) -> dict[Key, float]:
+    """Estimated errors by key, in the units of the numbers; what only one of both runs has is left out."""
+    others = {number.key: number.value for number in coarse.numbers()}
     return {
-        number.key: _SHARE * abs(number.value - coarse[number.key])
-        for number in outcome.headline.numbers()
-        if number.key in coarse and number.quantity not in _NOT_ESTIMATED
+        number.key: _SHARE * abs(number.value - others[number.key])
+        for number in fine.numbers()
+        if number.key in others and number.quantity not in _NOT_ESTIMATED
     }

@@ -78,15 +78,15 @@ def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Prob
     """Mobility of a body (12 ports, 6 ports) about its present inputs; it ends stepped as before."""
     wrenches = body.inputs[: 6 * ports]
     held = wrenches.copy()
-    reference = _stepped(body, time, h)[: 13 * ports].copy()
+    reference = stepped(body, time, h)[: 13 * ports].copy()
     axes = first_port_axes(reference)
     amplitude = min(_DISPLACEMENT_PROBE / h**2, _VELOCITY_PROBE / h)
     matrix = np.empty((12 * ports, 6 * ports))
     for column in range(6 * ports):
         wrenches[column] = held[column] + amplitude
-        matrix[:, column] = _difference(_stepped(body, time, h)[: 13 * ports], reference) / amplitude
+        matrix[:, column] = _difference(stepped(body, time, h)[: 13 * ports], reference) / amplitude
         wrenches[column] = held[column]
-    _stepped(body, time, h)
+    stepped(body, time, h)
     return Probe(matrix, axes)
 
 
@@ -95,19 +95,19 @@ def probe_stiffness(connection: Participant, ports: int, time: float, h: float) 
     motion = connection.inputs[: 13 * ports]
     held = motion.copy()
     axes = first_port_axes(held)
-    reference = _stepped(connection, time, h)[: 6 * ports].copy()
+    reference = stepped(connection, time, h)[: 6 * ports].copy()
     matrix = np.empty((6 * ports, 12 * ports))
     for column in range(12 * ports):
         port, coordinate = divmod(column, 12)
         _displace(motion[13 * port : 13 * port + 13], coordinate, _MOTION_PROBE[coordinate])
-        changed = _stepped(connection, time, h)[: 6 * ports]
+        changed = stepped(connection, time, h)[: 6 * ports]
         matrix[:, column] = (changed - reference) / _MOTION_PROBE[coordinate]
         motion[:] = held
-    _stepped(connection, time, h)
+    stepped(connection, time, h)
     return Probe(matrix, axes)
 
 
-def _stepped(participant: Participant, time: float, h: float) -> Vector:
+def stepped(participant: Participant, time: float, h: float) -> Vector:
     """Outputs after a step from the saved state with the inputs as they are."""
     participant.restore()
     participant.write()

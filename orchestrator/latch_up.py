@@ -12,10 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components import rotation_matrix
-
 from .coupling import Coupling
-from .interface import Matrix, stiffness_of
+from .interface import Matrix, first_port_axes, stepped, stiffness_of
 from .local_error import WatchedTorque
 from .participant import Participant, Vector
 
@@ -27,9 +25,9 @@ _LEAST_STIFFENING = 1e-12
 class Stiffening(NamedTuple):
     """The rotation at one hinge that an event made stiff.
 
-    connection: its number; axis (3,): unit vector, world axes; stiffness (N.m/rad), with the inertial terms that damp
-    unresolved coordinates; damping (N.m.s/rad); wrench (6 ports,): of the hinge on its bodies for a torque of 1 N.m
-    about the axis; rotation (12 ports,): by motions of its ports.
+    connection: its number; axis (3,): unit vector, axes of its last port; stiffness (N.m/rad), with the inertial
+    terms that damp unresolved coordinates; damping (N.m.s/rad); wrench (6 ports,): of the hinge on its bodies for a
+    torque of 1 N.m about the axis; rotation (12 ports,): by motions of its ports.
     """
 
     connection: int
@@ -66,21 +64,19 @@ class Slope(NamedTuple):
 
 def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> list[Slope]:
     """Stiffnesses of connections by name, at the motions and under the commands of now."""
-    connections = [coupling.network.by_name[name] for name in names]
-    return [Slope(_stiffness(c, time, h), _stiffness(c, time, _LONG_STEP)) for c in connections]
+    network = coupling.network
+    ports = {
+        c.name: len(found) for c, found in zip(network.connections, network.connection_ports, strict=True)
+    }
+    return [
+        Slope(*(_stiffness(network.by_name[name], ports[name], time, size) for size in (h, _LONG_STEP)))
+        for name in names
+    ]
 
 
-def _stiffness(connection: Participant, time: float, h: float) -> Matrix:
-    connection.restore()
-    connection.write()
-    connection.do_step(time, h)
-    connection.read()
-    return stiffness_of(connection, connection_ports(connection), time, h).matrix
-
-
-def connection_ports(connection: Participant) -> int:
-    """Number of ports of a connection."""
-    return sum(q.name.endswith(".force") for q in connection.output_layout.quantities)
+def _stiffness(connection: Participant, ports: int, time: float, h: float) -> Matrix:
+    stepped(connection, time, h)
+    return stiffness_of(connection, ports, time, h).matrix
 
 
 def stiffenings(
@@ -95,12 +91,12 @@ def stiffenings(
         values, vectors = np.linalg.eigh(0.5 * (turning + turning.T))
         if values[-1] <= _LEAST_STIFFENING * float(np.abs(new.long).max()):
             continue
-        axis = vectors[:, -1]
+        axis, last_port = vectors[:, -1], coupling.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
         viscous = (old.step - new.step - change)[-3:, -9:-6]
         found.append(
             Stiffening(
                 numbers[name],
-                axis,
+                first_port_axes(last_port).T @ axis,
                 2.0 * float(values[-1]),  # a mean torque is half of that at the end
                 max(0.0, h * float(axis @ viscous @ axis)),
                 change[:, -9:-6] @ axis / values[-1],
@@ -151,8 +147,7 @@ def watched_torques(coupling: Coupling, line: StiffenedLine, energy: float) -> l
     for hinge in line.hinges:
         rows = network.connection_rows[hinge.connection]
         port = len(rows) // 6 - 1
-        quaternion = network.connections[hinge.connection].inputs[13 * port + 3 : 13 * port + 7].tolist()
-        x, y, z = (rotation_matrix(tuple(quaternion)).T @ hinge.axis).tolist()
+        x, y, z = hinge.axis.tolist()
         weight = len(line.hinges) * line.frequency**2 / (2.0 * hinge.stiffness * energy)
         found.append(WatchedTorque(hinge.connection, port, int(rows[-3]), (x, y, z), weight))
     return found

@@ -11,14 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components import rotation_matrix
-
 from .convergence import noise
 from .history import Bend
+from .interface import Matrix, first_port_axes
 from .network import Network
 from .participant import Vector
-
-Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 class WatchedTorque(NamedTuple):
@@ -69,9 +66,7 @@ def error_square(
 
 
 def _watched_square(network: Network, w: WatchedTorque, bend: Bend, left: Vector, h: float) -> float:
-    start = 13 * w.port + 3
-    quaternion = network.connections[w.connection].inputs[start : start + 4].tolist()
-    along = rotation_matrix(tuple(quaternion)) @ np.array(w.axis)
+    along = first_port_axes(network.connections[w.connection].inputs[13 * w.port :]) @ np.array(w.axis)
     rows = slice(w.row, w.row + 3)
     torque, unknown = float(along @ bend.change[rows]), bend.gain * float(left[rows].max())
     return w.weight * h * h * max(0.0, torque**2 - unknown**2)

@@ -18,11 +18,10 @@ from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watche
 from .network import Network
 from .participant import Vector
 from .static_search import DURATION, StaticSearch
-from .stepping import ErrorEstimate, StepSizes, failure, find_event
+from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
 
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
-_REFERENCE_TOLERANCE = 1e-4
 _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
@@ -100,7 +99,7 @@ class Master:
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy)
-        largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / _REFERENCE_TOLERANCE))
+        largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = self._coupling.accepted

@@ -15,7 +15,8 @@ _RATIO = sqrt(2.0)
 _ERROR_SHARE = 0.0025
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
-_REFERENCE_TOLERANCE = 1e-4
+REFERENCE_TOLERANCE = 1e-4
+"""Below it, largest step and allowed error go with higher powers of the tolerance."""
 _GROWTH_MARGIN = 0.5
 _REJECTED, _REJECTED_STIRRED = 3.0, 10.0
 _FORGET = 0.8
@@ -103,7 +104,7 @@ class ErrorEstimate:
     """
 
     def __init__(self, tolerance: float, stored: float, driving: float = 0.0) -> None:
-        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(min(1.0, tolerance / _REFERENCE_TOLERANCE))
+        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(min(1.0, tolerance / REFERENCE_TOLERANCE))
         self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
 
     @property
