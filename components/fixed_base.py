@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ContinuousStates, Port, Quantity, Vector
-from ._frames import normalized, sum_of_moments
-from ._midstep import extrapolated
+from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import normalized, sum_of_moments
+from .numerics.mid_step import extrapolated
 
 _HISTORY = 6
 _STOPPED = -1.0

@@ -24,7 +24,7 @@ import zipfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -44,10 +44,10 @@ from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
 from .sources import source_files
 from .variables import StartValue, start_values
 
-_COMPONENTS = Path(components.__file__).parent
+_COMPONENTS = Path(components.__file__).resolve().parent
 _PYTHONFMU = Path(pythonfmu.__file__).parent
-_CONTRACT = "_component"
-_IMPORT = re.compile(r"^(\s*from\s+)components(\.\w+)?(\s+import\b)", re.MULTILINE)
+_CONTRACT = "contract.component"
+_IMPORT = re.compile(r"^(\s*from\s+)components(\.[\w.]+)?(\s+import\b)", re.MULTILINE)
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 _ENTRY = '''"""Entry point of an FMU of the component {kind!r}, run by PythonFMU for every instance."""
@@ -201,17 +201,17 @@ def pack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN
 def bundle(component_class: type[Component]) -> tuple[str, Mapping[str, bytes]]:
     """Name of the package that holds the code of an FMU, and its files with the entry module beside it."""
     source = Path(inspect.getfile(component_class)).resolve()
-    inside = source.parent == _COMPONENTS.resolve()
+    inside = source.is_relative_to(_COMPONENTS)
     module = f"{'components' if inside else 'extra'}.{source.stem}"
     sources = {"adapter/slave.py": Path(slave.__file__).read_text(encoding="utf-8")}
     if not inside:
         sources[f"extra/{source.stem}.py"] = source.read_text(encoding="utf-8")
     wanted = [_CONTRACT, *([source.stem] if inside else _imported_components(source))]
     for path in _reachable(wanted):
-        sources[f"components/{path.name}"] = path.read_text(encoding="utf-8")
-    for folder in {path.partition("/")[0] for path in sources}:
-        sources[f"{folder}/__init__.py"] = ""
-    sources["__init__.py"] = ""
+        name = path.relative_to(_COMPONENTS).as_posix()
+        sources[f"components/{name}"] = path.read_text(encoding="utf-8")
+    for folder in {parent for path in sources for parent in PurePosixPath(path).parents}:
+        sources.setdefault((folder / "__init__.py").as_posix(), "")
     files = {path: _relative(text).encode() for path, text in sources.items()}
     names = {"kind": component_class.kind, "module": module, "name": component_class.__name__}
     entry = _ENTRY.format(package="{package}", **names).encode()
@@ -226,17 +226,22 @@ def _reachable(names: Iterable[str]) -> list[Path]:
     found: dict[str, Path] = {}
     waiting = list(names)
     while waiting:
-        stem = waiting.pop()
-        if stem not in found:
-            found[stem] = _COMPONENTS / f"{stem}.py"
-            waiting.extend(_imported_components(found[stem]))
-    return [found[stem] for stem in sorted(found)]
+        name = waiting.pop()
+        if name not in found:
+            found[name] = _file_of(name)
+            waiting.extend(_imported_components(found[name]))
+    return [found[name] for name in sorted(found)]
+
+
+def _file_of(name: str) -> Path:
+    """The file of a module of `components`, by its dotted name in it; its folder's own file for a package."""
+    path = _COMPONENTS.joinpath(*name.split("."))
+    return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
 def _imported_components(source: Path) -> list[str]:
-    """Names of the modules of `components` that a file imports; an error for forms that cannot be moved."""
+    """Dotted names in `components` of the modules that a file imports; an error for forms that cannot be moved."""
     names: list[str] = []
-    inside = source.parent.resolve() == _COMPONENTS.resolve()
     for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import) and any(a.name.partition(".")[0] == "components" for a in node.names):
             raise ComponentError(
@@ -244,16 +249,28 @@ def _imported_components(source: Path) -> list[str]:
             )
         if not isinstance(node, ast.ImportFrom):
             continue
-        top, _, rest = (node.module or "").partition(".")
-        if node.level and (not inside or node.level > 1):
-            raise ComponentError(f"{source.name} imports from its own package; it must be one file")
-        if node.level and node.module is None:
-            names.extend(alias.name for alias in node.names)
-        elif node.level:
-            names.append(top)
-        elif top == "components":
-            names.append(rest or _CONTRACT)
+        imported = node.module.split(".") if node.module else []
+        if node.level:
+            names.extend(_modules(_start(source, node.level) + imported, node))
+        elif imported[0] == "components":
+            names.extend(_modules(imported[1:], node) if imported[1:] else [_CONTRACT])
     return names
+
+
+def _start(source: Path, level: int) -> list[str]:
+    """Folders in `components` from which a relative import of a file counts."""
+    source = source.resolve()
+    folders = list(source.relative_to(_COMPONENTS).parent.parts) if source.is_relative_to(_COMPONENTS) else []
+    if level > len(folders) + source.is_relative_to(_COMPONENTS):
+        raise ComponentError(f"{source.name} imports from its own package; it must be one file")
+    return folders[: len(folders) - level + 1]
+
+
+def _modules(path: list[str], node: ast.ImportFrom) -> list[str]:
+    """Modules that one import needs: the one named and the packages around it, or modules of the package named."""
+    around = [".".join(path[:k]) for k in range(1, len(path) + 1)]
+    within = [".".join((*path, alias.name)) for alias in node.names]
+    return [*around, *(name for name in within if _file_of(name).exists())]
 
 
 def _relative(source: str) -> str:

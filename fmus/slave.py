@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
-from components._component import Component, ComponentError, Vector
+from components.contract.component import Component, ComponentError, Vector
 
 COMPONENT_FILE = "component.json"
 ARRAYS_FILE = "arrays.npz"

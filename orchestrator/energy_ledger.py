@@ -22,7 +22,7 @@ from components import (
     POTENTIAL_ENERGY,
     SUPPLIED_ENERGY,
 )
-from components._component import Vector
+from components.contract.component import Vector
 
 from .result import Result
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from components import ComponentError
-from components._frames import add
-from components.modal import ModalData
+from components.contract.frames import add
+from components.flexible.modal import ModalData
 
 from .assembly import Assembly, Geometry, Link, Part
 from .port_starts import with_port_starts

@@ -7,8 +7,17 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from components import ComponentError, catalogue
-from components._frames import Quaternion, Vector3, add, exponential, multiply, rotate, scaled, subtract
-from components.modal import ModalData
+from components.contract.frames import (
+    Quaternion,
+    Vector3,
+    add,
+    exponential,
+    multiply,
+    rotate,
+    scaled,
+    subtract,
+)
+from components.flexible.modal import ModalData
 
 from .scene_body_tables import Base, Body
 from .scene_connection_tables import Ccl, Connection, Damper

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
-from components._frames import Vector3, norm, subtract
+from components.contract.frames import Vector3, norm, subtract
 
 from .scene_bodies import Attachment, StartPose
 from .scene_body_tables import Body

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError, Quantity
-from components._frames import Vector3, add
 from components.contact import Contact
+from components.contract.frames import Vector3, add
 
 from .assembly import Part
 from .scene_bodies import StartPose

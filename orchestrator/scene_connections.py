@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import sqrt
 from typing import Literal, NamedTuple
 
-from components._frames import Vector3
+from components.contract.frames import Vector3
 
 from .assembly import HingeLine as AssemblyHingeLine
 from .assembly import Part

@@ -7,8 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from components._frames import Quaternion, conjugate, multiply, rotate, rotate_back, rotation_matrix, subtract
-from components.modal import ModalData
+from components.contract.frames import (
+    Quaternion,
+    conjugate,
+    multiply,
+    rotate,
+    rotate_back,
+    rotation_matrix,
+    subtract,
+)
+from components.flexible.modal import ModalData
 
 from .scene_bodies import Attachment, StartPose
 from .scene_schema import Scene

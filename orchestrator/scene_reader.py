@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from components import ComponentError
-from components._frames import Vector3
+from components.contract.frames import Vector3
 
 from . import scene_check
 from .scene_bodies import attachments, body_points, scene_points, start_poses

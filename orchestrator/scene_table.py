@@ -8,9 +8,9 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
 
 from components import ComponentError
-from components._frames import Vector3
 from components.body import Body as BodyComponent
-from components.modal import ModalData
+from components.contract.frames import Vector3
+from components.flexible.modal import ModalData
 
 from .units import Position, to_si
 

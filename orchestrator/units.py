@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 
-from components._frames import Vector3
+from components.contract.frames import Vector3
 
 Sign = Literal["any", "zero or positive", "positive"]
 

@@ -1,4 +1,4 @@
-/* Mean force of a stiff linear coordinate over a step: the twin of components/_bushing.py, which says why.
+/* Mean force of a stiff linear coordinate over a step: the twin of components/numerics/stiff_coordinate.py, which says why.
 
    Two inertial terms of the size k h^2 damp what a held force would otherwise keep ringing; they only lose. */
 

@@ -1,4 +1,4 @@
-/* Rotations and spatial vectors: the twin of components/_frames.py in either number type.
+/* Rotations and spatial vectors: the twin of components/contract/frames.py in either number type.
 
    Quaternions are scalar first and rotate body into world coordinates. */
 

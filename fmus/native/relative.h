@@ -1,5 +1,5 @@
 /* Relative motion of a connection's two ports, seen from a frame on the first port whose x axis is a hinge
-   line: the twin of components/_relative.py; and what all connections read from their data. */
+   line: the twin of components/numerics/relative_motion.py; and what all connections read from their data. */
 
 #ifndef FANFOLD_RELATIVE_H
 #define FANFOLD_RELATIVE_H

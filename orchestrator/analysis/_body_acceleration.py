@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from components._frames import Vector3, skew
-from components.modal import ModalData
+from components.contract.frames import Vector3, skew
+from components.flexible.modal import ModalData
 
 from ..result import Result
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from components._component import Vector
+from components.contract.component import Vector
 
 from ..plot_style import COLOURS, DASHES, STYLE, WIDTH
 from ._linear import LinearModel, NormalModes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from components._component import Vector
+from components.contract.component import Vector
 
 from ..scene_table import SceneError
 from ._linear import LinearModel, linearise, normal_modes

@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from components._plate_resultants import PlateNodes
-from components.stress import PeakStress, StressRecovery
+from components.flexible.plate_resultants import PlateNodes
+from components.flexible.stress import PeakStress, StressRecovery
 
 from ..plot_style import COLOURS, DASHES, STYLE, WIDTH
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components import ComponentError, catalogue
-from components._plate_resultants import PlateNodes
-from components.modal import ModalData
-from components.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
-from components.stress import StressRecovery, face_sheets, stress_recovery
+from components.flexible.modal import ModalData
+from components.flexible.plate_resultants import PlateNodes
+from components.flexible.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
+from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
 
 from ..result import Result, ResultError
 from ..scene_bodies import body_model

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from components import ComponentError
-from components._frames import Vector3, rotate
+from components.contract.frames import Vector3, rotate
 from components.hinge import Hinge
 
 from ..assembly import Assembly, Part

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from components._component import Vector
+from components.contract.component import Vector
 
 from ..cli_options import SceneChoice, ordered_names, scene_choice
 from ..cli_types import Count, Number, Picture

@@ -19,8 +19,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from components._component import Vector
-from components._frames import rotate
+from components.contract.component import Vector
+from components.contract.frames import rotate
 
 from ..assembly import Link, Part
 from ..cli_options import SceneChoice, scene_choice

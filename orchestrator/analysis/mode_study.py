@@ -19,7 +19,7 @@ from rich.console import Console
 from rich.table import Table
 
 from components.catalogue import BODIES, finite_elements
-from components.reduction import fixed_interface_frequencies, free_frequencies
+from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 from ..cli_options import SceneChoice, scene_choice
 from ..master import Settings

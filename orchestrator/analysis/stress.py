@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from components._plate_resultants import PlateNodes
-from components.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
+from components.flexible.plate_resultants import PlateNodes
+from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
 from ..cli_types import Count, Number
 from ..result import Result, ResultError

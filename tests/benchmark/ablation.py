@@ -26,7 +26,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
 from orchestrator.fmu import FmuParticipant
 from orchestrator.participant import Participant

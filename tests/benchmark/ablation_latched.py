@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from components import rotation_matrix
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
 from orchestrator.master import Master, Settings
 from orchestrator.network import Network

@@ -16,8 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from components._frames import exponential
-from components.modal import ModalData
+from components.contract.frames import exponential
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, HingeLine, Link, Part
 from orchestrator.explicit import ExplicitMaster
 from orchestrator.master import Master, Settings

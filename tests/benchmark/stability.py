@@ -22,8 +22,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from components import catalogue, rotation_matrix
-from components._oscillators import propagator
-from components.modal import ModalData
+from components.flexible.modal import ModalData
+from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.explicit import ExplicitMaster
 from orchestrator.master import SCENE_CHANNELS, Master, Settings

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.coupling import Tolerance
 from orchestrator.master import SCENE_CHANNELS, Master, Settings

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from components.beam_frame import BeamSection, Member, beam_frame
-from components.reduction import craig_bampton
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.reduction import craig_bampton
 from fmus import native_library
 from orchestrator.assembly import Part
 from orchestrator.balance import Energies

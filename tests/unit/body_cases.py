@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from components._component import Vector
 from components.body import Body
-from components.modal import ModalData
+from components.contract.component import Vector
+from components.flexible.modal import ModalData
 from tests.references import nodal_flexible_body as nodal
 from tests.unit.prepared import prepared
 

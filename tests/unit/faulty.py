@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from components import REGISTRY, ComponentError
-from components._component import Vector
+from components.contract.component import Vector
 from components.damper import EddyCurrentDamper
 
 FAULTS = ("none", "error", "nan", "load", "noise")

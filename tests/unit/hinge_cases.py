@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from components._component import Vector
-from components._hinge_state import Constants
+from components.contract.component import Vector
 from components.hinge import Hinge
+from components.hinge_parts.state import Constants
 from tests.references.coupled import Run
 from tests.references.relative_motion import inputs, port_motion
 from tests.unit.prepared import prepared

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from components._component import Component
+from components.contract.component import Component
 
 
 def prepared(component: Component, **start: Any) -> Any:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from components import REGISTRY, SUPPLIED_ENERGY, Component, Layout, Quantity
-from components._component import Port
+from components.contract.component import Port
 from orchestrator.assembly import Link
 from orchestrator.balance import Energies, energy_rows
 from orchestrator.master import Master, Settings

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from components._component import ComponentError
-from components.beam_frame import BeamSection, Member, beam_frame, tube_section
-from components.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
+from components.contract.component import ComponentError
+from components.flexible.beam_frame import BeamSection, Member, beam_frame, tube_section
+from components.flexible.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
 
 CLAMPED_CLAMPED = np.array([22.3733, 61.6728, 120.903])
 CLAMPED_FREE = np.array([3.51602, 22.0345, 61.6972])

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from components.body import Body
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from tests.references.free_rotor import free_rotor
 from tests.unit.body_cases import (
     HERTZ,

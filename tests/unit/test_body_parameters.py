@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from components._component import ComponentError
 from components.body import Body
-from components.modal import ModalData
+from components.contract.component import ComponentError
+from components.flexible.modal import ModalData
 from tests.unit.body_cases import (
     SPIN,
     VELOCITY,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from components._oscillators import propagator
+from components.numerics.oscillators import propagator
 from tests.references.nodal_flexible_body import cross_matrix
 from tests.unit.body_cases import (
     ENDS,

@@ -6,15 +6,15 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from components import catalogue
-from components._catalogue_body import rigid_with_masses, with_masses
-from components._catalogue_joined import joined
-from components._catalogue_yoke import parallel_yoke, yoke_tube
-from components._component import ComponentError
-from components._frames import skew
-from components.beam_frame import BeamSection, Member, beam_frame
-from components.modal import ModalData
-from components.panel import HingeArm, Panel, Plate, panel_model
-from components.reduction import fixed_interface_frequencies, free_frequencies
+from components.catalogue.body import rigid_with_masses, with_masses
+from components.catalogue.yoke import parallel_yoke, yoke_tube
+from components.contract.component import ComponentError
+from components.contract.frames import skew
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.joined import joined
+from components.flexible.modal import ModalData
+from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 BRACKET = (("center", 0.40),)
 SECTION = BeamSection(1e7, 1000.0, 3000.0, 700.0, 1.3, 0.01)

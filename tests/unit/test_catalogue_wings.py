@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from components import catalogue
-from components._catalogue_yoke import yoke_tube
-from components.reduction import fixed_interface_frequencies
+from components.catalogue.yoke import yoke_tube
+from components.flexible.reduction import fixed_interface_frequencies
 
 WINGS = {
     "amos3_yoke": (10, 22, ("hl1", "hl2_left", "hl2_right", "guide")),

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from components import catalogue
-from components.panel import HingeArm, Panel, Plate, panel_model
-from components.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
+from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
 
 POINTS = ("hl_left", "hl_right")
 FIXED = np.array([4.103071, 9.523196, 54.19069, 69.25148, 97.80708, 121.5842])

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components._component import ComponentError
 from components.ccl import CableLoop
+from components.contract.component import ComponentError
 from orchestrator.assembly import Part
 from orchestrator.master import Settings
 from tests.references.closed_forms import spring_driven_angle

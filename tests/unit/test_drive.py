@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from components._component import ComponentError
+from components.contract.component import ComponentError
 from components.drive import Drive, MotionLaw
 from orchestrator.assembly import Part
 from orchestrator.coupling import Tolerance

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from components import _frames as frames
+from components.contract import frames
 
 COORDINATE = st.floats(-3.0, 3.0)
 VECTOR = st.tuples(COORDINATE, COORDINATE, COORDINATE)

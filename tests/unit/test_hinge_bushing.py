@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from components._component import ComponentError
+from components.contract.component import ComponentError
 from components.hinge import Hinge
 from tests.references.relative_motion import inputs, port_motion, wrenches
 from tests.unit.hinge_cases import hinge

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
 from components import catalogue
-from components.reduction import fixed_interface_frequencies
+from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pair, series, tune, without
 from orchestrator.cli import main
 from orchestrator.scene import SceneError, choose_fidelity, find_scene, load_scene

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components._component import ComponentError
-from components.laws import Linear, SlackSpring, Table, mean_force, stiction_factors
+from components.contract.component import ComponentError
+from components.numerics.laws import Linear, SlackSpring, Table, mean_force, stiction_factors
 
 DEGREE = np.pi / 180
 SPLINE = (

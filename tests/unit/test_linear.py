@@ -8,7 +8,7 @@ import pytest
 
 from components import REGISTRY, catalogue, left_product
 from components.body import Body
-from components.reduction import fixed_interface_frequencies
+from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis._configuration import configuration, loaded, placed
 from orchestrator.analysis._connection import Connection, at_rest
 from orchestrator.analysis._linear import linearise, modal_damping, normal_modes

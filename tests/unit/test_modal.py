@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from components._component import ComponentError
-from components._frames import skew
-from components.beam_frame import BeamSection, Member, beam_frame
 from components.catalogue import cached
-from components.modal import ModalData, default_damping, inertia_invariants, rigid_motion
-from components.panel import HingeArm, Panel, Plate, panel_model
-from components.reduction import (
+from components.contract.component import ComponentError
+from components.contract.frames import skew
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.modal import ModalData, default_damping, inertia_invariants, rigid_motion
+from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.reduction import (
     craig_bampton,
     fixed_interface_frequencies,
     free_frequencies,

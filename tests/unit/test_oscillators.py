@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from components._oscillators import Propagator, propagator
+from components.numerics.oscillators import Propagator, propagator
 from fmus.native.compile import HERE, compile_files, compiler, suffix
 
 FREQUENCY = st.floats(-1.0, 5.5).map(lambda e: 10.0**e)

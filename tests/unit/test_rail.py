@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from components._component import ComponentError
+from components.contract.component import ComponentError
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
 from orchestrator.coupling import Tolerance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Part
 from orchestrator.master import Settings
 from tests.references import closed_forms, relative_motion

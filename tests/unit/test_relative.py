@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from components import ComponentError
-from components._frames import multiply, rotate
-from components._relative import axis_frame, conjugate_torque, relative_pose, relative_rates
+from components.contract.frames import multiply, rotate
+from components.numerics.relative_motion import axis_frame, conjugate_torque, relative_pose, relative_rates
 from tests.references.relative_motion import port_motion
 
 AXIS_FRAME = axis_frame((0.0, 1.0, 0.0), "the hinge line")

@@ -6,14 +6,14 @@ from numpy.polynomial import polynomial
 from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
-from components import stress as stress_module
-from components._component import ComponentError
-from components._frames import skew
-from components.beam_frame import BeamSection, Member, beam_frame
 from components.catalogue import catalogue_data
-from components.panel import HingeArm, Panel, Plate, PlateElements, panel_model
-from components.reduction import inertia_relief, orthonormal_modes
-from components.stress import (
+from components.contract.component import ComponentError
+from components.contract.frames import skew
+from components.flexible import stress as stress_module
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.panel import HingeArm, Panel, Plate, PlateElements, panel_model
+from components.flexible.reduction import inertia_relief, orthonormal_modes
+from components.flexible.stress import (
     FaceSheets,
     face_sheets,
     hot_spots,

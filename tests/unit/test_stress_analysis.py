@@ -16,10 +16,10 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from components import catalogue
-from components._frames import skew
-from components.modal import ModalData
-from components.reduction import orthonormal_modes
-from components.stress import face_sheets, hot_spots, stress_recovery
+from components.contract.frames import skew
+from components.flexible.modal import ModalData
+from components.flexible.reduction import orthonormal_modes
+from components.flexible.stress import face_sheets, hot_spots, stress_recovery
 from orchestrator.analysis import _stress_model
 from orchestrator.analysis._body_acceleration import acceleration_field
 from orchestrator.analysis.stress import Choice

@@ -22,26 +22,21 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ._catalogue_amos3 import AMOS3
-from ._catalogue_arabsat import ARABSAT
-from ._catalogue_bepicolombo import BEPICOLOMBO
-from ._catalogue_body import (
-    CatalogueBody,
-    PointMasses,
-    rigid_with_masses,
-    symmetric_rigid_body,
-    with_masses,
-)
-from ._catalogue_data import catalogue_data
-from ._catalogue_panel import WORKBENCH, workbench_bare_model
-from ._component import ComponentError
-from .modal import ModalData
-from .reduction import FiniteElementModel, craig_bampton
+from ..contract.component import ComponentError
+from ..flexible.modal import ModalData
+from ..flexible.reduction import FiniteElementModel, craig_bampton
+from .amos3 import AMOS3
+from .arabsat import ARABSAT
+from .bepicolombo import BEPICOLOMBO
+from .body import CatalogueBody, PointMasses, rigid_with_masses, symmetric_rigid_body, with_masses
+from .data_files import catalogue_data
+from .panel import WORKBENCH, workbench_bare_model
 
 BODIES: Mapping[str, CatalogueBody] = {**WORKBENCH, **AMOS3, **BEPICOLOMBO, **ARABSAT}
 """Finite elements, attachment points and nodes of every entry."""
 
-_SOURCES = ("_component.py", "_frames.py", "modal.py", "reduction.py", "panel.py", "beam_frame.py")
+_SOURCES = ("contract", "flexible", "catalogue")
+"""Folders of all that turns data into bodies."""
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, BadZipFile, ComponentError)
 
 
@@ -204,13 +199,11 @@ def cached(build: Callable[[], ModalData], key: Mapping[str, Any]) -> ModalData:
 def _digest(key: Mapping[str, Any]) -> str:
     """Hash of the key and of the sources and data that turn it into modal data."""
     content = hashlib.sha256(json.dumps(key, sort_keys=True).encode())
-    package = files(__package__)
-    own = [file.name for file in package.iterdir() if file.name.startswith("_catalogue_")]
-    for name in (*_SOURCES, *sorted(own), Path(__file__).name):
-        content.update((package / name).read_bytes())
-    tables = [file for file in (package / "data").iterdir() if file.name.endswith(".toml")]
-    for data in sorted(tables, key=lambda file: file.name):
-        content.update(data.read_bytes())
+    package = files("components")
+    for folder, ending in (*((name, ".py") for name in _SOURCES), ("data", ".toml")):
+        found = [file for file in (package / folder).iterdir() if file.name.endswith(ending)]
+        for file in sorted(found, key=lambda file: file.name):
+            content.update(file.read_bytes())
     return content.hexdigest()[:24]
 
 

@@ -25,7 +25,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._component import ComponentError, Vector
+from ..contract.component import ComponentError, Vector
 from .reduction import FiniteElementModel
 
 Indices = NDArray[np.int64]

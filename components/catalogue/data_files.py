@@ -15,5 +15,5 @@ def values(table: Mapping[str, Any]) -> dict[str, Any]:
 
 def catalogue_data(system: str) -> dict[str, Any]:
     """Numbers of data/`system`.toml: workbench, tube, amos3, bepicolombo or arabsat."""
-    text = (files(__package__) / "data" / f"{system}.toml").read_text(encoding="utf-8")
+    text = (files("components") / "data" / f"{system}.toml").read_text(encoding="utf-8")
     return values(tomllib.loads(text))

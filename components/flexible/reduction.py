@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
-from ._component import ComponentError, Vector
-from ._frames import skew
+from ..contract.component import ComponentError, Vector
+from ..contract.frames import skew
 from .modal import ModalData, default_damping, inertia_invariants
 
 if TYPE_CHECKING:
-    from ._plate_resultants import PlateNodes
+    from .plate_resultants import PlateNodes
 
 SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
 

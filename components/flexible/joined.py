@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ._component import ComponentError
+from ..contract.component import ComponentError
 from .reduction import FiniteElementModel, SparseMatrix
 
 

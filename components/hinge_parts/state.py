@@ -7,12 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._bushing import Memory, StepMotion
-from ._component import Vector
-from ._frames import Quaternion, Vector3
-from ._midstep import MidStepRate
-from ._relative import Pose, Rates, as_floats
-from .laws import Law
+from ..contract.component import Vector
+from ..contract.frames import Quaternion, Vector3
+from ..numerics.laws import Law
+from ..numerics.mid_step import MidStepRate
+from ..numerics.relative_motion import Pose, Rates, as_floats
+from ..numerics.stiff_coordinate import Memory, StepMotion
 
 Six = tuple[float, float, float, float, float, float]
 
@@ -139,6 +139,7 @@ def mean_swing(old: State, new: State) -> tuple[float, float]:
 
 
 def motion_of(old: State, new: State, i: int, h: float) -> StepMotion:
+    """Motion of coordinate i over a step, with its memory of rates."""
     memory = Memory(old.mean_rates[i], old.end_rates[i])
     return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
 
@@ -149,6 +150,7 @@ def shifted(motion: StepMotion, origin: float) -> StepMotion:
 
 
 def coordinates_of(pose: Pose, angle: float) -> Six:
+    """The six coordinates of a hinge: offset along its axes, angle, swing."""
     return (*pose.offset, angle, *pose.swing)
 
 

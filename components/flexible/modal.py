@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._component import ComponentError, Vector
-from ._frames import skew
+from ..contract.component import ComponentError, Vector
+from ..contract.frames import skew
 
 _NO_FACES = np.zeros((0, 4), dtype=np.int64)
 

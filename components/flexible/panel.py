@@ -21,10 +21,10 @@ import skfem
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ._component import ComponentError, Vector
-from ._plate_resultants import AxisCorners, PlateNodes, Rectangle, plate_nodes
+from ..contract.component import ComponentError, Vector
 from .beam_frame import BeamSection, beam_stiffness
 from .modal import rigid_motion
+from .plate_resultants import AxisCorners, PlateNodes, Rectangle, plate_nodes
 from .reduction import FiniteElementModel, SparseMatrix
 
 _GAUSS_POINTS = 4  # exact for the square of a cubic

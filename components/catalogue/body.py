@@ -10,10 +10,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from scipy import sparse
 
-from ._component import ComponentError, Vector
-from ._frames import skew
-from .modal import ModalData
-from .reduction import FiniteElementModel
+from ..contract.component import ComponentError, Vector
+from ..contract.frames import skew
+from ..flexible.modal import ModalData
+from ..flexible.reduction import FiniteElementModel
 
 PointMasses: TypeAlias = tuple[tuple[str, float], ...]
 """Point masses in kg at named points of a body."""

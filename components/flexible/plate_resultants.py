@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ._component import Vector
+from ..contract.component import Vector
 
 if TYPE_CHECKING:
     from .panel import Plate

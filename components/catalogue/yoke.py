@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import hypot, sqrt
 
-from ._catalogue_data import catalogue_data
-from ._catalogue_panel import SIDES
-from ._component import ComponentError
-from .beam_frame import BeamSection, Member, beam_frame, tube_section
-from .reduction import FiniteElementModel
+from ..contract.component import ComponentError
+from ..flexible.beam_frame import BeamSection, Member, beam_frame, tube_section
+from ..flexible.reduction import FiniteElementModel
+from .data_files import catalogue_data
+from .panel import SIDES
 
 _LEG_ELEMENTS, _BAR_ELEMENTS = 4, 10
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator, PPoly
 
-from ._component import ComponentError
+from ..contract.component import ComponentError
 
 _TINY = 1e-5
 

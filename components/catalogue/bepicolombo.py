@@ -6,13 +6,13 @@ Arms on hinge line 2 are rigid: the measured latch torque of that line holds the
 
 from __future__ import annotations
 
-from ._catalogue_body import CatalogueBody
-from ._catalogue_data import catalogue_data
-from ._catalogue_joined import joined
-from ._catalogue_panel import SIDES, hinge_arms, hinged_panel, plate, rigid_arm
-from ._catalogue_yoke import parallel_yoke, yoke_tube
-from .panel import HingeArm, Panel, panel_model
-from .reduction import FiniteElementModel
+from ..flexible.joined import joined
+from ..flexible.panel import HingeArm, Panel, panel_model
+from ..flexible.reduction import FiniteElementModel
+from .body import CatalogueBody
+from .data_files import catalogue_data
+from .panel import SIDES, hinge_arms, hinged_panel, plate, rigid_arm
+from .yoke import parallel_yoke, yoke_tube
 
 
 def inboard_model() -> FiniteElementModel:

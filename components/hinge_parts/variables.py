@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ._component import Quantity
-from ._relative import numerical_dissipation
+from ..contract.component import Quantity
+from ..numerics.relative_motion import numerical_dissipation
 
 
 def parameters() -> list[Quantity]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from ._component import ContinuousStates, Quantity, Vector
+from ..contract.component import ContinuousStates, Quantity, Vector
 
 
 def parameters() -> list[Quantity]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ._catalogue_body import CatalogueBody
-from ._catalogue_data import catalogue_data
-from ._catalogue_panel import workbench_plate_panel
-from ._catalogue_yoke import a_frame_yoke, yoke_tube
-from .reduction import FiniteElementModel
+from ..flexible.reduction import FiniteElementModel
+from .body import CatalogueBody
+from .data_files import catalogue_data
+from .panel import workbench_plate_panel
+from .yoke import a_frame_yoke, yoke_tube
 
 
 def yoke_model() -> FiniteElementModel:

@@ -15,7 +15,7 @@ from math import pi, sqrt
 import numpy as np
 from scipy import sparse
 
-from ._component import ComponentError, Vector
+from ..contract.component import ComponentError, Vector
 from .modal import rigid_motion
 from .reduction import FiniteElementModel, SparseMatrix
 

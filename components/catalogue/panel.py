@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from ._catalogue_body import CatalogueBody
-from ._catalogue_data import catalogue_data
-from .beam_frame import BeamSection
-from .panel import HingeArm, Panel, Plate, panel_model
-from .reduction import FiniteElementModel
+from ..flexible.beam_frame import BeamSection
+from ..flexible.panel import HingeArm, Panel, Plate, panel_model
+from ..flexible.reduction import FiniteElementModel
+from .body import CatalogueBody
+from .data_files import catalogue_data
 
 HingeLines = Mapping[str, Literal["inboard", "outboard"]]
 SIDES = (("left", 1.0), ("right", -1.0))

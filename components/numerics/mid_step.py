@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, TypeVar
 
-from ._component import Vector
+from ..contract.component import Vector
 
 T = TypeVar("T", float, Vector)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ._bushing import MeanLoad, StepMotion, bushing_load, damped_load
-from ._frames import Vector3
-from ._hinge_state import Constants, Loads, State, mean_swing, shifted
-from ._relative import conjugate_torque
-from .laws import mean_force, stiction_factors
+from ..contract.frames import Vector3
+from ..numerics.laws import mean_force, stiction_factors
+from ..numerics.relative_motion import conjugate_torque
+from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
+from .state import Constants, Loads, State, mean_swing, shifted
 
 _FORCE_SMOOTHING = 1.0
 

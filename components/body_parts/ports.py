@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ._component import ComponentError, Vector
-from ._frames import Quaternion, left_product, multiply, normalized, skew
-from .modal import ModalData
+from ..contract.component import ComponentError, Vector
+from ..contract.frames import Quaternion, left_product, multiply, normalized, skew
+from ..flexible.modal import ModalData
 
 
 class BodyPorts:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
-from ._component import NUMERICAL_DISSIPATION, ComponentError, ContinuousStates, Quantity, Vector
-from ._frames import (
+from ..contract.component import NUMERICAL_DISSIPATION, ComponentError, ContinuousStates, Quantity, Vector
+from ..contract.frames import (
     Quaternion,
     Vector3,
     add,

@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import ComponentError, Vector
-from .modal import ModalData
+from ..contract.component import ComponentError, Vector
+from ..flexible.modal import ModalData
 
 CouplingLevel = Literal["rigid", "constant", "partial", "full"]
 

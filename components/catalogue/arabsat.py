@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ._catalogue_body import CatalogueBody
-from ._catalogue_data import catalogue_data
-from ._catalogue_panel import HingeLines, hinged_panel
-from ._catalogue_yoke import a_frame_yoke, yoke_tube
-from .reduction import FiniteElementModel
+from ..flexible.reduction import FiniteElementModel
+from .body import CatalogueBody
+from .data_files import catalogue_data
+from .panel import HingeLines, hinged_panel
+from .yoke import a_frame_yoke, yoke_tube
 
 _ELEMENT_SIZE = 0.1  # m; half of it changes the lowest frequencies by 3e-3 at most
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .modal import ModalData
+from ..flexible.modal import ModalData
 
 
 def example_modal_data() -> ModalData:
