@@ -362,7 +362,7 @@ class Body(Component):
         )
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Arrays that `fmus/native/body.c` reads."""
+        """Arrays that `fmus/native/kernels/body.c` reads."""
         return {
             "mass": self.data.mass,
             "center_of_mass": self.data.center_of_mass,

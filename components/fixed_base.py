@@ -84,7 +84,7 @@ class FixedBase(Component):
         return np.zeros(0)
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Arrays that `fmus/native/fixed_base.c` reads."""
+        """Arrays that `fmus/native/kernels/fixed_base.c` reads."""
         return {"positions": self._positions, "arms": self._arms, "orientations": self._y[:, 3:7]}
 
     @classmethod

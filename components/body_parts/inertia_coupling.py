@@ -64,7 +64,7 @@ class InertiaCoupling:
         self._tensors, self._gyroscopic = tensors, tensors[6 * m :]
 
     def native_data(self) -> dict[str, ArrayLike]:
-        """What the kernel of `fmus/native/inertia.h` reads; of the tensors, the triangles."""
+        """What the kernel of `fmus/native/shared/inertia.h` reads; of the tensors, the triangles."""
         return {
             "inertia_varies": self.varies,
             "full_coupling": self.full,

@@ -22,7 +22,7 @@
    A body whose motion answers its wrenches alike in every configuration, in axes that turn with it, says so by
    `constant_mobility`: the master then differentiates it once for every step size, others again and again.
 4. Give `example()`: a small instance that the tests over the registry run.
-5. For native FMUs write the same equations once more in C, one file beside `fmus/native/kernel.h`, which says
+5. For native FMUs write the same equations once more in C, one file in `fmus/native/kernels`; `kernel.h` beside it says
    how, and give `native_data()`; without them the component is exported as a PythonFMU.
 
 Nothing else is to be edited: the FMU builder, the conformance tests, `fanfold list` and the component table

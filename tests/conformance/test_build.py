@@ -10,8 +10,8 @@ from fmpy import read_model_description
 
 from components import Component, ComponentError
 from fmus import build_fmu, value_references
-from fmus.build import bundle, pack_value
-from fmus.slave import unpack_value
+from fmus.python.bundle import bundle, pack_value
+from fmus.python.slave import unpack_value
 from tests.conformance.driver import KINDS
 from tests.conformance.toy import Toy
 

@@ -99,14 +99,14 @@ def test_the_native_twin_has_the_same_accuracy(tmp_path):
     """The same in C, and agreement of every field with Python below and above critical damping."""
     source, library = tmp_path / "twin.c", tmp_path / f"twin{suffix()}"
     source.write_text(
-        f'#include "{HERE / "oscillators.h"}"\n'
+        f'#include "{HERE / "shared" / "oscillators.h"}"\n'
         "void mode(double w, double zeta, double h, double *y) {\n"
         "    Propagator p = {h, y, y + 1, y + 2, y + 3, y + 4, y + 5, y + 6, y + 7};\n"
         "    propagator_mode(&p, 0, w, zeta, h);\n"
         "}\n",
         encoding="utf-8",
     )
-    compile_files([source], library, ("-std=c99", "-O2", "-fPIC"))
+    compile_files([source], library, ("-std=c99", "-O2", "-fPIC", f"-I{HERE}"))
     mode = ctypes.CDLL(str(library)).mode
     mode.argtypes, mode.restype = [ctypes.c_double] * 3 + [ctypes.c_void_p], None
     rng = np.random.default_rng(5)

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from components import Component, Port, port_layout
 
-from .description import DEFAULT_EXPERIMENT, STEP_DERIVATIVE, header, xml_bytes
+from .fmi2 import DEFAULT_EXPERIMENT, STEP_DERIVATIVE, header, xml_bytes
 from .units import add_units
 from .variables import Variable, follows_inputs, quantities
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from .description import FmiVersion, xml_bytes
-from .native import sources
+from ..description.fmi2 import FmiVersion, xml_bytes
+from . import sources
 
 
 def source_files(model_identifier: str, fmi: FmiVersion) -> dict[str, bytes]:

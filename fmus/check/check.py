@@ -26,7 +26,7 @@ _STATE_FLAGS = {
 }
 _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _SCHEMAS = Path(fmpy.__file__).parent / "schema"
-_TRIAL = Path(__file__).with_name("trial.py")
+_TRIAL = Path(__file__).with_name("smoke_run.py")
 _TRIAL_SECONDS = 120
 
 

@@ -1,4 +1,4 @@
-"""What a native FMU carries of its component: `resources/component.bin`, read by `native/core/data.c`.
+"""What a native FMU carries of its component: `resources/component.bin`, read by `core/data.c`.
 
 Declared variables with their ranges, start values, and the arrays of `Component.native_data`.
 """

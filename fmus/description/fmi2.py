@@ -12,7 +12,7 @@ from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
 
-from .description_model_exchange import add_model_exchange, state_units
+from .model_exchange import add_model_exchange, state_units
 from .units import add_units
 from .variables import Variable, follows_inputs, scalars
 
