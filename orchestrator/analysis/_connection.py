@@ -18,7 +18,7 @@ from components.contract.component import Vector
 from components.contract.frames import exponential, skew
 
 from ..assembly import Part
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 
 _MOTION = 13
 _STEP = 1e-5

@@ -15,7 +15,7 @@ from scipy import linalg
 
 from components.contract.component import Vector
 
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._mechanism import Mechanism
 
 Rows = NDArray[np.int64]

@@ -18,7 +18,7 @@ from components.contract.frames import Quaternion, Vector3, exponential, multipl
 from components.fixed_base import FixedBase
 
 from ..assembly import Link, Part
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._connection import Connection
 
 

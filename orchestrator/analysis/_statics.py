@@ -6,7 +6,7 @@ import numpy as np
 
 from components.contract.component import Vector
 
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._linear import LinearModel, linearise, normal_modes
 from ._mechanism import Mechanism
 

@@ -15,11 +15,11 @@ from components.flexible.plate_resultants import PlateNodes
 from components.flexible.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
 from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
 
-from ..result import Result, ResultError
-from ..scene_bodies import body_model
-from ..scene_body_tables import Body
-from ..scene_reader import read_scene
-from ..scene_schema import Scene
+from ..results.result import Result, ResultError
+from ..scene.bodies import body_model
+from ..scene.body_tables import Body
+from ..scene.reader import read_scene
+from ..scene.schema import Scene
 from ._body_acceleration import acceleration_field
 
 Vector = NDArray[np.float64]

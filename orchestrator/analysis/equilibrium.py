@@ -19,10 +19,10 @@ from components.contract.component import Vector
 from components.contract.frames import exponential, multiply, rotate
 from components.hinge_parts.state import State
 
-from ..cli_options import SceneChoice, ordered_names, refuse_idle, scene_choice
-from ..cli_types import Count
+from ..cli.options import SceneChoice, ordered_names, refuse_idle, scene_choice
+from ..cli.types import Count
 from ..scene import Scene, SceneError
-from ..scene_pieces import joined
+from ..scene.locked_groups import joined
 from ._configuration import (
     Configuration,
     ConfigurationChoice,

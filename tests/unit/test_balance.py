@@ -6,10 +6,10 @@ import pytest
 from components import REGISTRY, SUPPLIED_ENERGY, Component, Layout, Quantity
 from components.contract.component import Port
 from orchestrator.assembly import Link
-from orchestrator.balance import Energies, energy_rows
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import InProcess, in_process
+from orchestrator.cosim.energy_balance import Energies, energy_rows
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import InProcess, in_process
 from tests.references.coupled import Recording, Run, rigid
 
 FORCE, MASS, END = 2.0, 3.0, 0.5

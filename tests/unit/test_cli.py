@@ -14,8 +14,8 @@ import pytest
 from click.testing import CliRunner
 
 from components import REGISTRY
-from orchestrator.cli import main
-from orchestrator.result import Result
+from orchestrator.cli.main import main
+from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
 
 ROOT = Path(__file__).parents[2]

@@ -10,8 +10,8 @@ from importlib import import_module
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.cli import main
-from orchestrator.cli_progress import progress
+from orchestrator.cli.main import main
+from orchestrator.cli.progress import progress
 
 NAMES = main.commands["analyse"].list_commands(None)
 ON_RESULTS = ("impact", "stress")
@@ -128,7 +128,7 @@ def test_ctrl_c_is_told_in_a_sentence(monkeypatch):
     monkeypatch.setattr(import_module_of("modes"), "scene_model", interrupt)
     told = refused("modes", "amos3")
     assert told == "fanfold: analyse modes: interrupted; what it wrote up to there stays"
-    monkeypatch.setattr("orchestrator.cli_options.find_scene", interrupt)
+    monkeypatch.setattr("orchestrator.cli.options.find_scene", interrupt)
     result = CliRunner().invoke(main, ["run", "amos3"])
     assert result.exit_code == 1
     assert result.stderr == "fanfold: run: interrupted; what it wrote up to there stays\n"

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner
 
 from orchestrator.analysis._configuration import Configuration, ConfigurationChoice, configuration_choice
-from orchestrator.cli_options import SceneChoice, layered_scene, scene_choice
+from orchestrator.cli.options import SceneChoice, layered_scene, scene_choice
 from orchestrator.scene import SceneError
 
 LAYERS = ("amos3", "--variant", "cold, spring_latch", "--set", "scene.until=2", "--set", "scene.until=3")

@@ -7,7 +7,7 @@ from math import pi
 import click
 import pytest
 
-from orchestrator.cli_types import Count, Number, Picture, given_quantity
+from orchestrator.cli.types import Count, Number, Picture, given_quantity
 
 
 @pytest.mark.parametrize(

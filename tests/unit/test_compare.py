@@ -13,10 +13,10 @@ from click.testing import CliRunner
 from matplotlib.image import imread
 from rich.console import Console
 
-from orchestrator import compare_plots
-from orchestrator.cli import main
-from orchestrator.compare import Compared, cells, compare, comparison_table, end_note, labels
-from orchestrator.result import Result
+from orchestrator.cli.main import main
+from orchestrator.results.compare import Compared, cells, compare, comparison_table, end_note, labels
+from orchestrator.results.result import Result
+from orchestrator.views import comparison as compare_plots
 from tests.references import synthetic_result as reference
 
 LATER, STRONGER = 0.25, 1.5

@@ -12,12 +12,12 @@ from scipy.spatial.transform import Rotation
 from components import REGISTRY, ComponentError
 from components.drag import PlateDrag, mean_squares
 from fmus import build_fmu, native_library
-from orchestrator import engine
 from orchestrator.assembly import Link, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.fmu import FmuParticipant
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.implicit import engine
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
 from tests.references.coupled import Recording, Run, base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, work, wrenches
 

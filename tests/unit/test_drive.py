@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 from components.contract.component import ComponentError
 from components.drive import Drive, MotionLaw
 from orchestrator.assembly import Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
 from tests.references.coupled import Recording, Run, base, between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work

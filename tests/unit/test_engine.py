@@ -11,19 +11,26 @@ import numpy as np
 import pytest
 
 from fmus import build_fmu, native_library
-from orchestrator import engine
-from orchestrator.coupling import Coupling, Tolerance
-from orchestrator.elimination import eliminate
-from orchestrator.engine import Calls, Engine, Limits, Matrices, Shared
-from orchestrator.fmu import FmuParticipant
-from orchestrator.interface import Probe, mobility_of, probe_mobility, probe_stiffness, stiffness_of
-from orchestrator.master import Settings
-from orchestrator.network import Meeting, Network
-from orchestrator.participant import ParticipantError
-from orchestrator.result import Result
-from orchestrator.run import as_fmus, run
-from orchestrator.scene import assemble, find_scene, load_scene
-from orchestrator.sparse import SparseSystem
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.implicit import engine
+from orchestrator.cosim.implicit.coupling import Coupling, Tolerance
+from orchestrator.cosim.implicit.elimination import eliminate
+from orchestrator.cosim.implicit.engine import Calls, Engine, Limits, Matrices, Shared
+from orchestrator.cosim.implicit.interface_jacobian import (
+    Probe,
+    mobility_of,
+    probe_mobility,
+    probe_stiffness,
+    stiffness_of,
+)
+from orchestrator.cosim.implicit.sparse_system import SparseSystem
+from orchestrator.cosim.master import Settings
+from orchestrator.cosim.network import Meeting, Network
+from orchestrator.cosim.participant import ParticipantError
+from orchestrator.results.result import Result
+from orchestrator.run.run import as_fmus, run
+from orchestrator.scene import find_scene, load_scene
 from tests.unit.faulty import FaultyDamper
 
 pytestmark = pytest.mark.skipif(engine.library() is None, reason="no C compiler built the engine")

@@ -10,11 +10,12 @@ from click.testing import CliRunner
 
 from orchestrator.analysis._configuration import Configuration, configuration, lines_named
 from orchestrator.analysis.equilibrium import Sweep, equilibrium, quasi_static
-from orchestrator.cli import main
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
-from orchestrator.scene import SceneError, assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cli.main import main
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
+from orchestrator.scene import SceneError, find_scene, load_scene
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 HARNESS = 'harness = { angle = ["0 deg", "60 deg", "90 deg"], resisting_torque = ["0.4 N.m", "0.1 N.m", "-0.1 N.m"] }\n'

@@ -5,12 +5,12 @@ from __future__ import annotations
 import pytest
 
 from fmus import native_library
-from orchestrator.companion import doubled, with_estimates
-from orchestrator.estimated_errors import doubts, errors_text, estimated_errors
-from orchestrator.master import Settings
-from orchestrator.result import Result, ResultError, add_statistics
-from orchestrator.run import run
-from orchestrator.summary import headline, headline_rows
+from orchestrator.cosim.master import Settings
+from orchestrator.results.estimated_errors import doubts, errors_text, estimated_errors
+from orchestrator.results.key_figures import headline, headline_rows
+from orchestrator.results.result import Result, ResultError, add_statistics
+from orchestrator.run.companion import doubled, with_estimates
+from orchestrator.run.run import run
 from tests.unit.test_verify import smooth_scene
 
 needs_native = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")

@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 
 from fmus import build_fmu
-from orchestrator.engine import Engine
-from orchestrator.fmu import FmuParticipant
-from orchestrator.master import Settings
-from orchestrator.participant import ParticipantError, in_process
-from orchestrator.result import Result
-from orchestrator.run import RunError, as_fmus, run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.implicit.engine import Engine
+from orchestrator.cosim.master import Settings
+from orchestrator.cosim.participant import ParticipantError, in_process
+from orchestrator.results.result import Result
+from orchestrator.run.run import RunError, as_fmus, run
+from orchestrator.scene import find_scene, load_scene
 from tests.unit.faulty import FaultyDamper
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
@@ -170,7 +171,9 @@ def test_run_with_an_fmu_that_cannot_be_loaded(tmp_path):
 
 def test_no_unpacked_files_stay_behind(tmp_path, monkeypatch):
     """Clean-up: whether an FMU loads or not, its unpacked files are gone in the end."""
-    monkeypatch.setattr("orchestrator.fmu.mkdtemp", lambda prefix: str((tmp_path / "unpacked").resolve()))
+    monkeypatch.setattr(
+        "orchestrator.cosim.fmu.mkdtemp", lambda prefix: str((tmp_path / "unpacked").resolve())
+    )
     assembly = scene(tmp_path)
     FmuParticipant("brake", faulty_fmu(tmp_path, assembly, "none")).close()
     assert not (tmp_path / "unpacked").exists()

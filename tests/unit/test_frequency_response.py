@@ -20,7 +20,7 @@ from orchestrator.analysis.frequency_response import (
     point_motion,
     responses,
 )
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
 
 RATIO = 0.03

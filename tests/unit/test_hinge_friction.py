@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from orchestrator.convergence import Tolerance
-from orchestrator.master import Settings
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.master import Settings
 from tests.references.closed_forms import coulomb_stop, stiction_overrun
 from tests.references.coupled import Part, base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, wrenches

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.master import Settings
+from orchestrator.cosim.master import Settings
 from tests.references.closed_forms import pinned_pair_inertia
 from tests.references.coupled import base, between, completed, rigid, turned
 from tests.unit.hinge_cases import AXIS, at

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.convergence import Tolerance
-from orchestrator.master import Settings
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.master import Settings
 from tests.references.closed_forms import spring_driven, two_inertia_frequency
 from tests.references.coupled import base, between, completed, rigid, turned
 from tests.unit.hinge_cases import AXIS, STIFF, at

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestrator.history import History
+from orchestrator.cosim.implicit.history import History
 
 SLOPES = np.array([[1.0, -2.0, 0.5], [0.3, 4.0, -7.0]])
 TIMES = (0.1, 0.25, 0.3)

@@ -10,10 +10,10 @@ from components.contract.component import ComponentError
 from components.hold_down import HoldDown
 from fmus import build_fmu
 from orchestrator.assembly import Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
 from tests.conformance.driver import OK
 from tests.conformance.driver3 import Fmu3
 from tests.references.coupled import Recording, Run, base, between, completed, prepared, rigid

@@ -7,10 +7,11 @@ import pytest
 from click.testing import CliRunner
 
 from orchestrator.analysis.impact import closing_speed, command, impacts
-from orchestrator.master import Settings
-from orchestrator.result import Result, ResultError
-from orchestrator.run import run
-from orchestrator.scene import assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result, ResultError
+from orchestrator.run.run import run
+from orchestrator.scene import load_scene
 
 MASS, LENGTH, ABOUT_HINGE = 3.0, 2.0, 4.0
 TORQUE, STIFFNESS, OPENING = 0.02, 1e4, 0.5

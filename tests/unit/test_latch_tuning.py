@@ -12,8 +12,9 @@ from scipy.sparse.linalg import eigsh
 from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pair, series, tune, without
-from orchestrator.cli import main
-from orchestrator.scene import SceneError, choose_fidelity, find_scene, load_scene
+from orchestrator.assembly.assemble import choose_fidelity
+from orchestrator.cli.main import main
+from orchestrator.scene import SceneError, find_scene, load_scene
 
 PER_DEGREE = 180.0 / pi
 J2 = 6.2514

@@ -7,10 +7,10 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from orchestrator.coupling import Coupling, Tolerance
-from orchestrator.latch_up import slopes, stiffened_line, stiffenings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
+from orchestrator.cosim.implicit.coupling import Coupling, Tolerance
+from orchestrator.cosim.latch_up import slopes, stiffened_line, stiffenings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
 from tests.benchmark.stability import LATCH_RATE, panel_data, panel_scene
 
 LATCH, DAMPING, STEP = 2e3, 40.0, 5e-3

@@ -14,7 +14,8 @@ from orchestrator.analysis._connection import Connection, at_rest
 from orchestrator.analysis._linear import linearise, modal_damping, normal_modes
 from orchestrator.analysis._mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Part
-from orchestrator.scene import SceneError, assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.closed_forms import two_inertia_frequency
 from tests.references.coupled import between, rigid, turned
 

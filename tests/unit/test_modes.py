@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from orchestrator.analysis._configuration import configuration, loaded, placed
 from orchestrator.analysis._linear import effective_masses, linearise, normal_modes
 from orchestrator.analysis.modes import DIRECTIONS, mode_table
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")

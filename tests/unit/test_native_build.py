@@ -11,12 +11,12 @@ from fmpy import read_model_description
 from components import REGISTRY, ComponentError
 from fmus import build_fmu, native_backend
 from fmus.native import CompileError, compile_library, compiler, equations, sources
-from orchestrator import cli
+from orchestrator.cli import main as cli
 
 
 def without_library(monkeypatch):
     """As after an installation without a C compiler."""
-    for module in ("fmus.build", "fmus.native", "orchestrator.cli", "orchestrator.cli_options"):
+    for module in ("fmus.build", "fmus.native", "orchestrator.cli.main", "orchestrator.cli.options"):
         for name in ("library", "native_library"):
             monkeypatch.setattr(f"{module}.{name}", lambda: None, raising=False)
 

@@ -9,9 +9,10 @@ import pytest
 
 from components import Layout, Quantity
 from orchestrator.assembly import Link
-from orchestrator.network import Network, NetworkError
-from orchestrator.participant import in_process
-from orchestrator.scene import assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.network import Network, NetworkError
+from orchestrator.cosim.participant import in_process
+from orchestrator.scene import load_scene
 
 SCENES = Path(__file__).parents[1] / "scenes"
 ASSEMBLY = assemble(load_scene(SCENES / "two_panels.toml"))

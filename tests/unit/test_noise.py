@@ -2,7 +2,7 @@
 
 import math
 
-from orchestrator.noise import NOISE, noise_floor, without_noise
+from orchestrator.results.round_off import NOISE, noise_floor, without_noise
 
 
 def test_floor_is_a_part_of_the_largest_magnitude():

@@ -9,9 +9,10 @@ import pytest
 from matplotlib.image import imread
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from orchestrator import plot_shapes, plots
-from orchestrator.plot_depth import back_to_front
-from orchestrator.result import Result
+from orchestrator.results.result import Result
+from orchestrator.views import plots
+from orchestrator.views import shapes as plot_shapes
+from orchestrator.views.depth import back_to_front
 from tests.references import synthetic_result as reference
 
 EVERY_FIGURE = {

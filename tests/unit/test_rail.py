@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from components.contract.component import ComponentError
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import Settings
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Settings
 from tests.references.coupled import between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, work

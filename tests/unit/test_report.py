@@ -18,11 +18,13 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
 
-from orchestrator import plot_shapes, plots, report_animation
-from orchestrator.cli import main
-from orchestrator.report import report
-from orchestrator.report_page import player
-from orchestrator.result import Result
+from orchestrator.cli.main import main
+from orchestrator.results.result import Result
+from orchestrator.views import plots
+from orchestrator.views import shapes as plot_shapes
+from orchestrator.views.report import animation as report_animation
+from orchestrator.views.report.page import player
+from orchestrator.views.report.report import report
 from tests.references import synthetic_result as reference
 
 SCENE = Path(__file__).parents[1] / "scenes" / "two_panels.toml"

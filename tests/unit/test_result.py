@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import Geometry, HingeLine
-from orchestrator.result import Result, ResultError, ResultWriter, SignalGroup
+from orchestrator.results.result import Result, ResultError, ResultWriter, SignalGroup
 from tests.references import synthetic_result as reference
 
 GROUPS = (

@@ -3,8 +3,9 @@
 import pytest
 
 from components import REGISTRY
-from orchestrator.participant import InProcess
-from orchestrator.scene import SceneError, assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.participant import InProcess
+from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.unit.scene_cases import SCENES, TWO_PANELS, amos3, amos3_text, load_text, parts_of
 
 

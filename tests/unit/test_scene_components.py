@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from orchestrator.scene import SceneError, assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import SceneError, load_scene
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 DAMPER = """

@@ -8,8 +8,8 @@ from math import pi, sqrt
 
 import pytest
 
-from orchestrator.scene import assemble
-from orchestrator.scene_connections import line_latch
+from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.hinges import line_latch
 from tests.unit.scene_cases import AMOS3_BODIES, COMPLETE, amos3, amos3_text, load_text, parts_of
 
 

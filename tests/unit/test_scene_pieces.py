@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from components import rotation_matrix
-from orchestrator.master import Settings
-from orchestrator.result import Result
-from orchestrator.run import run
-from orchestrator.scene import SceneError, assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result
+from orchestrator.run.run import run
+from orchestrator.scene import SceneError, load_scene
 
 SCENES = Path(__file__).parents[1] / "scenes"
 TIP = """

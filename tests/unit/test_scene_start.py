@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from components import REGISTRY, rotation_matrix
-from orchestrator.participant import InProcess
-from orchestrator.scene import assemble
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.participant import InProcess
 from tests.unit.scene_cases import AMOS3_BODIES, amos3, amos3_text, load_text, parts_of
 
 

@@ -6,8 +6,8 @@ from math import cos, pi
 
 import pytest
 
-from orchestrator.convergence import MAX_ITERATIONS, is_too_slow
-from orchestrator.stepping import StepSizes, find_event
+from orchestrator.cosim.implicit.convergence import MAX_ITERATIONS, is_too_slow
+from orchestrator.cosim.stepping import StepSizes, find_event
 
 LARGEST, SMALLEST = 0.02, 2e-5
 STEPS = 200

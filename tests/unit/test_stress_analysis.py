@@ -24,8 +24,8 @@ from orchestrator.analysis import _stress_model
 from orchestrator.analysis._body_acceleration import acceleration_field
 from orchestrator.analysis.stress import Choice
 from orchestrator.assembly import Geometry
-from orchestrator.cli import main
-from orchestrator.result import Result, ResultWriter, SignalGroup
+from orchestrator.cli.main import main
+from orchestrator.results.result import Result, ResultWriter, SignalGroup
 from orchestrator.scene import find_scene, load_scene
 
 ROOTS = ("hl2_left", "hl2_right")

@@ -10,8 +10,9 @@ from click.testing import CliRunner
 from orchestrator.analysis._configuration import configuration, loaded, placed
 from orchestrator.analysis._linear import linearise, modal_damping, normal_modes
 from orchestrator.analysis.modes import mode_table
-from orchestrator.cli import main
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cli.main import main
+from orchestrator.scene import find_scene, load_scene
 from tests.unit.scene_cases import SCENES, TWO_PANELS, amos3_text, load_text, parts_of, problems_of
 
 PANEL = SCENES / "structural_damping.toml"

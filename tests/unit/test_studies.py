@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 
 from orchestrator.analysis._studies import Case, draw_changes
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 
 
 def study(folder, name, *arguments, angle="170 deg", until=1.3, code=0):

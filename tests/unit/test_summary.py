@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestrator.result import Result
-from orchestrator.summary import extremes, headline, headline_rows, headline_table, line_latch_torque, peak
+from orchestrator.results.key_figures import (
+    extremes,
+    headline,
+    headline_rows,
+    headline_table,
+    line_latch_torque,
+    peak,
+)
+from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
 
 

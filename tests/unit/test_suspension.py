@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from components.contract.component import ComponentError
 from components.suspension import Suspension
 from orchestrator.assembly import Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import Settings
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work

@@ -14,8 +14,8 @@ from orchestrator.analysis._torque_margin_restart import restart, restart_share
 from orchestrator.analysis._torque_margin_rules import FACTORS, LineTorques, margins
 from orchestrator.analysis._torque_margin_sweep import sweep
 from orchestrator.analysis.torque_margin import find_margins, load_cases
-from orchestrator.cli import main
-from orchestrator.cli_options import SceneChoice
+from orchestrator.cli.main import main
+from orchestrator.cli.options import SceneChoice
 from orchestrator.scene import SceneError, find_scene, load_scene
 
 INERTIA = 1.6 + 4.0 * 0.5**2

@@ -18,7 +18,7 @@ from orchestrator.analysis._torque_margin_tables import (
     sentences_without_margin,
 )
 from orchestrator.analysis._torque_margin_undriven import without_margin
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 
 

@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from components import REGISTRY
-from orchestrator.units import UNITS, to_si
+from orchestrator.scene.units import UNITS, to_si
 
 
 @pytest.mark.parametrize(

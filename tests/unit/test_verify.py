@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.master import Settings
-from orchestrator.participant import in_process
-from orchestrator.result import Result
-from orchestrator.run import RunError, run
-from orchestrator.scene import assemble, load_scene
-from orchestrator.verify import halved, verify
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.cosim.participant import in_process
+from orchestrator.results.result import Result
+from orchestrator.run.run import RunError, run
+from orchestrator.run.verify import halved, verify
+from orchestrator.scene import load_scene
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 LATCH = "latch = { stiffness = 200, outboard_stiffness = 200, effective_inertia = 1.5 }\n"
