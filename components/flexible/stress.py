@@ -61,7 +61,7 @@ def _positive(value: float, name: str) -> float:
 
 def face_sheets(entry: str) -> FaceSheets:
     """Face sheets of a catalogue body, from data/face_sheets.toml; ComponentError for one without."""
-    text = (files(__package__) / "data" / "face_sheets.toml").read_text(encoding="utf-8")
+    text = (files("components") / "data" / "face_sheets.toml").read_text(encoding="utf-8")
     constructions = tomllib.loads(text)
     for construction in constructions.values():
         if entry in construction["catalogue"]:

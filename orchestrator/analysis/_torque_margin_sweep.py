@@ -31,7 +31,7 @@ from ._torque_margin_rules import LineTorques
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
-"""Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.laws)."""
+"""Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.numerics.laws)."""
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 

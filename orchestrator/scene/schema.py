@@ -1,4 +1,4 @@
-"""A scene: every table of its file, each checked on its own; `scene_check` checks what they say about each other."""
+"""A scene: every table of its file, each checked on its own; `consistency` checks what they say about each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-/* How a body's inertia varies with its deformation: the twin of components/_inertia.py.
+/* How a body's inertia varies with its deformation: the twin of components/body_parts/inertia_coupling.py.
 
        J(eta) = I7 - (I8_j + I8_j^T) eta_j - I9_jk eta_j eta_k        B(eta) = I5_j eta_j
 

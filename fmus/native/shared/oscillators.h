@@ -1,5 +1,5 @@
 /* Exact propagation of independent damped oscillators under a held force: the twin of
-   components/_oscillators.py. Each mode obeys eta'' + 2 zeta w eta' + w^2 eta = Q, Q constant over the step.
+   components/numerics/oscillators.py. Each mode obeys eta'' + 2 zeta w eta' + w^2 eta = Q, Q constant over the step.
 
    Plain doubles: step size and damping carry no derivative, so both number types share the propagators. */
 

@@ -157,7 +157,7 @@ class Coupling:
     def response(self, wrenches: Vector) -> Matrix:
         """Motions of all ports of bodies (ports, 12) under more wrenches (size,), held over the step in use.
 
-        Connections resist; motions are those of its end, in the coordinates of `interface`.
+        Connections resist; motions are those of its end, in the coordinates of `interface_jacobian`.
         """
         assert self._factor_key is not None
         change = self._direction(wrenches)

@@ -34,7 +34,7 @@ KEYS = {
 LONG_RUN = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 main()
 """
 

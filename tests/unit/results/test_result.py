@@ -24,7 +24,7 @@ LINES = (HingeLine("hl1", ("hinge",), "hinge", True, False),)
 RUNNING = """
 import sys
 import numpy as np
-from orchestrator.result import ResultWriter, SignalGroup
+from orchestrator.results.result import ResultWriter, SignalGroup
 names = tuple(f"v{k}" for k in range(8))
 groups = [SignalGroup(f"c{k}", names, ("1",) * 8, (1,) * 8, names) for k in range(12)]
 writer = ResultWriter(sys.argv[1], groups, {"scene": "text"}, {}, [])
