@@ -1,1 +1,1 @@
-"""Analyses of scenes and results; each module is one analysis with its command."""
+"""Analyses of scenes and results: each public module is one; a scene or a result in, records out."""

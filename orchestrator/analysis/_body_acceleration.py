@@ -18,9 +18,9 @@ def acceleration_field(result: Result, body: str, data: ModalData, gravity: Vect
     """Coefficients (N, 12) of a(s) - g = a + G s at the communication points, body axes, s from the centre of mass.
 
     Columns: a (m/s2), then the entries of G = skew(alpha) + skew(omega)² (1/s2) column by column, as
-    `components.flexible.reduction.inertia_relief` wants them. Rates of change are those of the momenta over the steps on
-    both sides of a communication point; an impulse (step of no length) is left out. The angular velocity is that
-    of the undeformed body, an error of second order in the deformation.
+    `inertia_relief` of `components.flexible.reduction` wants them. Rates of change are those of the momenta over the
+    steps on both sides of a communication point; an impulse (step of no length) is left out. The angular velocity is
+    that of the undeformed body, an error of second order in the deformation.
     """
     time = result.time
     attitude = Rotation.from_quat(result.signal(body, "frame_orientation"), scalar_first=True)

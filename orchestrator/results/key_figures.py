@@ -12,8 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked
@@ -156,29 +154,6 @@ def headline(result: Result) -> Headline:
     )
     told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
     return replace(found, warnings=(*found.warnings, *told))
-
-
-def headline_table(found: Headline) -> Table:
-    """The headline numbers as a table for a terminal."""
-    table = Table(
-        title=None if found.complete else "The run was interrupted; numbers up to there",
-        box=SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
-    table.add_column("quantity")
-    table.add_column("of")
-    table.add_column("value", justify="right", min_width=7)
-    table.add_column("unit")
-    if found.estimated_errors:
-        table.add_column("estimated error", justify="right")
-    previous = ""
-    for quantity, *cells in headline_rows(found):
-        table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
-        previous = quantity
-    if found.warnings:
-        table.caption = "\n".join(f"Warning: {sentence}" for sentence in found.warnings)
-    return table
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:

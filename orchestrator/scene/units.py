@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from math import isfinite, pi
+from math import degrees, isfinite, pi
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
@@ -107,3 +107,8 @@ TurningStiffness = Annotated[float, quantity("N.m/rad", "positive")]
 TurningStiffnesses = Annotated[Vector3, vector("N.m/rad", "zero or positive")]
 Damping = Annotated[float, quantity("N.s/m", "zero or positive")]
 TurningDamping = Annotated[float, quantity("N.m.s/rad", "zero or positive")]
+
+
+def degrees_text(angle: float, decimals: int) -> str:
+    """An angle (rad) in degrees, never as -0."""
+    return f"{round(float(degrees(angle)), decimals) + 0.0:.{decimals}f}"

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis.impact import closing_speed, command, impacts
+from orchestrator.analysis.impact import closing_speed, impacts
 from orchestrator.assembly.assemble import assemble
+from orchestrator.cli.analyse.impact import command
 from orchestrator.cosim.master import Settings
 from orchestrator.results.result import Result, ResultError
 from orchestrator.run.run import run

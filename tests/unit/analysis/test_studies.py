@@ -8,8 +8,9 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-from orchestrator.analysis._studies import Case, draw_changes
+from orchestrator.analysis._studies import Case
 from orchestrator.cli.main import main
+from orchestrator.views.studies import draw_changes
 
 
 def study(folder, name, *arguments, angle="170 deg", until=1.3, code=0):

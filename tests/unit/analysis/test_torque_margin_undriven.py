@@ -12,12 +12,12 @@ from click.testing import CliRunner
 
 from orchestrator.analysis._torque_margin_restart import CaseRestart, Restart
 from orchestrator.analysis._torque_margin_rules import FACTORS, Found, LineTorques, margins
-from orchestrator.analysis._torque_margin_tables import (
+from orchestrator.analysis._torque_margin_undriven import without_margin
+from orchestrator.cli.analyse._torque_margin_tables import (
     margin_table,
     restart_table,
     sentences_without_margin,
 )
-from orchestrator.analysis._torque_margin_undriven import without_margin
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 

@@ -53,7 +53,7 @@ def test_help_is_readable(name):
 
 def import_module_of(name):
     """The module of an analysis."""
-    return import_module(f"orchestrator.analysis.{name.replace('-', '_')}")
+    return import_module(f"orchestrator.cli.analyse.{name.replace('-', '_')}")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -13,8 +13,9 @@ from click.testing import CliRunner
 from matplotlib.image import imread
 from rich.console import Console
 
+from orchestrator.cli.compare import comparison_table
 from orchestrator.cli.main import main
-from orchestrator.results.compare import Compared, cells, compare, comparison_table, end_note, labels
+from orchestrator.results.compare import Compared, cells, compare, end_note, labels
 from orchestrator.results.result import Result
 from orchestrator.views import comparison as compare_plots
 from tests.references import synthetic_result as reference

@@ -5,8 +5,9 @@ import json
 import numpy as np
 import pytest
 
+from orchestrator.cli.tables import headline_table
 from orchestrator.results.energy_ledger import EnergyLedger, energy_ledger
-from orchestrator.results.key_figures import headline, headline_table
+from orchestrator.results.key_figures import headline
 from orchestrator.results.result import Result, ResultWriter, SignalGroup
 
 TIME = np.linspace(0.0, 1.0, 11)

@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from orchestrator.results.key_figures import (
-    extremes,
-    headline,
-    headline_rows,
-    headline_table,
-    line_latch_torque,
-    peak,
-)
+from orchestrator.cli.tables import headline_table
+from orchestrator.results.key_figures import extremes, headline, headline_rows, line_latch_torque, peak
 from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli.options import SceneChoice, scene_choice
-from ..cosim.master import Settings
-from ._latch_study import LatchStudy, study_options
-from ._studies import refuse_unlatched, run_case
+from ...analysis._studies import refuse_unlatched
+from ...cosim.master import Settings
+from ..options import SceneChoice, scene_choice
+from ._latch_study import LatchStudy, run_case, study_options
 
 
 def _label(step: float) -> str:

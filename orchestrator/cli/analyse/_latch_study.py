@@ -10,9 +10,17 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ..cli.options import Command
-from ..cli.types import Number
-from ._studies import Case, as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched
+from ...analysis._studies import Case, as_dict, latch_rows, refuse_unlatched
+from ...assembly import Assembly
+from ...cosim.master import Settings
+from ...run.run import run
+from ...views.studies import draw_changes, draw_latch_torques
+from ..options import Command
+from ..progress import progress
+from ..tables import plain_table
+from ..types import Number
+
+_NUMBER = 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,3 +83,34 @@ def study_options(study: str, runs: str) -> Callable[[Command], Command]:
         )(command)  # fmt: skip
 
     return with_options
+
+
+def run_case(
+    label: str, value: float, assembly: Assembly, path: Path, settings: Settings, until: float
+) -> Case:
+    """Run an assembly with a progress bar; RunError where it does not finish."""
+    with progress(f"{assembly.name}, {label}", until) as watch:
+        return Case(label, value, run(assembly, path, settings, until, watch=watch))
+
+
+def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
+    """Latch times and latch torque peaks of every case, with their differences from the reference."""
+    table = plain_table(title)
+    table.add_column("case")
+    for heading in (
+        "line",
+        "latch-up, s",
+        "change, s",
+        "peak, N.m",
+        "change, %",
+        "steps",
+    ):
+        table.add_column(heading, justify="right", min_width=_NUMBER)
+    for case in cases:
+        first = True
+        for line, time, shift, peak, change in latch_rows(case, reference):
+            steps = str(case.outcome.costs.steps) if first else ""
+            name = case.label if first else ""
+            table.add_row(name, line, f"{time:.6f}", f"{shift:+.2e}", f"{peak:.5g}", f"{change:+.3f}", steps)
+            first = False
+    return table

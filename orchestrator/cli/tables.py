@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
+
+from ..results.key_figures import Headline, headline_rows
 
 
 class Column(NamedTuple):
@@ -49,6 +50,24 @@ def _table(title: str, columns: Sequence[Column]) -> Table:
     return table
 
 
-def degrees_text(angle: float, decimals: int) -> str:
-    """An angle (rad) in degrees, never as -0."""
-    return f"{round(float(np.rad2deg(angle)), decimals) + 0.0:.{decimals}f}"
+def headline_table(found: Headline) -> Table:
+    """The headline numbers as a table for a terminal."""
+    table = Table(
+        title=None if found.complete else "The run was interrupted; numbers up to there",
+        box=SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("quantity")
+    table.add_column("of")
+    table.add_column("value", justify="right", min_width=7)
+    table.add_column("unit")
+    if found.estimated_errors:
+        table.add_column("estimated error", justify="right")
+    previous = ""
+    for quantity, *cells in headline_rows(found):
+        table.add_row("" if quantity == previous else quantity, *cells[: len(table.columns) - 1])
+        previous = quantity
+    if found.warnings:
+        table.caption = "\n".join(f"Warning: {sentence}" for sentence in found.warnings)
+    return table

@@ -1,9 +1,4 @@
-"""Torque margin of every hinge line over its travel, and proof that the array restarts when stopped midway.
-
-Quasi-static: driving over resisting torques at rest, resistances with uncertainty factors; two rules, limit 2
-(`_torque_margin_rules`). What other connections do about a line is not counted: cable loops pass torque from line
-to line, dampers give none at rest.
-"""
+"""`fanfold analyse torque-margin`: margins of every hinge line by case, and restarts from where it was stopped."""
 
 from __future__ import annotations
 
@@ -13,37 +8,21 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-import numpy as np
 from rich.console import Console
 
-from ..cli.options import SceneChoice, layered_scene, ordered_names, refuse_idle
-from ..cli.progress import progress
-from ..cli.types import Count, Number, given_quantity
-from ..scene import Scene, SceneError, scene_variants
-from ._torque_margin_restart import CaseRestart, restart, restart_share
-from ._torque_margin_rules import DEMANDS, FACTORS, LIMIT, RULES, FactorKind, Found, margins
-from ._torque_margin_sweep import FrictionKind, driven_lines, sweep
+from ...analysis._torque_margin_margins import find_margins
+from ...analysis._torque_margin_restart import CaseRestart, restart, restart_share
+from ...analysis._torque_margin_rules import DEMANDS, FACTORS, LIMIT, FactorKind, Found
+from ...analysis._torque_margin_sweep import FrictionKind, driven_lines
+from ...analysis._torque_margin_undriven import without_margin
+from ...scene import Scene, SceneError, scene_variants
+from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
+from ..progress import progress
+from ..types import Count, Number, given_quantity
 from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
-from ._torque_margin_undriven import without_margin
 
 _BASE, _COLD = "base", "cold"
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
-
-
-def find_margins(
-    cases: Mapping[str, Scene],
-    positions: int,
-    factors: FactorKind = "theoretical",
-    friction: FrictionKind = "sliding",
-    extra: Mapping[str, Mapping[str, float]] | None = None,
-) -> list[Found]:
-    """Margins of every line of every case at equally spaced positions of the travel, its ends included."""
-    shares = np.linspace(0.0, 1.0, positions).tolist()
-    return [
-        Found(case, torques, tuple(margins(torques, rule, FACTORS[factors]) for rule in RULES))
-        for case, scene in cases.items()
-        for torques in sweep(scene, shares, friction, extra or {})
-    ]
 
 
 def load_cases(choice: SceneChoice, names: tuple[str, ...]) -> dict[str, Scene]:
@@ -224,7 +203,7 @@ def _as_dict(
 
 
 def _draw(folder: Path, found: Sequence[Found]) -> list[Path]:
-    from ..views.torque_margin import draw_line  # matplotlib takes its time, which --help need not
+    from ...views.torque_margin import draw_line  # matplotlib takes its time, which --help need not
 
     paths = []
     for line in dict.fromkeys(one.line for one in found):

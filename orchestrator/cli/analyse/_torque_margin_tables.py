@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from rich.table import Table
 
-from ._tables import degrees_text, plain_table
-from ._torque_margin_restart import CaseRestart, Restart
-from ._torque_margin_rules import LIMIT, FactorKind, Found, LineTorques, Margins
-from ._torque_margin_sweep import FrictionKind
+from ...analysis._torque_margin_restart import CaseRestart, Restart
+from ...analysis._torque_margin_rules import LIMIT, FactorKind, Found, LineTorques, Margins
+from ...analysis._torque_margin_sweep import FrictionKind
+from ...scene.units import degrees_text
+from ..tables import plain_table
 
 
 def margin_table(found: Sequence[Found], factors: FactorKind, friction: FrictionKind) -> Table:

@@ -1,47 +1,18 @@
-"""A static equilibrium and its tables: the loads of one; angles, torques and tensions over a sweep."""
+"""Tables of static equilibria: the loads of one; angles, torques and tensions over a sweep."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
-from ..results.round_off import noise_floor
-from ._tables import Column, degrees_text, plain_table, tables_that_fit
+from ...analysis.equilibrium import Equilibrium
+from ...results.round_off import noise_floor
+from ...scene.units import degrees_text
+from ..tables import Column, plain_table, tables_that_fit
 
 _BASE_LOADS = (("force", "N"), ("torque", "N.m"))
 _NUMBER = 7
-
-
-@dataclass(frozen=True, slots=True)
-class Equilibrium:
-    """One equilibrium: angles (rad) and holding torques (N.m, opening) of lines, loads of connections, base load."""
-
-    angles: Mapping[str, float]
-    holding_torques: Mapping[str, float]
-    loads: Mapping[str, Mapping[str, tuple[float, str]]]
-    """value and unit by connection and name"""
-    base_load: tuple[float, ...]
-    """force (N) and torque (N.m) of the structure on the base about its reference point, world axes"""
-    reach: float
-    """m, largest distance between ports and centres of mass"""
-
-    def as_dict(self) -> dict[str, object]:
-        """For JSON."""
-        loads = {
-            connection: {
-                f"{name}_{'nm' if unit == 'N.m' else 'n'}": value for name, (value, unit) in found.items()
-            }
-            for connection, found in self.loads.items()
-        }
-        return {
-            "angles_rad": dict(self.angles),
-            "holding_torques_nm": dict(self.holding_torques),
-            "loads": loads,
-            "base_force_n": list(self.base_load[:3]),
-            "base_torque_nm": list(self.base_load[3:]),
-        }
 
 
 def print_loads(found: Equilibrium) -> None:
