@@ -1,1 +1,1 @@
-"""Analyses of scenes and results: each public module is one; a scene or a result in, records out."""
+"""Analyses of scenes and results: functions that take one and give records; no terminal, no pictures."""

@@ -21,13 +21,9 @@ from components.hinge_parts.state import State
 from ..scene import Scene, SceneError
 from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
-from ._configuration import (
-    Configuration,
-    hinges_of,
-    placed,
-)
-from ._mechanism import Mechanism
-from ._statics import settle
+from .statics.configuration import Configuration, hinges_of, placed
+from .statics.equilibrium_search import settle
+from .statics.mechanism import Mechanism
 
 _LARGEST_STEP = pi / 36.0
 """rad that a swept line turns between two equilibria"""

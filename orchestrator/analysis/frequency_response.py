@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from components.contract.component import Vector
 
 from ..scene import SceneError
-from ._linear import LinearModel, modal_damping, normal_modes
 from .modes import DIRECTIONS
+from .statics.linear_model import LinearModel, modal_damping, normal_modes
 
 Complex = NDArray[np.complex128]
 INTERFACE = "interface"

@@ -24,9 +24,9 @@ from ..scene import Scene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
-from ._configuration import configuration, with_angles
-from ._linear import LinearModel, linearise, normal_modes
-from ._mechanism import Mechanism
+from .statics.configuration import configuration, with_angles
+from .statics.linear_model import LinearModel, linearise, normal_modes
+from .statics.mechanism import Mechanism
 
 Kind = Literal["total", "structure"]
 

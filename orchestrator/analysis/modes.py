@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from math import isnan
 from typing import Any, NamedTuple
 
-from ._linear import (
+from .statics.linear_model import (
     LinearModel,
     NormalModes,
     damping_shares,

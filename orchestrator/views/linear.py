@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
-from ..analysis._linear import LinearModel, NormalModes
-from ..analysis._mechanism import Mechanism
+from ..analysis.statics.linear_model import LinearModel, NormalModes
+from ..analysis.statics.mechanism import Mechanism
 from .style import COLOURS, DASHES, STYLE, WIDTH
 
 _LARGEST_DEFLECTION = 0.12

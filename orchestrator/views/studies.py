@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
-from ..analysis._studies import Case, latch_rows
+from ..analysis.studies import Case, latch_rows
 from ..results.key_figures import line_latch_torque
 from ..results.result import Result
 from .style import STYLE, draw, new_figure

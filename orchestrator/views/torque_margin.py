@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from ..analysis._torque_margin_rules import LIMIT, LineTorques, Margins
+from ..analysis.torque_margin.rules import LIMIT, LineTorques, Margins
 from .style import COLOURS, STYLE, WIDTH
 
 _MARKERS: Final = ("s", "^", "D", "v", "x")

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis._configuration import configuration, with_angles
-from orchestrator.analysis._linear import linearise, normal_modes
-from orchestrator.analysis._mechanism import Mechanism, PlacedBody
+from orchestrator.analysis.statics.configuration import configuration, with_angles
+from orchestrator.analysis.statics.linear_model import linearise, normal_modes
+from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant

@@ -10,7 +10,7 @@ from typing import Concatenate
 
 import click
 
-from ...analysis._configuration import Configuration, Named, configuration
+from ...analysis.statics.configuration import Configuration, Named, configuration
 from ...scene import Scene
 from ..options import Command, Others, SceneChoice, ordered_names
 from ..types import given_quantity

@@ -10,7 +10,7 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ...analysis._studies import Case, as_dict, latch_rows, refuse_unlatched
+from ...analysis.studies import Case, as_dict, latch_rows, refuse_unlatched
 from ...assembly import Assembly
 from ...cosim.master import Settings
 from ...run.run import run

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from rich.table import Table
 
-from ...analysis._torque_margin_restart import CaseRestart, Restart
-from ...analysis._torque_margin_rules import LIMIT, FactorKind, Found, LineTorques, Margins
-from ...analysis._torque_margin_sweep import FrictionKind
+from ...analysis.torque_margin.restart import CaseRestart, Restart
+from ...analysis.torque_margin.rules import LIMIT, FactorKind, Found, LineTorques, Margins
+from ...analysis.torque_margin.sweep import FrictionKind
 from ...scene.units import degrees_text
 from ..tables import plain_table
 

@@ -6,8 +6,8 @@ import json
 
 import click
 
-from ...analysis._configuration import lines_named
 from ...analysis.equilibrium import Sweep, equilibrium, free_lines, quasi_static
+from ...analysis.statics.configuration import lines_named
 from ...scene import SceneError
 from ..options import SceneChoice, ordered_names, refuse_idle, scene_choice
 from ..types import Count

@@ -13,10 +13,10 @@ from rich.table import Table
 
 from components.contract.component import Vector
 
-from ...analysis._configuration import scene_model
-from ...analysis._linear import ZERO_FREQUENCY
 from ...analysis.frequency_response import INTERFACE, Response, frequency_grid, peaks, responses
 from ...analysis.modes import DIRECTIONS
+from ...analysis.statics.configuration import scene_model
+from ...analysis.statics.linear_model import ZERO_FREQUENCY
 from ..options import SceneChoice, ordered_names, scene_choice
 from ..types import Count, Number, Picture
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice

@@ -8,11 +8,9 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ...analysis._configuration import scene_model
-from ...analysis._linear import (
-    normal_modes,
-)
 from ...analysis.modes import DIRECTIONS, Mode, mode_table
+from ...analysis.statics.configuration import scene_model
+from ...analysis.statics.linear_model import normal_modes
 from ...scene import Scene
 from ..options import SceneChoice, refuse_idle, scene_choice
 from ..tables import plain_table

@@ -11,7 +11,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ...analysis._studies import refuse_unlatched
+from ...analysis.studies import refuse_unlatched
 from ...cosim.master import Settings
 from ..options import SceneChoice, scene_choice
 from ._latch_study import LatchStudy, run_case, study_options

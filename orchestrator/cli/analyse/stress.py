@@ -13,8 +13,8 @@ from rich.table import Table
 
 from components.flexible.stress import PeakStress
 
-from ...analysis._stress_model import BodyStress, body_stress
-from ...analysis.stress import Choice, HotSpot, Indices, find_hot_spots
+from ...analysis.stress.hot_spots import Choice, HotSpot, Indices, find_hot_spots
+from ...analysis.stress.model import BodyStress, body_stress
 from ...results.key_figures import latch_times
 from ...results.result import Result, ResultError
 from ..types import Count, Number

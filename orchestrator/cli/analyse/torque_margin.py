@@ -10,11 +10,11 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ...analysis._torque_margin_margins import find_margins
-from ...analysis._torque_margin_restart import CaseRestart, restart, restart_share
-from ...analysis._torque_margin_rules import DEMANDS, FACTORS, LIMIT, FactorKind, Found
-from ...analysis._torque_margin_sweep import FrictionKind, driven_lines
-from ...analysis._torque_margin_undriven import without_margin
+from ...analysis.torque_margin.margins import find_margins
+from ...analysis.torque_margin.restart import CaseRestart, restart, restart_share
+from ...analysis.torque_margin.rules import DEMANDS, FACTORS, LIMIT, FactorKind, Found
+from ...analysis.torque_margin.sweep import FrictionKind, driven_lines
+from ...analysis.torque_margin.undriven import without_margin
 from ...scene import Scene, SceneError, scene_variants
 from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..progress import progress

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis._configuration import Configuration, configuration, lines_named
 from orchestrator.analysis.equilibrium import Sweep, equilibrium, quasi_static
+from orchestrator.analysis.statics.configuration import Configuration, configuration, lines_named
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.main import main
 from orchestrator.cosim.master import Master, Settings

@@ -10,8 +10,6 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from components import catalogue
-from orchestrator.analysis._configuration import configuration, placed
-from orchestrator.analysis._linear import linearise, normal_modes
 from orchestrator.analysis.frequency_response import (
     INTERFACE,
     base_response,
@@ -20,6 +18,8 @@ from orchestrator.analysis.frequency_response import (
     point_motion,
     responses,
 )
+from orchestrator.analysis.statics.configuration import configuration, placed
+from orchestrator.analysis.statics.linear_model import linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
 

@@ -9,10 +9,10 @@ import pytest
 from components import REGISTRY, catalogue, left_product
 from components.body import Body
 from components.flexible.reduction import fixed_interface_frequencies
-from orchestrator.analysis._configuration import configuration, loaded, placed
-from orchestrator.analysis._connection import Connection, at_rest
-from orchestrator.analysis._linear import linearise, modal_damping, normal_modes
-from orchestrator.analysis._mechanism import Mechanism, PlacedBody
+from orchestrator.analysis.statics.configuration import configuration, loaded, placed
+from orchestrator.analysis.statics.connection_at_rest import Connection, at_rest
+from orchestrator.analysis.statics.linear_model import linearise, modal_damping, normal_modes
+from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Part
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError, find_scene, load_scene

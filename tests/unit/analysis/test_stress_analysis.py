@@ -20,9 +20,9 @@ from components.contract.frames import skew
 from components.flexible.modal import ModalData
 from components.flexible.reduction import orthonormal_modes
 from components.flexible.stress import face_sheets, hot_spots, stress_recovery
-from orchestrator.analysis import _stress_model
-from orchestrator.analysis._body_acceleration import acceleration_field
-from orchestrator.analysis.stress import Choice
+from orchestrator.analysis.stress import model as _stress_model
+from orchestrator.analysis.stress.body_acceleration import acceleration_field
+from orchestrator.analysis.stress.hot_spots import Choice
 from orchestrator.assembly import Geometry
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result, ResultWriter, SignalGroup

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis._configuration import configuration, loaded, placed
-from orchestrator.analysis._linear import linearise, modal_damping, normal_modes
 from orchestrator.analysis.modes import mode_table
+from orchestrator.analysis.statics.configuration import configuration, loaded, placed
+from orchestrator.analysis.statics.linear_model import linearise, modal_damping, normal_modes
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene

@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.figure import Figure
 
-from orchestrator.analysis._studies import Case
+from orchestrator.analysis.studies import Case
 from orchestrator.cli.main import main
 from orchestrator.views.studies import draw_changes
 

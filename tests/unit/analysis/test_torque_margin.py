@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis._torque_margin_margins import find_margins
-from orchestrator.analysis._torque_margin_restart import restart, restart_share
-from orchestrator.analysis._torque_margin_rules import FACTORS, LineTorques, margins
-from orchestrator.analysis._torque_margin_sweep import sweep
+from orchestrator.analysis.torque_margin.margins import find_margins
+from orchestrator.analysis.torque_margin.restart import restart, restart_share
+from orchestrator.analysis.torque_margin.rules import FACTORS, LineTorques, margins
+from orchestrator.analysis.torque_margin.sweep import sweep
 from orchestrator.cli.analyse.torque_margin import load_cases
 from orchestrator.cli.main import main
 from orchestrator.cli.options import SceneChoice

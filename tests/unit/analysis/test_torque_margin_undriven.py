@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis._torque_margin_restart import CaseRestart, Restart
-from orchestrator.analysis._torque_margin_rules import FACTORS, Found, LineTorques, margins
-from orchestrator.analysis._torque_margin_undriven import without_margin
+from orchestrator.analysis.torque_margin.restart import CaseRestart, Restart
+from orchestrator.analysis.torque_margin.rules import FACTORS, Found, LineTorques, margins
+from orchestrator.analysis.torque_margin.undriven import without_margin
 from orchestrator.cli.analyse._torque_margin_tables import (
     margin_table,
     restart_table,

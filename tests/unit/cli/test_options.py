@@ -6,7 +6,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis._configuration import Configuration
+from orchestrator.analysis.statics.configuration import Configuration
 from orchestrator.cli.analyse._configuration import ConfigurationChoice, configuration_choice
 from orchestrator.cli.options import SceneChoice, layered_scene, scene_choice
 from orchestrator.scene import SceneError

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from math import ceil, pi
 from typing import Literal
 
-from ..assembly.assemble import assemble
-from ..scene import Scene, SceneError
-from ..scene.bodies import scene_points, start_poses
-from ..scene.hinge_line_tables import HingeLine
-from ._linear import LinearModel, linearise
-from ._mechanism import Mechanism
-from ._statics import settle
+from ...assembly.assemble import assemble
+from ...scene import Scene, SceneError
+from ...scene.bodies import scene_points, start_poses
+from ...scene.hinge_line_tables import HingeLine
+from .equilibrium_search import settle
+from .linear_model import LinearModel, linearise
+from .mechanism import Mechanism
 
 Named = Literal["stowed", "deployed", "current"]
 _LARGEST_TURN = pi / 6.0

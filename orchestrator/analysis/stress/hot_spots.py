@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from components.flexible.plate_resultants import PlateNodes
 from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
-from ..results.result import Result
-from ._stress_model import BodyStress
+from ...results.result import Result
+from .model import BodyStress
 
 Indices = NDArray[np.int64]
 _AT_INSERT = 1e-9

@@ -1,7 +1,7 @@
 """Torque margin of every hinge line over its travel, and proof that the array restarts when stopped midway.
 
 Quasi-static: driving over resisting torques at rest, resistances with uncertainty factors; two rules, limit 2
-(`_torque_margin_rules`). What other connections do about a line is not counted: cable loops pass torque from line
+(`rules`). What other connections do about a line is not counted: cable loops pass torque from line
 to line, dampers give none at rest.
 """
 
@@ -11,9 +11,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..scene import Scene
-from ._torque_margin_rules import FACTORS, RULES, FactorKind, Found, margins
-from ._torque_margin_sweep import FrictionKind, sweep
+from ...scene import Scene
+from .rules import FACTORS, RULES, FactorKind, Found, margins
+from .sweep import FrictionKind, sweep
 
 
 def find_margins(

@@ -15,12 +15,12 @@ from components.flexible.plate_resultants import PlateNodes
 from components.flexible.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
 from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
 
-from ..results.result import Result, ResultError
-from ..scene.bodies import body_model
-from ..scene.body_tables import Body
-from ..scene.reader import read_scene
-from ..scene.schema import Scene
-from ._body_acceleration import acceleration_field
+from ...results.result import Result, ResultError
+from ...scene.bodies import body_model
+from ...scene.body_tables import Body
+from ...scene.reader import read_scene
+from ...scene.schema import Scene
+from .body_acceleration import acceleration_field
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from components.contract.frames import Vector3, skew
 from components.flexible.modal import ModalData
 
-from ..results.result import Result
+from ...results.result import Result
 
 Vector = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from scipy import linalg
 
 from components.contract.component import Vector
 
-from ..scene.table import SceneError
-from ._mechanism import Mechanism
+from ...scene.table import SceneError
+from .mechanism import Mechanism
 
 Rows = NDArray[np.int64]
 ZERO_FREQUENCY = 1e-3

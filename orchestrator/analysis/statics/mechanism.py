@@ -17,9 +17,9 @@ from components.contract.component import Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
 from components.fixed_base import FixedBase
 
-from ..assembly import Link, Part
-from ..scene.table import SceneError
-from ._connection import Connection
+from ...assembly import Link, Part
+from ...scene.table import SceneError
+from .connection_at_rest import Connection
 
 
 class PlacedBody:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from ..scene import Scene
-from ..scene.hinge_line_tables import HingeLine
+from ...scene import Scene
+from ...scene.hinge_line_tables import HingeLine
 
 _CABLE, _DRIVE = "ccl", "drive"
 

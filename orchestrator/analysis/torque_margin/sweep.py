@@ -17,17 +17,17 @@ from components import ComponentError
 from components.contract.frames import Vector3, rotate
 from components.hinge import Hinge
 
-from ..assembly import Assembly, Part
-from ..assembly.assemble import assemble
-from ..cosim.master import Master, Settings
-from ..cosim.network import Network, NetworkError
-from ..cosim.participant import InProcess, ParticipantError, Vector, in_process
-from ..cosim.stepping import StepError
-from ..run.run import RunError
-from ..scene import Scene
-from ..scene.hinge_line_tables import HingeLine
-from ..scene.table import SceneError
-from ._torque_margin_rules import LineTorques
+from ...assembly import Assembly, Part
+from ...assembly.assemble import assemble
+from ...cosim.master import Master, Settings
+from ...cosim.network import Network, NetworkError
+from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
+from ...cosim.stepping import StepError
+from ...run.run import RunError
+from ...scene import Scene
+from ...scene.hinge_line_tables import HingeLine
+from ...scene.table import SceneError
+from .rules import LineTorques
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0

@@ -17,8 +17,8 @@ from components import REGISTRY, ComponentError, left_product, rotation_matrix
 from components.contract.component import Vector
 from components.contract.frames import exponential, skew
 
-from ..assembly import Part
-from ..scene.table import SceneError
+from ...assembly import Part
+from ...scene.table import SceneError
 
 _MOTION = 13
 _STEP = 1e-5

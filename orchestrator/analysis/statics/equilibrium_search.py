@@ -6,9 +6,9 @@ import numpy as np
 
 from components.contract.component import Vector
 
-from ..scene.table import SceneError
-from ._linear import LinearModel, linearise, normal_modes
-from ._mechanism import Mechanism
+from ...scene.table import SceneError
+from .linear_model import LinearModel, linearise, normal_modes
+from .mechanism import Mechanism
 
 _MOST_ITERATIONS = 40
 _LARGEST_TURN = 0.15
