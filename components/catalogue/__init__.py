@@ -23,8 +23,9 @@ from zipfile import BadZipFile
 import numpy as np
 
 from ..contract.component import ComponentError
+from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.modal import ModalData
-from ..flexible.reduction import FiniteElementModel, craig_bampton
+from ..flexible.reduction import craig_bampton
 from .amos3 import AMOS3
 from .arabsat import ARABSAT
 from .bepicolombo import BEPICOLOMBO

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..flexible.reduction import FiniteElementModel
+from ..flexible.finite_elements import FiniteElementModel
 from .body import CatalogueBody
 from .data_files import catalogue_data
 from .panel import HingeLines, hinged_panel

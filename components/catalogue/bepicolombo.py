@@ -6,9 +6,9 @@ Arms on hinge line 2 are rigid: the measured latch torque of that line holds the
 
 from __future__ import annotations
 
+from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.joined import joined
 from ..flexible.panel import HingeArm, Panel, panel_model
-from ..flexible.reduction import FiniteElementModel
 from .body import CatalogueBody
 from .data_files import catalogue_data
 from .panel import SIDES, hinge_arms, hinged_panel, plate, rigid_arm

@@ -12,8 +12,8 @@ from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from ..contract.frames import skew
+from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.modal import ModalData
-from ..flexible.reduction import FiniteElementModel
 
 PointMasses: TypeAlias = tuple[tuple[str, float], ...]
 """Point masses in kg at named points of a body."""

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from ..flexible.beam_frame import BeamSection
-from ..flexible.panel import HingeArm, Panel, Plate, panel_model
-from ..flexible.reduction import FiniteElementModel
+from ..flexible.finite_elements import FiniteElementModel, Plate
+from ..flexible.panel import HingeArm, Panel, panel_model
 from .body import CatalogueBody
 from .data_files import catalogue_data
 

@@ -8,7 +8,7 @@ from math import hypot, sqrt
 
 from ..contract.component import ComponentError
 from ..flexible.beam_frame import BeamSection, Member, beam_frame, tube_section
-from ..flexible.reduction import FiniteElementModel
+from ..flexible.finite_elements import FiniteElementModel
 from .data_files import catalogue_data
 from .panel import SIDES
 

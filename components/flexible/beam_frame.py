@@ -16,8 +16,8 @@ import numpy as np
 from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
+from .finite_elements import FiniteElementModel, SparseMatrix
 from .modal import rigid_motion
-from .reduction import FiniteElementModel, SparseMatrix
 
 _STATIONS, _STATION_WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
 

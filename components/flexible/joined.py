@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import ComponentError
-from .reduction import FiniteElementModel, SparseMatrix
+from .finite_elements import FiniteElementModel, SparseMatrix
 
 
 def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteElementModel:

@@ -23,27 +23,11 @@ from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from .beam_frame import BeamSection, beam_stiffness
+from .finite_elements import FiniteElementModel, Plate, PlateNodes, Rectangle, SparseMatrix
 from .modal import rigid_motion
-from .plate_resultants import AxisCorners, PlateNodes, Rectangle, plate_nodes
-from .reduction import FiniteElementModel, SparseMatrix
+from .plate_resultants import AxisCorners, kron, plate_nodes
 
 _GAUSS_POINTS = 4  # exact for the square of a cubic
-
-
-@dataclass(frozen=True)
-class Plate:
-    """Rectangular orthotropic plate, its energy ½[D11 w,xx² + D22 w,yy² + 2 D12 w,xx w,yy + 4 D66 w,xy²]."""
-
-    length: float
-    """along x, m"""
-    width: float
-    """along y, m"""
-    areal_mass: float
-    """kg/m2"""
-    bending: tuple[float, float, float, float]
-    """D11, D22, D12, D66, N m"""
-    membrane: tuple[float, float, float, float]
-    """A11, A22, A12, A66, N/m"""
 
 
 def sandwich_stiffness(
@@ -173,15 +157,15 @@ class PlateElements:
         self.masses = plate.areal_mass * np.kron(x.weights, y.weights)
         self.positions = np.column_stack([_grid(x.points, y.points), np.zeros(self.masses.size)])
         self.displacement = _interleaved(
-            _kron(x.stretching[0], y.stretching[0]), _kron(x.bending[0], y.bending[0])
+            kron(x.stretching[0], y.stretching[0]), kron(x.bending[0], y.bending[0])
         )
 
     def motion(self, x: float, y: float) -> SparseMatrix:
         """Translation and small rotation (6, n) of the plate at a point."""
         (hx, gx), (px, qx) = self._x.at(x)
         (hy, gy), (py, qy) = self._y.at(y)
-        w, w_x, w_y = (_kron(*pair) for pair in ((hx, hy), (gx, hy), (hx, gy)))
-        u, u_y, v_x = (_kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
+        w, w_x, w_y = (kron(*pair) for pair in ((hx, hy), (gx, hy), (hx, gy)))
+        u, u_y, v_x = (kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
         rows = [[None, u, None], [None, None, u], [w, None, None], [w_y, None, None], [-w_x, None, None]]
         return sparse.csr_array(sparse.bmat([*rows, [None, -0.5 * u_y, 0.5 * v_x]]))
 
@@ -213,11 +197,6 @@ class PlateElements:
         return inside
 
 
-def _kron(left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
-    """Functions of x times functions of y."""
-    return sparse.csr_array(sparse.kron(left, right))
-
-
 def _grid(x: NDArray[np.generic], y: NDArray[np.generic]) -> Vector:
     """All pairs (x_i, y_j) in the order of a Kronecker product, (n, 2)."""
     return np.column_stack([np.repeat(x, y.size), np.tile(y, x.size)]).astype(float)
@@ -234,22 +213,22 @@ def _interleaved(u: SparseMatrix, w: SparseMatrix) -> SparseMatrix:
 def _bending(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     d11, d22, d12, d66 = plate.bending
     (x0, x1, x2), (y0, y1, y2) = x.bending, y.bending
-    mixed = _kron(x.product(x2, x0), y.product(y0, y2))
+    mixed = kron(x.product(x2, x0), y.product(y0, y2))
     return sparse.csr_array(
-        d11 * _kron(x.product(x2, x2), y.product(y0, y0))
-        + d22 * _kron(x.product(x0, x0), y.product(y2, y2))
+        d11 * kron(x.product(x2, x2), y.product(y0, y0))
+        + d22 * kron(x.product(x0, x0), y.product(y2, y2))
         + d12 * (mixed + mixed.T)
-        + 4.0 * d66 * _kron(x.product(x1, x1), y.product(y1, y1))
+        + 4.0 * d66 * kron(x.product(x1, x1), y.product(y1, y1))
     )
 
 
 def _membrane(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     a11, a22, a12, a66 = plate.membrane
     (x0, x1), (y0, y1) = x.stretching, y.stretching
-    along_x = _kron(x.product(x1, x1), y.product(y0, y0))
-    along_y = _kron(x.product(x0, x0), y.product(y1, y1))
-    poisson = _kron(x.product(x1, x0), y.product(y0, y1))
-    shear = _kron(x.product(x0, x1), y.product(y1, y0))
+    along_x = kron(x.product(x1, x1), y.product(y0, y0))
+    along_y = kron(x.product(x0, x0), y.product(y1, y1))
+    poisson = kron(x.product(x1, x0), y.product(y0, y1))
+    shear = kron(x.product(x0, x1), y.product(y1, y0))
     uu = sparse.csr_array(a11 * along_x + a66 * along_y)
     vv = sparse.csr_array(a22 * along_y + a66 * along_x)
     uv = sparse.csr_array(a12 * poisson + a66 * shear)

@@ -8,49 +8,15 @@ that meet in a node; those inside rigid inserts are no part of the average.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import Vector
-
-if TYPE_CHECKING:
-    from .panel import Plate
-    from .reduction import SparseMatrix
-
-Rectangle = tuple[tuple[float, float], tuple[float, float]]
-
-
-@dataclass(frozen=True)
-class PlateNodes:
-    """Mesh nodes of a plate and the resultants (Nx, Ny, Nxy in N/m, Mx, My, Mxy in N) at each of them."""
-
-    positions: Vector
-    """(K, 3) construction frame, m"""
-    faces: NDArray[np.int64]
-    """(F, 4) corners of the elements that deform"""
-    resultants: SparseMatrix
-    """(6 K, n) row 6 k + component; zero at nodes that no deforming element touches"""
-    inserts: Mapping[str, Rectangle]
-    """ranges of x and y of the rigid inserts, m"""
-
-    def reduced(self, reduce: Callable[[SparseMatrix], SparseMatrix]) -> PlateNodes:
-        """The same on other degrees of freedom."""
-        return replace(self, resultants=reduce(self.resultants))
-
-    def insert_distance(self) -> Vector:
-        """Distance (K,) in the plane from every node to the nearest rigid insert, m; inf without inserts."""
-        x, y = self.positions[:, 0], self.positions[:, 1]
-        distances = [np.full(len(self.positions), np.inf)]
-        for (x0, x1), (y0, y1) in self.inserts.values():
-            along = np.maximum(np.maximum(x0 - x, x - x1), 0.0)
-            distances.append(np.hypot(along, np.maximum(np.maximum(y0 - y, y - y1), 0.0)))
-        nearest: Vector = np.min(distances, axis=0)
-        return nearest
+from .finite_elements import Plate, PlateNodes, Rectangle, SparseMatrix
 
 
 @dataclass(frozen=True)
@@ -111,8 +77,8 @@ def _at_corners(x: AxisCorners, y: AxisCorners, plate: Plate) -> list[SparseMatr
     """Nx, Ny, Nxy, Mx, My, Mxy at the corners of every element, each (4 elements, n)."""
     (px, qx), (py, qy) = x.stretching, y.stretching
     (x0, x1, x2), (y0, y1, y2) = x.bending, y.bending
-    along_x, along_y = _kron(qx, py), _kron(px, qy)
-    curvature_x, curvature_y, twist = _kron(x2, y0), _kron(x0, y2), _kron(x1, y1)
+    along_x, along_y = kron(qx, py), kron(px, qy)
+    curvature_x, curvature_y, twist = kron(x2, y0), kron(x0, y2), kron(x1, y1)
     a11, a22, a12, a66 = plate.membrane
     d11, d22, d12, d66 = plate.bending
     rows = [
@@ -131,7 +97,8 @@ def _at_corners(x: AxisCorners, y: AxisCorners, plate: Plate) -> list[SparseMatr
     ]
 
 
-def _kron(left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
+def kron(left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:
+    """Tensor product of what two directions give."""
     return sparse.csr_array(sparse.kron(left, right))
 
 

@@ -8,10 +8,7 @@ Mass matrix and invariants come from one sampling of the mass: I3 and I4 vanish 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,73 +17,13 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
 from ..contract.component import ComponentError, Vector
 from ..contract.frames import skew
+from .finite_elements import FiniteElementModel, SparseMatrix
 from .modal import ModalData, default_damping, inertia_invariants
-
-if TYPE_CHECKING:
-    from .plate_resultants import PlateNodes
-
-SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
 
 
 def _times(matrix: SparseMatrix, vectors: Vector) -> Vector:
     """Sparse matrix times dense vectors."""
     return np.asarray(matrix @ vectors)
-
-
-@dataclass(frozen=True)
-class FiniteElementModel:
-    """Assembled finite elements with n free degrees of freedom and a sampling of their mass.
-
-    The mass matrix is S^T diag(m) S by construction, S being `displacement`.
-    """
-
-    stiffness: SparseMatrix
-    """(n, n)"""
-    masses: Vector
-    """(Q,) mass samples, kg"""
-    positions: Vector
-    """(Q, 3) of the samples, construction frame, m"""
-    displacement: SparseMatrix
-    """(3 Q, n) displacement of the samples, row 3 q + axis"""
-    rigid_motions: Vector
-    """(n, 6) exact translations along and rotations about the construction axes"""
-    point_positions: Mapping[str, Vector]
-    """(3,) of every attachment point and node, m"""
-    point_motions: Mapping[str, SparseMatrix]
-    """(6, n) translation and small rotation of every attachment point and node"""
-    attachment_dofs: Mapping[str, NDArray[np.int64]]
-    """(6,) degrees of freedom of the points that can be attachment points"""
-    display_positions: Vector
-    """(D, 3) coarse grid for pictures, m"""
-    display_displacement: SparseMatrix
-    """(3 D, n)"""
-    display_faces: NDArray[np.int64]
-    """(F, 4)"""
-    plate: PlateNodes | None = None
-    """where stresses can be recovered, if the body is a plate"""
-
-    @cached_property
-    def mass_matrix(self) -> SparseMatrix:
-        """Consistent mass matrix (n, n)."""
-        weights = sparse.diags_array(np.repeat(self.masses, 3))
-        return sparse.csr_array(self.displacement.T @ weights @ self.displacement)
-
-    @property
-    def mass(self) -> float:
-        """Total mass, kg."""
-        return float(self.masses.sum())
-
-    @property
-    def center_of_mass(self) -> Vector:
-        """(3,) in the construction frame, m."""
-        center: Vector = self.masses @ self.positions / self.masses.sum()
-        return center
-
-    @property
-    def inertia(self) -> Vector:
-        """(3, 3) about the centre of mass, kg m2."""
-        arms = self.positions - self.center_of_mass
-        return inertia_invariants(self.masses, arms, np.zeros((3 * len(arms), 0))).i7
 
 
 def _boundary(model: FiniteElementModel, attachment_points: Sequence[str]) -> NDArray[np.int64]:

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..contract.component import ComponentError, Vector
-from .reduction import FiniteElementModel
+from .finite_elements import FiniteElementModel
 
 Indices = NDArray[np.int64]
 FACES = ("upper", "lower")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
-from components import ComponentError, catalogue
+from components import ComponentError
 from components.contract.frames import (
     Quaternion,
     Vector3,
@@ -87,6 +87,8 @@ def _catalogue_model(
 
     An entry is a function `entry(fixed_interface_modes, masses)` of the catalogue with a twin `entry_rigid(masses)`.
     """
+    from components import catalogue  # scikit-fem takes its time, which no command needs that builds nothing
+
     known = [name.removesuffix(_TWIN) for name in vars(catalogue) if name.endswith(_TWIN)]
     if entry not in known:
         raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(known)}")

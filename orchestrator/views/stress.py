@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from components.flexible.plate_resultants import PlateNodes
+from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import PeakStress, StressRecovery
 
 from .style import COLOURS, DASHES, STYLE, WIDTH

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from components.flexible.plate_resultants import PlateNodes
+from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
 from ...results.result import Result

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components import ComponentError, catalogue
+from components.flexible.finite_elements import FiniteElementModel, PlateNodes
 from components.flexible.modal import ModalData
-from components.flexible.plate_resultants import PlateNodes
-from components.flexible.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
+from components.flexible.reduction import inertia_relief, orthonormal_modes
 from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
 
 from ...results.result import Result, ResultError

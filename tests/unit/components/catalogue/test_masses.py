@@ -11,9 +11,10 @@ from components.catalogue.yoke import parallel_yoke, yoke_tube
 from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.finite_elements import Plate
 from components.flexible.joined import joined
 from components.flexible.modal import ModalData
-from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.panel import HingeArm, Panel, panel_model
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 BRACKET = (("center", 0.40),)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from components import catalogue
-from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.finite_elements import Plate
+from components.flexible.panel import HingeArm, Panel, panel_model
 from components.flexible.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
 
 POINTS = ("hl_left", "hl_right")

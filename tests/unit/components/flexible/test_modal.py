@@ -8,8 +8,9 @@ from components.catalogue import cached
 from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.finite_elements import Plate
 from components.flexible.modal import ModalData, default_damping, inertia_invariants, rigid_motion
-from components.flexible.panel import HingeArm, Panel, Plate, panel_model
+from components.flexible.panel import HingeArm, Panel, panel_model
 from components.flexible.reduction import (
     craig_bampton,
     fixed_interface_frequencies,

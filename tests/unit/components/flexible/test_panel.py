@@ -8,7 +8,8 @@ from scipy.sparse.linalg import eigsh
 from skfem.helpers import dd, ddot
 
 from components.contract.component import ComponentError
-from components.flexible.panel import HingeArm, Panel, Plate, PlateElements, panel_model, sandwich_stiffness
+from components.flexible.finite_elements import Plate
+from components.flexible.panel import HingeArm, Panel, PlateElements, panel_model, sandwich_stiffness
 
 NU = 0.3
 UNIT = Plate(1.0, 1.0, 1.0, (1.0, 1.0, NU, 0.5 * (1 - NU)), (1.0, 1.0, NU, 0.5 * (1 - NU)))

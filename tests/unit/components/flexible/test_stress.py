@@ -11,7 +11,8 @@ from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible import stress as stress_module
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
-from components.flexible.panel import HingeArm, Panel, Plate, PlateElements, panel_model
+from components.flexible.finite_elements import Plate
+from components.flexible.panel import HingeArm, Panel, PlateElements, panel_model
 from components.flexible.reduction import inertia_relief, orthonormal_modes
 from components.flexible.stress import (
     FaceSheets,
