@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from fmus import native_library
-from orchestrator import engine
 from orchestrator.assembly import Link, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.interface import probe_stiffness, stiffness_of
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.run import as_fmus
+from orchestrator.cosim.implicit import engine
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.interface_jacobian import probe_stiffness, stiffness_of
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.run.run import as_fmus
 from tests.references.coupled import Recording, Run, completed
 
 needs_native = pytest.mark.skipif(

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from components.beam_frame import BeamSection, Member, beam_frame
-from components.reduction import craig_bampton
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.reduction import craig_bampton
 from fmus import native_library
 from orchestrator.assembly import Part
-from orchestrator.balance import Energies
-from orchestrator.guard import EnergyGuard
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
+from orchestrator.cosim.energy_balance import Energies
+from orchestrator.cosim.energy_guard import EnergyGuard
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
 from tests.benchmark.chain import as_instances
 from tests.references.coupled import Recording, Run, base, between
 
