@@ -21,6 +21,7 @@ from fmus import Backend, FmiVersion, check_fmu, native_library
 from .. import analysis
 from ..assembly import Assembly
 from ..cosim.master import Settings
+from ..cosim.network import Order
 from ..results import compare
 from ..results.key_figures import headline_table
 from ..results.result import Result, ResultError
@@ -85,6 +86,9 @@ def _tell_of_python(backend: Backend | None) -> None:
         _warn("no native library was built at installation; PythonFMUs are used, which are slower")
 
 
+_ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
+
+
 @main.command("run")
 @scene_choice
 @backend_option
@@ -92,6 +96,10 @@ def _tell_of_python(backend: Backend | None) -> None:
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
 @click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
+@click.option(
+    "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
+    help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4 with flexible bodies.",
+)  # fmt: skip
 @click.option(
     "--master",
     type=click.Choice(["implicit", "jacobi", "gauss-seidel"]),
@@ -110,6 +118,7 @@ def run_command(
     until: float | None,
     output: Path | None,
     step: float | None,
+    order: str,
     master: MasterKind,
     with_verify: bool,
     with_estimate: bool,
@@ -132,8 +141,9 @@ def run_command(
         assembly = one.assemble(one.load(), "mean" if master == "implicit" else "endpoint")
         _tell_of_held(choice.flexible, assembly)
         numbers = Settings(
-            tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
-        )
+            tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step,
+            order=_ORDERS[order],
+        )  # fmt: skip
         path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *one.variants, "h5")))
         end = until or assembly.until
         with progress(assembly.name, end) as watch:
