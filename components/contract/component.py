@@ -96,10 +96,12 @@ class Port:
 
     side "body": gives `position, orientation, velocity, angular_velocity`, takes `force, torque`.
     side "connection": the other way round. All in world axes, torque about the port's origin.
+    order: 2 where wrenches are held over a step, 4 where they are linear in time, see `slope_layout`.
     """
 
     name: str
     side: Literal["body", "connection"]
+    order: Literal[2, 4] = 2
 
 
 class Layout:
@@ -147,6 +149,33 @@ def port_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]
         Quantity(f"{n}.torque", "N.m", f"Torque on the body about the origin of port {n}, world axes", 3),
     )
     return (wrench, motion) if port.side == "body" else (motion, wrench)
+
+
+def slope_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
+    """Inputs and outputs that make a port of order 4, each in the order they take in flat arrays (6 scalars each).
+
+    Over a step of size h a wrench is u + u_slope P1(t), P1 = 2 t / h - 1, with `force` and `torque` its mean u. The
+    moment of a velocity is the integral of P1 v dt, so that slope times moment is work. Empty for a port of order 2.
+    """
+    if port.order == 2:
+        return ((), ())
+    n = port.name
+    moments = (
+        Quantity(
+            f"{n}.velocity_moment", "m", f"First moment of the velocity of port {n} over the last step", 3
+        ),
+        Quantity(
+            f"{n}.angular_velocity_moment",
+            "rad",
+            f"First moment of the angular velocity of port {n} over the last step",
+            3,
+        ),
+    )
+    slopes = (
+        Quantity(f"{n}.force_slope", "N", f"Half the change of the force at port {n} over the step", 3),
+        Quantity(f"{n}.torque_slope", "N.m", f"Half the change of the torque at port {n} over the step", 3),
+    )
+    return (slopes, moments) if port.side == "body" else (moments, slopes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,17 +236,21 @@ class Component(ABC):
         observations: Iterable[Quantity] = (),
         feedthrough: bool = False,
     ) -> None:
-        """Record the variables; those of the ports come first, in port order.
+        """Record the variables; those of the ports come first, in port order, those of their slopes last.
 
         `feedthrough` says that outputs depend on inputs of the same instant (end-point wrenches).
         """
         self.structure = dict(structure)
         self.ports = tuple(ports)
-        sides = [port_layout(port) for port in self.ports]
+        sides, slopes = [port_layout(p) for p in self.ports], [slope_layout(p) for p in self.ports]
         self.feedthrough = feedthrough
         self.parameter_layout = Layout(parameters)
-        self.input_layout = Layout((*(q for side in sides for q in side[0]), *inputs))
-        self.output_layout = Layout((*(q for side in sides for q in side[1]), *outputs))
+        self.input_layout, self.output_layout = (
+            Layout(
+                (*(q for side in sides for q in side[i]), *own, *(q for slope in slopes for q in slope[i]))
+            )
+            for i, own in enumerate((tuple(inputs), tuple(outputs)))
+        )
         self.observation_layout = Layout(observations)
         Layout(q for layout in self.layouts for q in layout.quantities)  # names are unique across all four
 

@@ -15,6 +15,7 @@ from fmus import Backend
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
+from ..cosim.network import Order
 from ..run.companion import with_estimates
 from ..run.run import MasterKind, Outcome, as_fmus, run
 from ..run.verify import Verified, verify
@@ -24,6 +25,8 @@ from .progress import progress
 from .tables import headline_table
 from .types import Number
 
+_ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
+
 
 @click.command("run")
 @scene_choice
@@ -32,6 +35,10 @@ from .types import Number
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
 @click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
 @click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
+@click.option(
+    "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
+    help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4 with flexible bodies.",
+)  # fmt: skip
 @click.option(
     "--master",
     type=click.Choice(["implicit", "jacobi", "gauss-seidel"]),
@@ -50,6 +57,7 @@ def command(
     until: float | None,
     output: Path | None,
     step: float | None,
+    order: str,
     master: MasterKind,
     with_verify: bool,
     with_estimate: bool,
@@ -72,8 +80,9 @@ def command(
         assembly = one.assemble(one.load(), "mean" if master == "implicit" else "endpoint")
         _tell_of_held(choice.flexible, assembly)
         numbers = Settings(
-            tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step
-        )
+            tolerance=tolerance or assembly.tolerance, largest_step=assembly.largest_step, fixed_step=step,
+            order=_ORDERS[order],
+        )  # fmt: skip
         path = _phase_path(output, phase) if output else Path(".".join((assembly.name, *one.variants, "h5")))
         end = until or assembly.until
         with progress(assembly.name, end) as watch:

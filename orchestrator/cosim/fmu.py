@@ -25,7 +25,7 @@ from fmpy.fmi2 import (
 from components import Layout, Quantity
 from fmus import NATIVE_TOOL
 
-from .network import MOTION, WRENCH
+from .network import MOMENTS, MOTION, SLOPES, WRENCH
 from .participant import ParticipantError, Vector
 from .shared_library import share_library
 
@@ -55,7 +55,7 @@ class Calls(Structure):
         ),
         *((name, c_size_t) for name in ("inputs", "outputs", "observations", "overwrites_state")),
         *((name, c_void_p) for name in ("input", "output", "observation", "saved")),
-        ("ports", c_size_t),
+        *((name, c_size_t) for name in ("ports", "slopes", "moments")),
         ("links", c_void_p),
         ("turned", c_void_p),
     )
@@ -279,7 +279,9 @@ def _says(annotation: ElementTree.Element | None, element: str, attribute: str) 
 
 def _is_coupled(name: str) -> bool:
     base = _INDEX.sub("", name)
-    return base in EVENT_OUTPUTS or (base.rpartition(".")[2] in (*MOTION, *WRENCH) and "." in base)
+    return base in EVENT_OUTPUTS or (
+        base.rpartition(".")[2] in (*MOTION, *WRENCH, *SLOPES, *MOMENTS) and "." in base
+    )
 
 
 def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:

@@ -13,8 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .implicit.coupling import Coupling
-from .implicit.interface_jacobian import Matrix, first_port_axes, stepped, stiffness_of
+from .implicit.interface_jacobian import first_port_axes, stepped, stiffness_of
 from .implicit.local_error import WatchedTorque
+from .network import Matrix, PortPlaces, Width
 from .participant import Participant, Vector
 
 _LONG_STEP = 100.0
@@ -27,7 +28,7 @@ class Stiffening(NamedTuple):
 
     connection: its number; axis (3,): unit vector, axes of its last port; stiffness (N.m/rad), with the inertial
     terms that damp unresolved coordinates; damping (N.m.s/rad); wrench (6 ports,): of the hinge on its bodies for a
-    torque of 1 N.m about the axis; rotation (12 ports,): by motions of its ports.
+    torque of 1 N.m about the axis; rotation (6 ports,): by motions of its ports.
     """
 
     connection: int
@@ -56,7 +57,10 @@ class StiffenedLine(NamedTuple):
 
 
 class Slope(NamedTuple):
-    """Stiffness (6 ports, 12 ports) of a connection over a step, and over one so long that damping adds nothing."""
+    """Mean wrenches (6 ports,) of a connection by the poses of its ports at the end of a step.
+
+    Over the step asked for, and over one so long that damping adds nothing.
+    """
 
     step: Matrix
     long: Matrix
@@ -65,18 +69,23 @@ class Slope(NamedTuple):
 def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> list[Slope]:
     """Stiffnesses of connections by name, at the motions and under the commands of now."""
     network = coupling.network
-    ports = {
-        c.name: len(found) for c, found in zip(network.connections, network.connection_ports, strict=True)
-    }
+    places = {c.name: p for c, p in zip(network.connections, network.connection_places, strict=True)}
     return [
-        Slope(*(_stiffness(network.by_name[name], ports[name], time, size) for size in (h, _LONG_STEP)))
+        Slope(
+            *(
+                _stiffness(network.by_name[name], places[name], network.width, time, s)
+                for s in (h, _LONG_STEP)
+            )
+        )
         for name in names
     ]
 
 
-def _stiffness(connection: Participant, ports: int, time: float, h: float) -> Matrix:
+def _stiffness(connection: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Matrix:
     stepped(connection, time, h)
-    return stiffness_of(connection, ports, time, h).matrix
+    matrix = stiffness_of(connection, places, width, time, h).matrix
+    table = matrix.reshape(places.ports, width.wrench, places.ports, width.coordinates)[:, :6, :, :6]
+    return table.reshape(6 * places.ports, 6 * places.ports)
 
 
 def stiffenings(
@@ -87,19 +96,19 @@ def stiffenings(
     found = []
     for name, old, new in zip(names, before, after, strict=True):
         change = old.long - new.long
-        turning = change[-3:, -9:-6]  # torque on the last port by its rotation
+        turning = change[-3:, -3:]  # torque on the last port by its rotation
         values, vectors = np.linalg.eigh(0.5 * (turning + turning.T))
         if values[-1] <= _LEAST_STIFFENING * float(np.abs(new.long).max()):
             continue
         axis, last_port = vectors[:, -1], coupling.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
-        viscous = (old.step - new.step - change)[-3:, -9:-6]
+        viscous = (old.step - new.step - change)[-3:, -3:]
         found.append(
             Stiffening(
                 numbers[name],
                 first_port_axes(last_port).T @ axis,
                 2.0 * float(values[-1]),  # a mean torque is half of that at the end
                 max(0.0, h * float(axis @ viscous @ axis)),
-                change[:, -9:-6] @ axis / values[-1],
+                change[:, -3:] @ axis / values[-1],
                 axis @ change[-3:] / values[-1],
             )
         )
@@ -124,20 +133,20 @@ def stiffened_line(coupling: Coupling, hinges: tuple[Stiffening, ...], h: float)
 def _turned(coupling: Coupling, loaded: Stiffening, hinges: Sequence[Stiffening]) -> list[float]:
     """Rotations (rad) of all hinges under a torque of 1 N.m at one, held over the step, all joints in place."""
     network = coupling.network
-    wrenches = np.zeros(network.size)
-    wrenches[network.connection_rows[loaded.connection]] = loaded.wrench
-    motions = coupling.response(wrenches)
+    wrenches = np.zeros((len(network.port_names), network.width.wrench))
+    wrenches[network.connection_links[loaded.connection], :6] = loaded.wrench.reshape(-1, 6)
+    motions = coupling.response(wrenches.ravel())[:, :6]
     return [
-        float(hinge.rotation @ motions[network.connection_rows[hinge.connection][::6] // 6].ravel())
+        float(hinge.rotation @ motions[network.connection_links[hinge.connection]].ravel())
         for hinge in hinges
     ]
 
 
 def _rate(coupling: Coupling, hinge: Stiffening) -> float:
     """Present rate (rad/s) of the rotation."""
-    ports = coupling.network.connections[hinge.connection].inputs[: 13 * len(hinge.rotation) // 12]
-    twists = ports.reshape(-1, 13)[:, 7:]
-    return float(hinge.rotation.reshape(-1, 12)[:, :6].ravel() @ twists.ravel())
+    table = hinge.rotation.reshape(-1, 6)
+    ports = coupling.network.connections[hinge.connection].inputs[: 13 * len(table)]
+    return float(table.ravel() @ ports.reshape(-1, 13)[:, 7:].ravel())
 
 
 def watched_torques(coupling: Coupling, line: StiffenedLine, energy: float) -> list[WatchedTorque]:
@@ -145,9 +154,9 @@ def watched_torques(coupling: Coupling, line: StiffenedLine, energy: float) -> l
     network = coupling.network
     found = []
     for hinge in line.hinges:
-        rows = network.connection_rows[hinge.connection]
-        port = len(rows) // 6 - 1
+        links = network.connection_links[hinge.connection]
+        port, row = len(links) - 1, network.width.wrench * int(links[-1]) + 3
         x, y, z = hinge.axis.tolist()
         weight = len(line.hinges) * line.frequency**2 / (2.0 * hinge.stiffness * energy)
-        found.append(WatchedTorque(hinge.connection, port, int(rows[-3]), (x, y, z), weight))
+        found.append(WatchedTorque(hinge.connection, port, row, (x, y, z), weight))
     return found

@@ -15,7 +15,7 @@ from .energy_guard import EnergyGuard
 from .implicit.convergence import Solution, Tolerance
 from .implicit.coupling import Coupling
 from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
-from .network import Network
+from .network import Network, Order
 from .participant import Vector
 from .static_search import DURATION, StaticSearch
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
@@ -57,7 +57,7 @@ class Settings:
     with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant
     communication step size instead of control, divided only where it does not converge. step_plan: step
     sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
-    through the scene, beside which errors are judged before it moves.
+    through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
     """
 
     tolerance: float = 1e-4
@@ -68,6 +68,7 @@ class Settings:
     fixed_step: float | None = None
     step_plan: Sequence[Sequence[float]] | None = None
     driving_energy: float = 0.0
+    order: Order | None = None
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 
@@ -98,9 +99,9 @@ class Master:
         self._pending = [line for line in hinge_lines if line.latches]
         self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
         self._coupling.persistent = not self._controlled
-        self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy)
+        self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
-        self._sizes = StepSizes(largest, settings.smallest_step)
+        self._sizes = StepSizes(largest, settings.smallest_step, network.order)
         self._sizes.restart(min(settings.start_step, largest))
         self._wrenches = self._coupling.accepted
         self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -119,6 +120,9 @@ class Master:
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
         start = -DURATION if preload else 0.0
+        for participant in self._participants:
+            if "order" in participant.parameter_layout:
+                participant.set_parameter("order", self.network.order)
         for body in self.network.bodies:
             body.write()
             body.read()
@@ -133,7 +137,9 @@ class Master:
             self._seek_equilibrium()
         self._energy_start = energies = self._observe(0.0)
         self._guard = EnergyGuard(energies)
-        self._error = ErrorEstimate(self.settings.tolerance, energies.stored, self.settings.driving_energy)
+        self._error = ErrorEstimate(
+            self.settings.tolerance, energies.stored, self.settings.driving_energy, self.network.order
+        )
         self._record(0.0, 0)
 
     def _seek_equilibrium(self) -> None:

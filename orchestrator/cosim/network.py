@@ -1,7 +1,8 @@
 """Which port meets which: checks of the connections, and the index arrays that carry values across them.
 
 Bodies give motions and take wrenches; connections the other way round. The unknown of a coupled step is
-the vector of all wrenches that bodies take, in the order of the bodies and their ports.
+the vector of all wrenches that bodies take, in the order of the bodies and their ports. In a network of order 4 every
+wrench is followed by its slope, and every pose by first moments of the velocities; see `components.slope_layout`.
 """
 
 from __future__ import annotations
@@ -12,11 +13,18 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from components import Layout
+
 from ..assembly import Link
 from .participant import Participant, Vector
 
+Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+
 MOTION = ("position", "orientation", "velocity", "angular_velocity")
 WRENCH = ("force", "torque")
+SLOPES = ("force_slope", "torque_slope")
+MOMENTS = ("velocity_moment", "angular_velocity_moment")
+Order = Literal[2, 4]
 _UNITS = {
     "position": "m",
     "orientation": "1",
@@ -25,6 +33,30 @@ _UNITS = {
     "force": "N",
     "torque": "N.m",
 }
+
+
+class Width(NamedTuple):
+    """Numbers of a port: of its wrench, with slope, and of its motion as coordinates.
+
+    Coordinates are translation and rotation vector, at order 4 first moments of both rates, then the rates, world axes.
+    """
+
+    wrench: int
+    coordinates: int
+
+
+WIDTHS = {2: Width(6, 12), 4: Width(12, 18)}
+
+
+class PortPlaces(NamedTuple):
+    """Where a participant holds what its ports carry, port after port: wrenches and motions from its arrays' start.
+
+    ports: how many. slopes, moments: where the first port's begin in the array on the same side; None without.
+    """
+
+    ports: int
+    slopes: int | None
+    moments: int | None
 
 
 class Meeting(NamedTuple):
@@ -58,12 +90,12 @@ def port_sides(participant: Participant) -> dict[str, Literal["body", "connectio
 class Network:
     """Participants joined port to port.
 
-    bodies, connections: participants in order. wrenches: the unknown, shape (6 x body ports,), of which
-    each body's inputs hold a copy. `port_names[i]` is the (body, port) of rows 6 i to 6 i + 5, `meetings[i]`
-    what meets there.
+    bodies, connections: participants in order. wrenches: the unknown, shape (width.wrench x body ports,), of which
+    each body's inputs hold a copy. `port_names[i]` is the (body, port) of the i-th wrench in it, `meetings[i]`
+    what meets there. order: 4 where slopes are carried as well, between ports that have them.
     """
 
-    def __init__(self, participants: Sequence[Participant], links: Iterable[Link]) -> None:
+    def __init__(self, participants: Sequence[Participant], links: Iterable[Link], order: Order = 2) -> None:
         links = tuple(links)
         problems = _problems(participants, links)
         if problems:
@@ -77,12 +109,24 @@ class Network:
         self.connection_ports = [list(sides[c.name]) for c in self.connections]
         partner = {link.body: link.connection for link in links}
         self.partner = [partner[port] for port in self.port_names]
-        self.size = 6 * len(self.port_names)
-        self.rows = _consecutive([6 * len(ports) for ports in self.body_ports])
+        self.order = order
+        self.width = width = WIDTHS[order]
+        self.body_places = [
+            _places(p.input_layout, p.output_layout, ports, order)
+            for p, ports in zip(self.bodies, self.body_ports, strict=True)
+        ]
+        self.connection_places = [
+            _places(p.output_layout, p.input_layout, ports, order)
+            for p, ports in zip(self.connections, self.connection_ports, strict=True)
+        ]
+        self.size = width.wrench * len(self.port_names)
+        self.rows = _consecutive([width.wrench * len(ports) for ports in self.body_ports])
         place = {port: i for i, port in enumerate(self.port_names)}
         reverse = {link.connection: link.body for link in links}
         self.connection_rows = [
-            np.concatenate([np.arange(6) + 6 * place[reverse[(c.name, port)]] for port in ports])
+            np.concatenate(
+                [np.arange(width.wrench) + width.wrench * place[reverse[(c.name, port)]] for port in ports]
+            )
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
         meets = {
@@ -95,35 +139,74 @@ class Network:
             for number, (b, ports) in enumerate(zip(self.bodies, self.body_ports, strict=True))
             for side, port in enumerate(ports)
         ]
-        self._motion = np.zeros(13 * len(self.port_names))
-        self._motion_rows = _consecutive([13 * len(ports) for ports in self.body_ports])
-        self._gather = [
-            np.concatenate([np.arange(13) + 13 * place[reverse[(c.name, port)]] for port in ports])
+        count = len(self.port_names)
+        self._shape = (count, width.wrench)
+        self._motion, self._moments = np.zeros((count, 13)), np.zeros((count, 6))
+        self._body_links = _consecutive([len(ports) for ports in self.body_ports])
+        self.connection_links = [
+            np.array([place[reverse[(c.name, port)]] for port in ports])
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
 
     def set_wrenches(self, wrenches: Vector) -> None:
         """Put the unknown into the bodies' inputs."""
-        for body, rows in zip(self.bodies, self.rows, strict=True):
-            body.inputs[: rows.stop - rows.start] = wrenches[rows]
+        table = wrenches.reshape(self._shape)
+        for body, places, links in zip(self.bodies, self.body_places, self._body_links, strict=True):
+            _port_table(body.inputs, 0, 6, places.ports)[:] = table[links, :6]
+            if places.slopes is not None:
+                _port_table(body.inputs, places.slopes, 6, places.ports)[:] = table[links, 6:]
 
     def carry_motion(self) -> None:
         """Bodies' outputs to connections' inputs."""
-        for body, rows in zip(self.bodies, self._motion_rows, strict=True):
-            self._motion[rows] = body.outputs[: rows.stop - rows.start]
-        for connection, index in zip(self.connections, self._gather, strict=True):
-            np.take(self._motion, index, out=connection.inputs[: index.size])
+        for body, places, links in zip(self.bodies, self.body_places, self._body_links, strict=True):
+            self._motion[links] = _port_table(body.outputs, 0, 13, places.ports)
+            if places.moments is not None:
+                self._moments[links] = _port_table(body.outputs, places.moments, 6, places.ports)
+        for connection, places, index in zip(
+            self.connections, self.connection_places, self.connection_links, strict=True
+        ):
+            _port_table(connection.inputs, 0, 13, places.ports)[:] = self._motion[index]
+            if places.moments is not None:
+                _port_table(connection.inputs, places.moments, 6, places.ports)[:] = self._moments[index]
 
     def collect_wrenches(self, out: Vector) -> None:
         """Connections' outputs, in the order of the unknown."""
-        for connection, rows in zip(self.connections, self.connection_rows, strict=True):
-            out[rows] = connection.outputs[: rows.size]
+        table = out.reshape(self._shape)
+        for connection, places, index in zip(
+            self.connections, self.connection_places, self.connection_links, strict=True
+        ):
+            table[index, :6] = _port_table(connection.outputs, 0, 6, places.ports)
+            if places.slopes is not None:
+                table[index, 6:] = _port_table(connection.outputs, places.slopes, 6, places.ports)
 
     def port_of_row(self, row: int) -> str:
         """The connection a row of the unknown belongs to, for messages: "hl3_left (port outboard on panel2)"."""
-        body, port = self.port_names[row // 6]
-        connection, side = self.partner[row // 6]
+        number = row // self.width.wrench
+        (body, port), (connection, side) = self.port_names[number], self.partner[number]
         return f"{connection}.{side} on {body}.{port}"
+
+
+def _places(wrenches: Layout, motions: Layout, ports: Sequence[str], order: Order) -> PortPlaces:
+    """Places of a participant's ports, from its layouts on the sides of wrenches and of motions."""
+    if order == 2:
+        return PortPlaces(len(ports), None, None)
+    found = [
+        [layout[f"{port}.{name}"].start for port in ports for name in names]
+        if all(f"{port}.{name}" in layout for port in ports for name in names)
+        else []
+        for layout, names in ((wrenches, SLOPES), (motions, MOMENTS))
+    ]
+    if any(
+        places != list(range(places[0], places[0] + 3 * len(places), 3)) if places else True
+        for places in found
+    ):
+        return PortPlaces(len(ports), None, None)
+    return PortPlaces(len(ports), found[0][0], found[1][0])
+
+
+def _port_table(values: Vector, first: int, width: int, ports: int) -> Matrix:
+    """A view (ports, width) of what the ports hold in an array."""
+    return values[first : first + width * ports].reshape(ports, width)
 
 
 def _consecutive(sizes: Sequence[int]) -> list[slice]:

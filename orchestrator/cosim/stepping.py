@@ -9,10 +9,11 @@ from math import ceil, floor, log, sqrt
 
 from .implicit.convergence import Solution
 from .implicit.coupling import Coupling
+from .network import Order
 from .participant import ParticipantError
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARE = 0.0025
+_ERROR_SHARES = {2: 0.0025, 4: 0.0025}
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
@@ -44,10 +45,16 @@ class StepSizes:
 
     largest: float
     smallest: float
+    order: Order = 2
     level: int = 0
     wait: int = 0
     stirred: int = 0
     worst: float = 0.0
+
+    @property
+    def _per_level(self) -> float:
+        """Logarithm of how much the error of a step grows with one level."""
+        return (self.order + 1) * log(_RATIO)
 
     @property
     def size(self) -> float:
@@ -72,7 +79,7 @@ class StepSizes:
         can_shrink = self.size > 2.0 * self.smallest
         stirred = self.stirred > 0
         if error > (_REJECTED_STIRRED if stirred else _REJECTED) and can_shrink:
-            self.shrink(max(1, min(6, ceil(log(error) / (3.0 * log(_RATIO))))))
+            self.shrink(max(1, min(6, ceil(log(error) / self._per_level))))
             return False
         self.wait -= 1
         if stirred:
@@ -82,7 +89,7 @@ class StepSizes:
         if error > 1.0 and can_shrink:
             self.shrink(1)
         elif self.wait <= 0:
-            room = floor(log(_GROWTH_MARGIN / max(self.worst, 1e-9)) / (3.0 * log(_RATIO)))
+            room = floor(log(_GROWTH_MARGIN / max(self.worst, 1e-9)) / self._per_level)
             if room >= 1 and self.level > 0:
                 self.level = max(0, self.level - min(room, 2))
                 self._changed(_STEPS_AFTER_GROWTH)
@@ -93,24 +100,27 @@ class StepSizes:
 
 
 class ErrorEstimate:
-    """Local error of a step from how far its mean wrench lies off the line through the last two.
+    """Local error of a step from how far its mean wrench lies off the line through the last two, or off its slopes.
 
-    The mean over the step errs by a twelfth of h^2 u''. The work such wrenches do on the motion they cause,
-    over an energy, is the square of a relative error in velocity; measured so, a light attachment point that
-    springs about without energy does not hold up a whole wing. The energy is the largest of what motors will put
-    through the scene, of the kinetic energy seen, and of a thousandth of what is stored at the start. The part
-    that is allowed goes with the tolerance to the power 3/2 below 1e-4, so that errors, which go with h^2 where
-    those of a step go with h^3, follow the tolerance.
+    The mean over the step errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work such
+    wrenches do on the motion they cause, over an energy, is the square of a relative error in velocity; measured
+    so, a light attachment point that springs about without energy does not hold up a whole wing. The energy is
+    the largest of what motors will put through the scene, of the kinetic energy seen, and of a thousandth of what
+    is stored at the start. The part that is allowed goes with the tolerance to the power (n + 1) / n below 1e-4,
+    so that errors, which go with h^n where those of a step go with h^(n + 1), follow the tolerance.
     """
 
-    def __init__(self, tolerance: float, stored: float, driving: float = 0.0) -> None:
-        self._allowed = 12.0 * _ERROR_SHARE * tolerance * sqrt(min(1.0, tolerance / REFERENCE_TOLERANCE))
+    def __init__(self, tolerance: float, stored: float, driving: float = 0.0, order: Order = 2) -> None:
+        self._order = order
+        below = float(min(1.0, tolerance / REFERENCE_TOLERANCE) ** (1.0 / order))
+        self._allowed = 12.0 * _ERROR_SHARES[order] * tolerance * below
         self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
 
     @property
     def resolved_angle(self) -> float:
         """Angular frequency times step size (rad) up to which a vibration that holds all energy is followed well."""
-        return float(self._allowed ** (1.0 / 3.0))
+        relative = self._allowed if self._order == 2 else 12.0 * self._allowed
+        return float(relative ** (1.0 / (self._order + 1)))
 
     def see(self, kinetic: float) -> None:
         """Take note of the kinetic energy (J)."""

@@ -48,8 +48,8 @@ def native_errors(
             found, expected = run.signal(name, quantity.name), reference.signal(name, quantity.name)
             differences.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
         master._coupling.sweep(until, h)
-        ports = len(network.connection_ports[network.connections.index(connection)])
-        exact = stiffness_of(connection, ports, until, h).matrix
-        probed = probe_stiffness(connection, ports, until, h).matrix
+        places = network.connection_places[network.connections.index(connection)]
+        exact = stiffness_of(connection, places, network.width, until, h).matrix
+        probed = probe_stiffness(connection, places, network.width, until, h).matrix
         size = max(float(np.abs(probed).max()), 1e-3)
         return float(max(differences)), float(np.abs(exact - probed).max()) / size

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..network import Matrix, Width
 from ..participant import ParticipantError, Vector
-from .interface_jacobian import Matrix
 
 MAX_ITERATIONS = 14
 REFRESHED = (2, 4, 8)
@@ -94,17 +94,18 @@ class Extent(NamedTuple):
         return cls(float(table[:, :3].max()), float(table[:, 7:].max()))
 
 
-def round_off(stiffness: Matrix, extent: Extent) -> Vector:
-    """Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that."""
-    sizes = np.full((len(stiffness) // 6, 12), extent.rate)
+def round_off(stiffness: Matrix, width: Width, extent: Extent, h: float) -> Vector:
+    """Wrenches that the rounding of a connection's motions makes: ports cannot agree better than that."""
+    sizes = np.full((len(stiffness) // width.wrench, width.coordinates), extent.rate * h)
     sizes[:, :3] = extent.reach
     sizes[:, 3:6] = 1.0
+    sizes[:, -6:] = extent.rate
     result: Vector = ROUND_OFF * (np.abs(stiffness) @ sizes.ravel())
     return result
 
 
 def noise(mobility: Vector, tolerated: Vector, rounded: Vector, reach: float) -> Vector:
-    """Errors of the wrenches of a body that a solution may leave, all arrays (6 ports,).
+    """Errors of the mean wrenches of a body that a solution may leave, all arrays (6 ports,).
 
     mobility: how far a port moves under its own wrench; tolerated: the last correction; rounded: see `round_off`.
     Rounding of a pose makes no more than the wrench that moves the port by it.

@@ -11,13 +11,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ..energy_balance import Energies, energy_rows
-from ..network import Network
+from ..network import Matrix, Network
 from ..participant import ParticipantError, Vector
 from . import convergence
 from .convergence import Extent, Solution, Tolerance, broyden, is_credible, round_off
 from .engine import Engine, Limits, Matrices, Shared, Status
 from .history import History
-from .interface_jacobian import Matrix, first_port_axes, mobility_of, stiffness_of
+from .interface_jacobian import first_port_axes, mobility_of, stiffness_of
 from .local_error import Accuracy, WatchedTorque, error_square
 from .sparse_system import SparseSystem
 
@@ -82,7 +82,7 @@ class Coupling:
             self._engine = Engine(network, _LIMITS, shared)
         else:
             self._system = SparseSystem(network)
-            self._history = History(network.size)
+            self._history = History(len(network.port_names), network.width)
 
     @property
     def sweeps(self) -> int:
@@ -113,10 +113,10 @@ class Coupling:
         """Take the step from a time over h as made: wrenches for the next guess, states to solve from."""
         middle = time + 0.5 * h
         if self._engine is not None:
-            self._engine.accept(middle, time + h)
+            self._engine.accept(middle, h)
             return
         self.accepted[:] = self.wrenches
-        self._history.add(middle, self.wrenches)
+        self._history.add(middle, self.wrenches, h)
         self.save(time + h)
 
     def restart(self) -> None:
@@ -130,8 +130,8 @@ class Coupling:
         """Wrenches to solve a step from: extrapolated over the last ones, or those accepted last."""
         middle = time + 0.5 * h
         if self._engine is not None:
-            return self._engine.predicted(middle)
-        found = self._history.extrapolated(middle)
+            return self._engine.predicted(middle, h)
+        found = self._history.extrapolated(middle, h)
         return self.accepted if found is None else found
 
     def error_square(self, time: float, h: float, energy: float) -> float | None:
@@ -155,7 +155,7 @@ class Coupling:
         self._refresh(time, h, probe=True)
 
     def response(self, wrenches: Vector) -> Matrix:
-        """Motions of all ports of bodies (ports, 12) under more wrenches (size,), held over the step in use.
+        """Motions of all ports of bodies (ports, coordinates) under more wrenches (size,) over the step in use.
 
         Connections resist; motions are those of its end, in the coordinates of `interface_jacobian`.
         """
@@ -166,7 +166,7 @@ class Coupling:
             probe.turned(first_port_axes(body.outputs)) @ change[rows]
             for probe, body, rows in zip(probes, self.network.bodies, self.network.rows, strict=True)
         ]
-        result: Matrix = np.concatenate(moved).reshape(-1, 12)
+        result: Matrix = np.concatenate(moved).reshape(-1, self.network.width.coordinates)
         return result
 
     def watch(self, watched: Sequence[WatchedTorque]) -> None:
@@ -365,8 +365,8 @@ class Coupling:
         if key not in self._stiffnesses:
             self.probes += 1
             self._stiffnesses[key] = Matrices(
-                stiffness_of(connection, len(ports), time, h)
-                for connection, ports in zip(network.connections, network.connection_ports, strict=True)
+                stiffness_of(connection, places, network.width, time, h)
+                for connection, places in zip(network.connections, network.connection_places, strict=True)
             )
         return self._mobilities[key], self._stiffnesses[key]
 
@@ -380,8 +380,8 @@ class Coupling:
         self._mobilities[key] = Matrices(
             known.probes[number]
             if known and body.constant_mobility
-            else mobility_of(body, len(ports), time, key[1])
-            for number, (body, ports) in enumerate(zip(network.bodies, network.body_ports, strict=True))
+            else mobility_of(body, places, network.width, time, key[1])
+            for number, (body, places) in enumerate(zip(network.bodies, network.body_places, strict=True))
         )
 
     def _factorize(self, time: float, h: float) -> None:
@@ -392,10 +392,10 @@ class Coupling:
             self._engine.use(mobilities, stiffnesses)
             self._engine.assemble()
         else:
-            self._factorize_here(mobilities, stiffnesses)
+            self._factorize_here(mobilities, stiffnesses, h)
         self._factor_key = key
 
-    def _factorize_here(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
+    def _factorize_here(self, mobilities: Matrices, stiffnesses: Matrices, h: float) -> None:
         network = self.network
         self._turned = [
             probe.turned(first_port_axes(body.outputs))
@@ -411,4 +411,4 @@ class Coupling:
             for connection, ports in zip(network.connections, network.connection_ports, strict=True)
         )
         for index, stiffness in zip(network.connection_rows, turned_stiffnesses, strict=True):
-            self._round_off[index] = round_off(stiffness, self._extent)
+            self._round_off[index] = round_off(stiffness, network.width, self._extent, h)

@@ -21,7 +21,6 @@ import numpy as np
 from ..network import Meeting
 
 Indices = np.ndarray[Any, np.dtype[np.uintp]]
-_WRENCH = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +30,8 @@ class Elimination:
     place (links,): first row of each link's wrench in the order of elimination. begin (groups + 1,): first
     row of each group. blocks (n, 5): row group, column group, first column, columns, offset in the array of
     all values, `length` long. lower, upper: blocks by eliminated group, from `*_begin`; targets: the block
-    that each product of both changes. parts (m, 2): offset and stride of the 6 x 6 part of the matrix for
-    every connection, port, port again, and port of the first port's body.
+    that each product of both changes. parts (m, 2): offset and stride of the part of the matrix for
+    every connection, port, port again, and port of the first port's body, square with the size of a wrench.
     """
 
     place: Indices
@@ -53,7 +52,7 @@ Range = tuple[int, int]
 class _Pattern:
     """Groups, the neighbours of each, and the columns of a group that another depends on."""
 
-    def __init__(self, meetings: list[Meeting], still: Set[int]) -> None:
+    def __init__(self, meetings: list[Meeting], width: int, still: Set[int]) -> None:
         bodies_of: dict[int, set[int]] = defaultdict(set)
         for meeting in meetings:
             bodies_of[meeting.connection].add(meeting.body)
@@ -62,12 +61,12 @@ class _Pattern:
             alone = (-1, link) if meeting.body in still else ()
             members[alone or tuple(sorted(bodies_of[meeting.connection] - still))].append(link)
         self.members = [sorted(links, key=lambda i: (meetings[i].body, i)) for links in members.values()]
-        self.sizes = [_WRENCH * len(links) for links in self.members]
+        self.sizes = [width * len(links) for links in self.members]
         ranges: dict[int, dict[int, Range]] = defaultdict(dict)
         self.row: dict[int, Range] = {}
         for group, links in enumerate(self.members):
             for position, link in enumerate(links):
-                span = (_WRENCH * position, _WRENCH * (position + 1))
+                span = (width * position, width * (position + 1))
                 self.row[link] = (group, span[0])
                 body = meetings[link].body
                 ranges[body][group] = _hull(ranges[body].get(group, span), span)
@@ -127,9 +126,12 @@ class _Pattern:
         return sum(self.sizes[other] for other in self.neighbours[group])
 
 
-def eliminate(meetings: list[Meeting], still: Set[int] = frozenset()) -> Elimination:
-    """Order and tables for the links of a network, in the order of its unknowns; still: bodies that never move."""
-    pattern = _Pattern(meetings, still)
+def eliminate(meetings: list[Meeting], width: int, still: Set[int] = frozenset()) -> Elimination:
+    """Order and tables for the links of a network, in the order of its unknowns.
+
+    width: numbers of a wrench; still: bodies that never move.
+    """
+    pattern = _Pattern(meetings, width, still)
     order = pattern.eliminate()
     rank = {group: position for position, group in enumerate(order)}
     begin = np.cumsum([0, *(pattern.sizes[group] for group in order)]).tolist()

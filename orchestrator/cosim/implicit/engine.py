@@ -31,7 +31,7 @@ import numpy as np
 
 from ..energy_balance import Energies, Rows
 from ..fmu import Calls, FmuParticipant
-from ..network import Meeting, Network
+from ..network import WIDTHS, Matrix, Meeting, Network, PortPlaces, Width
 from ..participant import ParticipantError, Vector
 from .elimination import eliminate
 
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from .interface_jacobian import Probe
     from .local_error import WatchedTorque
 
-Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
 LIBRARY = Path(__file__).parents[1] / "native" / f"_coupling{_SUFFIX.get(sys.platform, '.so')}"
 _MISSING = "the engine was not built"
@@ -105,7 +104,7 @@ class _History(Structure):
 
 class _Network(Structure):
     _fields_ = (
-        *((name, c_size_t) for name in ("participants", "bodies", "links", "size")),
+        *((name, c_size_t) for name in ("participants", "bodies", "links", "size", "wrench", "coordinates")),
         *(
             (name, c_void_p)
             for name in (
@@ -144,14 +143,14 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "resume": ((c_void_p, c_int), c_int),
     "assemble": ((c_void_p,), None),
     "direction": ((c_void_p, c_void_p, c_void_p), None),
-    "predict": ((c_void_p, c_double, c_void_p), None),
+    "predict": ((c_void_p, c_double, c_double, c_void_p), None),
     "error_square": ((c_void_p, c_double, c_double, c_double), c_double),
     "save": ((c_void_p,), c_int),
-    "accept": ((c_void_p, c_double), c_int),
+    "accept": ((c_void_p, c_double, c_double), c_int),
     "restart": ((c_void_p,), None),
     "observe": ((c_void_p,), c_int),
-    "mobility": ((POINTER(Calls), c_void_p, c_void_p), c_int),
-    "stiffness": ((POINTER(Calls), c_void_p, c_void_p), c_int),
+    "mobility": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
+    "stiffness": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
 }
 
 
@@ -170,26 +169,34 @@ def library() -> CDLL | None:
     return found if list(sizes) == [sizeof(Calls), sizeof(_Network)] else None
 
 
-def mobility(body: FmuParticipant, ports: int) -> Matrix:
-    """Mobility (12 ports, 6 ports) of a body from the FMU's own derivatives over the step just made."""
-    return _derivatives("mobility", body, (12 * ports, 6 * ports), ports)
+def mobility(body: FmuParticipant, places: PortPlaces, width: Width) -> Matrix:
+    """Mobility (coordinates, wrenches) of a body from the FMU's own derivatives over the step just made."""
+    return _derivatives("mobility", body, (width.coordinates, width.wrench), places)
 
 
-def stiffness(connection: FmuParticipant, ports: int) -> Matrix:
-    """Stiffness (6 ports, 12 ports) of a connection from the FMU's own derivatives over the step just made."""
-    return _derivatives("stiffness", connection, (6 * ports, 12 * ports), ports)
+def stiffness(connection: FmuParticipant, places: PortPlaces, width: Width) -> Matrix:
+    """Stiffness (wrenches, coordinates) of a connection from the FMU's own derivatives over the step just made."""
+    return _derivatives("stiffness", connection, (width.wrench, width.coordinates), places)
 
 
-def _derivatives(name: str, participant: FmuParticipant, shape: tuple[int, int], ports: int) -> Matrix:
+def _derivatives(name: str, participant: FmuParticipant, shape: Sequence[int], places: PortPlaces) -> Matrix:
+    """shape: rows and columns for one port."""
     found = library()
     if found is None:
         raise RuntimeError(_MISSING)
     calls = participant.calls
-    calls.ports = ports
-    matrix, slope = np.empty(shape), np.empty(13 * ports)
-    status = getattr(found, f"coupling_{name}")(byref(calls), matrix.ctypes.data, slope.ctypes.data)
+    _place(calls, places)
+    matrix, slope = np.empty([count * places.ports for count in shape]), np.empty(calls.outputs)
+    status = getattr(found, f"coupling_{name}")(
+        byref(calls), matrix.ctypes.data, slope.ctypes.data, max(shape) > WIDTHS[2].coordinates
+    )
     participant.check(status, "give derivatives")
     return matrix
+
+
+def _place(calls: Calls, places: PortPlaces) -> None:
+    """Tell the engine of a participant's ports."""
+    calls.ports, calls.slopes, calls.moments = places.ports, places.slopes or 0, places.moments or 0
 
 
 class Matrices:
@@ -244,6 +251,8 @@ class Engine:
             bodies=len(network.bodies),
             links=len(network.meetings),
             size=network.size,
+            wrench=network.width.wrench,
+            coordinates=network.width.coordinates,
             limits=limits,
             participant=addressof(self._calls),
             **{f.name: getattr(shared, f.name).ctypes.data for f in fields(shared)},
@@ -270,25 +279,25 @@ class Engine:
 
     def _set_up(self, network: Network) -> None:
         """All memory that is ever needed."""
-        size, most = network.size, self._data.limits.most
+        size, most, (wrench, coordinates) = network.size, self._data.limits.most, network.width
         for name in ("residual", "scale", "bend", "noise", "steps", "squares", "product"):
-            largest = 6 * max(map(len, network.connection_ports)) * 6 * max(map(len, network.body_ports))
+            largest = wrench**2 * max(map(len, network.connection_ports)) * max(map(len, network.body_ports))
             length = {"steps": most * size, "squares": most, "product": largest}.get(name, size)
             setattr(self._data, name, self._keep(np.zeros(length)))
         self._data.history.values = self._keep(np.zeros(_POINTS * size))
-        rows = [slice(r.start // 6, r.stop // 6) for r in network.rows]
-        links = [np.arange(r.start, r.stop) for r in rows] + [r[::6] // 6 for r in network.connection_rows]
-        for calls, found in zip(self._calls, links, strict=True):
-            calls.ports = len(found)
-            calls.links = self._keep(found.astype(np.uintp))
-            self._turned.append(self._keep(np.zeros(72 * len(found) ** 2)))
+        rows = [*(np.arange(r.start, r.stop) for r in network.rows), *network.connection_rows]
+        places = [*network.body_places, *network.connection_places]
+        for calls, place, found in zip(self._calls, places, rows, strict=True):
+            _place(calls, place)
+            calls.links = self._keep((found[::wrench] // wrench).astype(np.uintp))
+            self._turned.append(self._keep(np.zeros(wrench * coordinates * place.ports**2)))
             calls.turned = self._turned[-1]
         self._arrange(network.meetings, frozenset())
 
     def _arrange(self, meetings: list[Meeting], still: frozenset[int]) -> None:
         """Tables of indices and room for the linear system without the bodies that never move."""
         self._meetings, self._still = meetings, still
-        order = eliminate(meetings, still)
+        order = eliminate(meetings, self._data.wrench, still)
         first = self._data.bodies
         link = [
             (m.body, m.body_port, first + m.connection, m.connection_port, place)
@@ -378,9 +387,9 @@ class Engine:
         self._library.coupling_direction(self._pointer, residual.ctypes.data, result.ctypes.data)
         return result
 
-    def predicted(self, middle: float) -> Vector:
+    def predicted(self, middle: float, h: float) -> Vector:
         """Wrenches (size,) that a step with this mid-step time may start from; valid until the next call."""
-        self._predict(self._pointer, middle, self._guess_address)
+        self._predict(self._pointer, middle, h, self._guess_address)
         return self._guess
 
     def error_square(self, middle: float, h: float, energy: float) -> float | None:
@@ -401,10 +410,10 @@ class Engine:
         if not self._library.coupling_save(self._pointer):
             raise self._failure(time, 0.0)
 
-    def accept(self, middle: float, time: float) -> None:
+    def accept(self, middle: float, h: float) -> None:
         """Remember the present wrenches at their mid-step time, and save the states of all."""
-        if not self._accept(self._pointer, middle):
-            raise self._failure(time, 0.0)
+        if not self._accept(self._pointer, middle, h):
+            raise self._failure(middle + 0.5 * h, 0.0)
 
     def restart(self) -> None:
         """Forget the wrenches of steps before."""

@@ -1,10 +1,9 @@
 """The interface Jacobian of a coupled step: derivatives that an FMU returns, or else differences of steps.
 
-A body's mobility is d(motion at the end of the step) / d(held wrench); a connection's stiffness is
-d(mean wrench) / d(motion at the end of the step). Motions are counted per port as 12 numbers: translation,
-rotation vector, velocity, angular velocity, world axes. Both are nearly constant in axes that turn with
-the first port, for a given step size: a probed matrix is turned along until the iteration stops
-contracting.
+A body's mobility is d(motion at the end of the step) / d(wrench); a connection's stiffness is
+d(wrench) / d(motion at the end of the step), wrenches and motions counted per port as `network.Width` says. What a
+participant of order 2 does not have in a network of order 4 are zeros. Both are nearly constant in axes that turn
+with the first port, for a given step size: a probed matrix is turned along until the iteration stops contracting.
 
 Derivatives of an FMU are those of the discrete step it has just made, by the inputs it was made with.
 """
@@ -19,12 +18,11 @@ import numpy as np
 from components import left_product, rotation_matrix
 
 from ..fmu import FmuParticipant
+from ..network import Matrix, PortPlaces, Width
 from ..participant import Participant, Vector
 from . import engine
 
-Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
-
-_MOTION_PROBE = np.array([1e-7] * 6 + [1e-6] * 6)
+_POSE_PROBE, _RATE_PROBE = 1e-7, 1e-6
 _DISPLACEMENT_PROBE = 1e-5
 _VELOCITY_PROBE = 1e-3
 
@@ -52,18 +50,18 @@ def first_port_axes(motion: Vector) -> Matrix:
     return axes
 
 
-def mobility_of(body: Participant, ports: int, time: float, h: float) -> Probe:
-    """Mobility of a body (12 ports, 6 ports) about the step from its saved state, which it has just made."""
+def mobility_of(body: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Probe:
+    """Mobility of a body (coordinates, wrenches) about the step from its saved state, which it has just made."""
     if _is_differentiable(body):
-        return Probe(engine.mobility(body, ports), first_port_axes(body.outputs))
-    return probe_mobility(body, ports, time, h)
+        return Probe(engine.mobility(body, places, width), first_port_axes(body.outputs))
+    return probe_mobility(body, places, width, time, h)
 
 
-def stiffness_of(connection: Participant, ports: int, time: float, h: float) -> Probe:
-    """Stiffness of a connection (6 ports, 12 ports) about the step from its saved state that it has just made."""
+def stiffness_of(connection: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Probe:
+    """Stiffness of a connection (wrenches, coordinates) about the step from its saved state that it has just made."""
     if _is_differentiable(connection):
-        return Probe(engine.stiffness(connection, ports), first_port_axes(connection.inputs))
-    return probe_stiffness(connection, ports, time, h)
+        return Probe(engine.stiffness(connection, places, width), first_port_axes(connection.inputs))
+    return probe_stiffness(connection, places, width, time, h)
 
 
 def _is_differentiable(participant: Participant) -> TypeGuard[FmuParticipant]:
@@ -74,35 +72,41 @@ def _is_differentiable(participant: Participant) -> TypeGuard[FmuParticipant]:
     )
 
 
-def probe_mobility(body: Participant, ports: int, time: float, h: float) -> Probe:
-    """Mobility of a body (12 ports, 6 ports) about its present inputs; it ends stepped as before."""
-    wrenches = body.inputs[: 6 * ports]
-    held = wrenches.copy()
-    reference = stepped(body, time, h)[: 13 * ports].copy()
+def probe_mobility(body: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Probe:
+    """Mobility of a body (coordinates, wrenches) about its present inputs; it ends stepped as before."""
+    held = body.inputs.copy()
+    reference = stepped(body, time, h).copy()
     axes = first_port_axes(reference)
     amplitude = min(_DISPLACEMENT_PROBE / h**2, _VELOCITY_PROBE / h)
-    matrix = np.empty((12 * ports, 6 * ports))
-    for column in range(6 * ports):
-        wrenches[column] = held[column] + amplitude
-        matrix[:, column] = _difference(stepped(body, time, h)[: 13 * ports], reference) / amplitude
-        wrenches[column] = held[column]
+    matrix = np.zeros((width.coordinates * places.ports, width.wrench * places.ports))
+    for column in range(width.wrench * places.ports):
+        port, k = divmod(column, width.wrench)
+        first = 0 if k < 6 else places.slopes
+        if first is None:
+            continue
+        place = first + 6 * port + k % 6
+        body.inputs[place] = held[place] + amplitude
+        changed = stepped(body, time, h)
+        matrix[:, column] = _difference(changed, reference, places, width) / amplitude
+        body.inputs[place] = held[place]
     stepped(body, time, h)
     return Probe(matrix, axes)
 
 
-def probe_stiffness(connection: Participant, ports: int, time: float, h: float) -> Probe:
-    """Stiffness of a connection (6 ports, 12 ports) about its present inputs; it ends stepped as before."""
-    motion = connection.inputs[: 13 * ports]
-    held = motion.copy()
+def probe_stiffness(
+    connection: Participant, places: PortPlaces, width: Width, time: float, h: float
+) -> Probe:
+    """Stiffness of a connection (wrenches, coordinates) about its present inputs; it ends stepped as before."""
+    held = connection.inputs.copy()
     axes = first_port_axes(held)
-    reference = stepped(connection, time, h)[: 6 * ports].copy()
-    matrix = np.empty((6 * ports, 12 * ports))
-    for column in range(12 * ports):
-        port, coordinate = divmod(column, 12)
-        _displace(motion[13 * port : 13 * port + 13], coordinate, _MOTION_PROBE[coordinate])
-        changed = stepped(connection, time, h)[: 6 * ports]
-        matrix[:, column] = (changed - reference) / _MOTION_PROBE[coordinate]
-        motion[:] = held
+    reference = _wrenches(stepped(connection, time, h), places, width)
+    matrix = np.zeros((width.wrench * places.ports, width.coordinates * places.ports))
+    for column in range(width.coordinates * places.ports):
+        amount = _displaced(connection.inputs, column, places, width)
+        if amount:
+            changed = _wrenches(stepped(connection, time, h), places, width)
+            matrix[:, column] = (changed - reference) / amount
+            connection.inputs[:] = held
     stepped(connection, time, h)
     return Probe(matrix, axes)
 
@@ -116,27 +120,47 @@ def stepped(participant: Participant, time: float, h: float) -> Vector:
     return participant.outputs
 
 
-def _displace(motion: Vector, coordinate: int, amount: float) -> None:
-    """Change one of the 12 coordinates of a port's motion (13 numbers) in place."""
+def _displaced(inputs: Vector, column: int, places: PortPlaces, width: Width) -> float:
+    """Change one coordinate of the motions in a connection's inputs; by how much, 0 for one it does not have."""
+    port, coordinate = divmod(column, width.coordinates)
+    motion, rates = inputs[13 * port : 13 * port + 13], width.coordinates - 6
     if coordinate < 3:
-        motion[coordinate] += amount
+        motion[coordinate] += _POSE_PROBE
     elif coordinate < 6:
         half = [0.0, 0.0, 0.0]
-        half[coordinate - 3] = 0.5 * amount
-        turn = (np.sqrt(1.0 - 0.25 * amount * amount), half[0], half[1], half[2])
+        half[coordinate - 3] = 0.5 * _POSE_PROBE
+        turn = (np.sqrt(1.0 - 0.25 * _POSE_PROBE * _POSE_PROBE), half[0], half[1], half[2])
         motion[3:7] = left_product(turn) @ motion[3:7]
+    elif coordinate >= rates:
+        motion[7 + coordinate - rates] += _RATE_PROBE
+        return _RATE_PROBE
+    elif places.moments is None:
+        return 0.0
     else:
-        motion[coordinate + 1] += amount
+        inputs[places.moments + 6 * port + coordinate - 6] += _POSE_PROBE
+    return _POSE_PROBE
 
 
-def _difference(motion: Vector, reference: Vector) -> Vector:
-    """Difference of two flat arrays of port motions in the 12 coordinates of each port."""
-    a, b = motion.reshape(-1, 13), reference.reshape(-1, 13)
-    result = np.empty((len(a), 12))
+def _wrenches(outputs: Vector, places: PortPlaces, width: Width) -> Vector:
+    """Wrenches, with their slopes, of a connection's outputs."""
+    result = np.zeros((places.ports, width.wrench))
+    result[:, :6] = outputs[: 6 * places.ports].reshape(-1, 6)
+    if places.slopes is not None:
+        result[:, 6:] = outputs[places.slopes : places.slopes + 6 * places.ports].reshape(-1, 6)
+    return result.ravel()
+
+
+def _difference(outputs: Vector, reference: Vector, places: PortPlaces, width: Width) -> Vector:
+    """Difference of two outputs of a body in the coordinates of its ports."""
+    a, b = (values[: 13 * places.ports].reshape(-1, 13) for values in (outputs, reference))
+    result = np.zeros((places.ports, width.coordinates))
     result[:, 0:3] = a[:, 0:3] - b[:, 0:3]
-    for k in range(len(a)):
+    for k in range(places.ports):
         w, x, y, z = b[k, 3:7].tolist()
         turn = left_product((a[k, 3], a[k, 4], a[k, 5], a[k, 6])) @ np.array((w, -x, -y, -z))
         result[k, 3:6] = 2.0 * turn[1:] * np.sign(turn[0])
-    result[:, 6:12] = a[:, 7:13] - b[:, 7:13]
+    result[:, -6:] = a[:, 7:13] - b[:, 7:13]
+    if places.moments is not None:
+        of_moments = slice(places.moments, places.moments + 6 * places.ports)
+        result[:, 6:12] = (outputs[of_moments] - reference[of_moments]).reshape(-1, 6)
     return result.ravel()

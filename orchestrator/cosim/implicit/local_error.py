@@ -1,7 +1,7 @@
 """The local error of a coupled step, from how far its wrenches bend; what native/prediction.h does for FMUs.
 
-The mean over a step of size h errs by a twelfth of h^2 u''. The work of such wrenches on the motion they cause, over
-an energy, is the square of a relative error in velocity.
+The mean over a step of size h errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work of such
+wrenches on the motion they cause, over an energy, is the square of a relative error in velocity.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..network import Network
+from ..network import Matrix, Network
 from ..participant import Vector
 from .convergence import noise
 from .history import Bend
-from .interface_jacobian import Matrix, first_port_axes
+from .interface_jacobian import first_port_axes
 
 
 class WatchedTorque(NamedTuple):
@@ -49,18 +49,21 @@ def error_square(
     h: float,
     energy: float,
 ) -> float:
-    """Square of the relative error that wrenches bent by h^2 u'' make of velocities.
+    """Square of the relative error that what bends wrenches makes of velocities.
 
     Its work over an energy (J), or what it is at a watched torque, whichever is larger. What errors left by the
     solutions have in it does not count. mobilities: of all bodies at the present orientations.
     """
     total, left = 0.0, np.zeros(network.size)
+    wrench, coordinates = network.width
     for rows, mobility in zip(network.rows, mobilities, strict=True):
-        moved = (mobility @ bend.change[rows]).reshape(-1, 12)[:, :6]
-        total += float(moved.ravel() @ bend.change[rows])
-        own = np.array([mobility[row // 6 * 12 + row % 6, row] for row in range(mobility.shape[1])])
-        left[rows] = noise(own, accuracy.tolerated[rows], accuracy.rounded[rows], accuracy.reach)
-        total -= bend.gain**2 * float(own @ left[rows] ** 2)
+        means = np.flatnonzero(np.arange(rows.stop - rows.start) % wrench < 6)
+        poses = means // wrench * coordinates + means % wrench
+        mean_mobility, change = mobility[np.ix_(poses, means)], bend.change[rows][means]
+        own = np.diag(mean_mobility)
+        unknown = noise(own, accuracy.tolerated[rows][means], accuracy.rounded[rows][means], accuracy.reach)
+        left[rows.start + means] = unknown
+        total += float(change @ mean_mobility @ change) - bend.gain**2 * float(own @ unknown**2)
     squares = [_watched_square(network, w, bend, left, h) for w in watched]
     return max(0.0, total / energy, *squares)
 

@@ -12,9 +12,8 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from ..network import Network
+from ..network import Matrix, Network
 from ..participant import Vector
-from .interface_jacobian import Matrix
 
 # a chain fills in as little as in its natural order, and a tree of chains does not depend on that order
 _PERMUTATION: Literal["MMD_AT_PLUS_A"] = "MMD_AT_PLUS_A"
@@ -43,8 +42,9 @@ class SparseSystem:
         return csc_array((self._ones, (self._diagonal, self._diagonal)), self._shape)
 
     def factorize(self, mobilities: Sequence[Matrix], stiffnesses: Sequence[Matrix]) -> None:
-        """Take matrices of all bodies (12 ports, 6 ports) and connections (6 ports, 12 ports)."""
+        """Take matrices of all bodies (coordinates, wrenches) and connections (wrenches, coordinates)."""
         network, values = self._network, [self._ones]
+        n = network.width.coordinates
         rows, columns = [self._diagonal], [self._diagonal]
         for connection, port, body, body_port in self._products:
             if not mobilities[body].any():  # a body that never moves
@@ -55,8 +55,8 @@ class SparseSystem:
             )
             rows.append(place[0].ravel())
             columns.append(place[1].ravel())
-            stiffness = stiffnesses[connection][:, 12 * port : 12 * port + 12]
-            mobility = mobilities[body][12 * body_port : 12 * body_port + 12]
+            stiffness = stiffnesses[connection][:, n * port : n * (port + 1)]
+            mobility = mobilities[body][n * body_port : n * (body_port + 1)]
             values.append(-(stiffness @ mobility).ravel())
         places = (np.concatenate(rows), np.concatenate(columns))
         matrix = csc_array((np.concatenate(values), places), self._shape)

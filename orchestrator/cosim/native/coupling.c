@@ -66,25 +66,48 @@ static int step_all(Network *n, size_t first, size_t last) {
     return fine;
 }
 
+/* Copy `count` numbers that ports hold beside the rest, where both sides have them. */
+static void carry(double *to, size_t to_first, size_t to_port, const double *from, size_t from_first, size_t from_port,
+                  size_t count) {
+    if (to_first && from_first)
+        memcpy(to + to_first + count * to_port, from + from_first + count * from_port, count * sizeof(double));
+}
+
+static void give_wrenches(Network *n) {
+    const double *wrench = n->wrenches;
+    for (const Link *l = n->link; l < n->link + n->links; l++, wrench += n->width.wrench) {
+        const Participant *body = n->participant + l->body;
+        memcpy(body->input + WRENCH * l->body_port, wrench, WRENCH * sizeof(double));
+        carry(body->input, body->slopes, l->body_port, wrench, WRENCH, 0, WRENCH);
+    }
+}
+
+static void give_motions(Network *n) {
+    for (const Link *l = n->link; l < n->link + n->links; l++) {
+        const Participant *body = n->participant + l->body, *connection = n->participant + l->connection;
+        memcpy(connection->input + MOTION * l->connection_port, body->output + MOTION * l->body_port,
+               MOTION * sizeof(double));
+        carry(connection->input, connection->moments, l->connection_port, body->output, body->moments, l->body_port,
+              MOMENTS);
+    }
+}
+
+static void take_wrenches(Network *n) {
+    double *law = n->law;
+    for (const Link *l = n->link; l < n->link + n->links; l++, law += n->width.wrench) {
+        const Participant *connection = n->participant + l->connection;
+        memcpy(law, connection->output + WRENCH * l->connection_port, WRENCH * sizeof(double));
+        carry(law, WRENCH, 0, connection->output, connection->slopes, l->connection_port, WRENCH);
+    }
+}
+
 static int sweep(Network *n) {
     n->sweeps++;
-    for (size_t i = 0; i < n->links; i++) {
-        const Link *l = n->link + i;
-        memcpy(n->participant[l->body].input + WRENCH * l->body_port, n->wrenches + WRENCH * i,
-               WRENCH * sizeof(double));
-    }
+    give_wrenches(n);
     if (!step_all(n, 0, n->bodies)) return 0;
-    for (size_t i = 0; i < n->links; i++) {
-        const Link *l = n->link + i;
-        memcpy(n->participant[l->connection].input + MOTION * l->connection_port,
-               n->participant[l->body].output + MOTION * l->body_port, MOTION * sizeof(double));
-    }
+    give_motions(n);
     if (!step_all(n, n->bodies, n->participants)) return 0;
-    for (size_t i = 0; i < n->links; i++) {
-        const Link *l = n->link + i;
-        memcpy(n->law + WRENCH * i, n->participant[l->connection].output + WRENCH * l->connection_port,
-               WRENCH * sizeof(double));
-    }
+    take_wrenches(n);
     return 1;
 }
 
@@ -256,10 +279,10 @@ EXPORT void coupling_direction(const Network *n, const double *residual, double 
     direction(n, residual, result);
 }
 
-/* Wrenches that a step with this mid-step time may start from: extrapolated, or those accepted last. */
-EXPORT void coupling_predict(const Network *n, double middle, double *result) {
+/* Wrenches that a step h with this mid-step time may start from: extrapolated, or those accepted last. */
+EXPORT void coupling_predict(const Network *n, double middle, double h, double *result) {
     if (n->history.count)
-        extrapolate(n, middle, n->history.count, result);
+        extrapolate(n, middle, h, n->history.count, result);
     else
         memcpy(result, n->accepted, n->size * sizeof(double));
 }
@@ -283,10 +306,10 @@ EXPORT int coupling_save(Network *n) {
     return 1;
 }
 
-/* Take the present wrenches for those of the step with this mid-step time, and save the states; 1 or 0. */
-EXPORT int coupling_accept(Network *n, double middle) {
+/* Take the present wrenches for those of the step h with this mid-step time, and save the states; 1 or 0. */
+EXPORT int coupling_accept(Network *n, double middle, double h) {
     memcpy(n->accepted, n->wrenches, n->size * sizeof(double));
-    remember(n, middle);
+    remember(n, middle, h);
     return coupling_save(n);
 }
 
@@ -311,12 +334,12 @@ EXPORT int coupling_observe(Network *n) {
     return 1;
 }
 
-/* Mobility (12 ports, 6 ports) of the step just made; slope: room for 13 ports. FMI status. */
-EXPORT int coupling_mobility(const Participant *p, double *matrix, double *slope) {
-    return mobility_of(p, matrix, slope);
+/* Mobility (coordinates, wrenches) of the step just made; slope: room for all outputs. FMI status. */
+EXPORT int coupling_mobility(const Participant *p, double *matrix, double *slope, int with_slopes) {
+    return mobility_of(p, width_of(with_slopes), matrix, slope);
 }
 
-/* Stiffness (6 ports, 12 ports) of the step just made; slope: room for 13 ports. FMI status. */
-EXPORT int coupling_stiffness(const Participant *p, double *matrix, double *slope) {
-    return stiffness_of(p, matrix, slope);
+/* Stiffness (wrenches, coordinates) of the step just made; slope: room for all outputs. FMI status. */
+EXPORT int coupling_stiffness(const Participant *p, double *matrix, double *slope, int with_slopes) {
+    return stiffness_of(p, width_of(with_slopes), matrix, slope);
 }

@@ -36,7 +36,8 @@ typedef struct {
     double axis[3], weight;
 } Watched;
 
-/* Mean wrenches (POINTS, size) of the last accepted steps at their mid-step times, the newest last. */
+/* Mean wrenches (POINTS, size) of the last accepted steps at their mid-step times, the newest last; slopes as rates,
+   per second. */
 typedef struct {
     size_t count;
     double times[POINTS];
@@ -48,6 +49,7 @@ typedef struct {
    energy_rows (ENERGIES, participants): where observations hold them. */
 typedef struct {
     size_t participants, bodies, links, size;
+    Width width;
     Participant *participant;
     const Link *link;
     const Probe *mobility, *stiffness;

@@ -14,9 +14,9 @@ static INLINE void axes_of(const double *motion, double *axes) {
 }
 
 /* A matrix (rows, columns) of 3-vectors over 3-vectors, turned from the axes of its probe to those of `motion`;
-   of every COORDINATES rows only the first `used`. */
-static INLINE void turn(const Probe *probe, const double *motion, size_t rows, size_t columns, size_t used,
-                        double *restrict turned) {
+   of every `period` rows only the first `used`. */
+static INLINE void turn(const Probe *probe, const double *motion, size_t rows, size_t columns, size_t period,
+                        size_t used, double *restrict turned) {
     double now[9], t[9];
     const double *before = probe->axes;
     axes_of(motion, now);
@@ -25,7 +25,7 @@ static INLINE void turn(const Probe *probe, const double *motion, size_t rows, s
             t[3 * i + j] = now[3 * i] * before[3 * j] + now[3 * i + 1] * before[3 * j + 1] +
                            now[3 * i + 2] * before[3 * j + 2];
     for (size_t row = 0; row < rows; row += 3) {
-        if (row % COORDINATES >= used) continue;
+        if (row % period >= used) continue;
         const double *a = probe->matrix + row * columns, *b = a + columns, *c = b + columns;
         for (size_t i = 0; i < 3; i++) {
             double *restrict out = turned + (row + i) * columns;
@@ -41,16 +41,17 @@ static INLINE void turn(const Probe *probe, const double *motion, size_t rows, s
     }
 }
 
-/* How many of a port's coordinates wrenches depend on: poses alone, or rates as well. */
+/* How many of a port's coordinates wrenches depend on: all, or all but the rates. */
 static INLINE size_t coordinates_used(const Network *n) {
+    const Width width = n->width;
     for (size_t i = n->bodies; i < n->participants; i++) {
         const size_t ports = n->participant[i].ports;
-        const double *rates = n->stiffness[i - n->bodies].matrix + POSE;
-        for (size_t k = 0; k < WRENCH * ports * ports; k++, rates += COORDINATES)
-            for (size_t j = 0; j < COORDINATES - POSE; j++)
-                if (rates[j] != 0.0) return COORDINATES; /* one that is not a number as well */
+        const double *rates = n->stiffness[i - n->bodies].matrix + width.coordinates - RATES;
+        for (size_t k = 0; k < width.wrench * ports * ports; k++, rates += width.coordinates)
+            for (size_t j = 0; j < RATES; j++)
+                if (rates[j] != 0.0) return width.coordinates; /* one that is not a number as well */
     }
-    return POSE;
+    return width.coordinates - RATES;
 }
 
 /* Largest component of one of a port's quantities over all connections: of its MOTION numbers, [first, last). */
@@ -63,33 +64,40 @@ static INLINE double largest_of_ports(const Network *n, size_t first, size_t las
     return largest;
 }
 
-/* Wrenches that the rounding of a connection's poses and rates makes: ports cannot agree better than that. */
+/* Largest size of a coordinate, whose rounding ports cannot agree better than. */
+static INLINE double size_of(const Network *n, size_t coordinate, double rate) {
+    if (coordinate < POSE) return coordinate < 3 ? n->reach : 1.0;
+    return coordinate < n->width.coordinates - RATES ? rate * n->h : rate;
+}
+
+/* Wrenches that the rounding of a connection's motions makes. */
 static INLINE void note_round_off(Network *n, const Participant *p, double rate) {
-    for (size_t row = 0; row < WRENCH * p->ports; row++) {
-        const double *stiffness = p->turned + row * COORDINATES * p->ports;
+    const Width width = n->width;
+    for (size_t row = 0; row < width.wrench * p->ports; row++) {
+        const double *stiffness = p->turned + row * width.coordinates * p->ports;
         double sum = 0.0;
-        for (size_t port = 0; port < p->ports; port++, stiffness += COORDINATES)
-            for (size_t k = 0; k < COORDINATES; k++)
-                sum += fabs(stiffness[k]) * (k < 3 ? n->reach : k < POSE ? 1.0 : rate);
-        n->round_off[WRENCH * p->links[row / WRENCH] + row % WRENCH] = n->limits.round_off * sum;
+        for (size_t port = 0; port < p->ports; port++, stiffness += width.coordinates)
+            for (size_t k = 0; k < width.coordinates; k++) sum += fabs(stiffness[k]) * size_of(n, k, rate);
+        n->round_off[width.wrench * p->links[row / width.wrench] + row % width.wrench] = n->limits.round_off * sum;
     }
 }
 
 /* Subtract stiffness x mobility of one connection; returns the parts of the matrix not used yet. */
 static INLINE const Part *subtract_connection(Network *n, const Participant *p, size_t used, const Part *part) {
-    const size_t rows = WRENCH * p->ports;
+    const Width width = n->width;
+    const size_t rows = width.wrench * p->ports, wrench = width.wrench;
     for (size_t port = 0; port < p->ports; port++) {
         const Link *l = n->link + p->links[port];
         const Participant *body = n->participant + l->body;
-        const size_t columns = WRENCH * body->ports;
+        const size_t columns = wrench * body->ports;
         if (!body->turned) continue;
         memset(n->product, 0, rows * columns * sizeof(double));
-        subtract_product(n->product, columns, p->turned + COORDINATES * port, COORDINATES * p->ports,
-                         body->turned + COORDINATES * l->body_port * columns, columns, rows, used, columns);
-        for (size_t row = 0; row < rows; row += WRENCH)
-            for (size_t column = 0; column < columns; column += WRENCH, part++)
-                for (size_t i = 0; i < WRENCH; i++)
-                    for (size_t j = 0; j < WRENCH; j++)
+        subtract_product(n->product, columns, p->turned + width.coordinates * port, width.coordinates * p->ports,
+                         body->turned + width.coordinates * l->body_port * columns, columns, rows, used, columns);
+        for (size_t row = 0; row < rows; row += wrench)
+            for (size_t column = 0; column < columns; column += wrench, part++)
+                for (size_t i = 0; i < wrench; i++)
+                    for (size_t j = 0; j < wrench; j++)
                         n->matrix.values[part->offset + i * part->stride + j] +=
                             n->product[(row + i) * columns + column + j];
     }
@@ -99,14 +107,16 @@ static INLINE const Part *subtract_connection(Network *n, const Participant *p, 
 /* LU factors of I - stiffness x mobility, from the probes turned to the present orientations. */
 VECTORISED static void assemble(Network *n) {
     Matrix *m = &n->matrix;
+    const Width width = n->width;
     const size_t used = coordinates_used(n);
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
         if (!p->turned) continue; /* a body that never moves */
         if (i < n->bodies)
-            turn(n->mobility + i, p->output, COORDINATES * p->ports, WRENCH * p->ports, used, p->turned);
+            turn(n->mobility + i, p->output, width.coordinates * p->ports, width.wrench * p->ports,
+                 width.coordinates, used, p->turned);
         else
-            turn(n->stiffness + i - n->bodies, p->input, WRENCH * p->ports, COORDINATES * p->ports, COORDINATES,
+            turn(n->stiffness + i - n->bodies, p->input, width.wrench * p->ports, width.coordinates * p->ports, 1, 1,
                  p->turned);
     }
     memset(m->values, 0, m->length * sizeof(double));
@@ -131,11 +141,12 @@ VECTORISED static void direction(const Network *n, const double *residual, doubl
         return;
     }
     const Matrix *m = &n->matrix;
+    const size_t wrench = n->width.wrench;
     for (size_t i = 0; i < n->links; i++)
-        memcpy(m->ordered + n->link[i].place, residual + WRENCH * i, WRENCH * sizeof(double));
+        memcpy(m->ordered + n->link[i].place, residual + wrench * i, wrench * sizeof(double));
     solve_blocks(m, m->ordered);
     for (size_t i = 0; i < n->links; i++)
-        memcpy(result + WRENCH * i, m->ordered + n->link[i].place, WRENCH * sizeof(double));
+        memcpy(result + wrench * i, m->ordered + n->link[i].place, wrench * sizeof(double));
 }
 
 #endif

@@ -26,7 +26,7 @@ from orchestrator.cosim.implicit.interface_jacobian import (
 )
 from orchestrator.cosim.implicit.sparse_system import SparseSystem
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.network import Meeting, Network
+from orchestrator.cosim.network import WIDTHS, Meeting, Network, PortPlaces
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.results.result import Result
 from orchestrator.run.run import as_fmus, run
@@ -54,7 +54,9 @@ def scale(coupling):
 class Wired:
     """Participants without equations, joined as said: connections are tuples of the bodies at their ports."""
 
-    def __init__(self, bodies, connections):
+    def __init__(self, bodies, connections, order=2):
+        self.width = WIDTHS[order]
+        wrench = self.width.wrench
         self.rng = np.random.default_rng(3)
         ends = [(body, c, side) for c, found in enumerate(connections) for side, body in enumerate(found)]
         ends.sort(key=lambda end: end[0])
@@ -63,14 +65,14 @@ class Wired:
         self.meetings = [
             Meeting(body, link - starts[body], c, side) for link, (body, c, side) in enumerate(ends)
         ]
-        self.size = 6 * len(ends)
+        self.size = wrench * len(ends)
         self.body_ports = [[str(k) for k in range(count)] for count in counts]
         self.connection_ports = [[str(k) for k in range(len(found))] for found in connections]
-        self.rows = [slice(6 * a, 6 * b) for a, b in pairwise(starts)]
+        self.rows = [slice(wrench * a, wrench * b) for a, b in pairwise(starts)]
         self.connection_rows = [
             np.concatenate(
                 [
-                    6 * link + np.arange(6)
+                    wrench * link + np.arange(wrench)
                     for side in range(len(found))
                     for link, m in enumerate(self.meetings)
                     if (m.connection, m.connection_port) == (c, side)
@@ -78,6 +80,10 @@ class Wired:
             )
             for c, found in enumerate(connections)
         ]
+        self.body_places, self.connection_places = (
+            [PortPlaces(len(ports), None, None) for ports in found]
+            for found in (self.body_ports, self.connection_ports)
+        )
         self.bodies = [self.still(len(ports), "outputs") for ports in self.body_ports]
         self.connections = [self.still(len(ports), "inputs") for ports in self.connection_ports]
 
@@ -93,8 +99,9 @@ class Wired:
 
     def probes(self):
         """Random matrices of all participants, with the axes of random poses."""
-        shapes = [(12 * len(p), 6 * len(p)) for p in self.body_ports]
-        shapes += [(6 * len(p), 12 * len(p)) for p in self.connection_ports]
+        wrench, coordinates = self.width
+        shapes = [(coordinates * len(p), wrench * len(p)) for p in self.body_ports]
+        shapes += [(wrench * len(p), coordinates * len(p)) for p in self.connection_ports]
         axes = [np.linalg.qr(self.rng.standard_normal((3, 3)))[0] for _ in shapes]
         return [Probe(self.rng.standard_normal(s), a) for s, a in zip(shapes, axes, strict=True)]
 
@@ -116,12 +123,12 @@ class Wired:
     def dense(self, turned):
         """I - stiffness x mobility, entry by entry from where the ports meet."""
         matrix = np.eye(self.size)
-        first = len(self.bodies)
+        first, n = len(self.bodies), self.width.coordinates
         for c, rows in enumerate(self.connection_rows):
             for m in self.meetings:
                 if m.connection == c:
-                    stiffness = turned[first + c][:, 12 * m.connection_port : 12 * m.connection_port + 12]
-                    mobility = turned[m.body][12 * m.body_port : 12 * m.body_port + 12]
+                    stiffness = turned[first + c][:, n * m.connection_port : n * (m.connection_port + 1)]
+                    mobility = turned[m.body][n * m.body_port : n * (m.body_port + 1)]
                     matrix[rows, self.rows[m.body]] -= stiffness @ mobility
         return matrix
 
@@ -139,25 +146,31 @@ def chain(length):
     return Wired(length, [(k, k + 1) for k in range(length - 1)])
 
 
+def links(bodies, connections):
+    """A network of so many bodies, given its order."""
+    return partial(Wired, bodies, connections)
+
+
 NETWORKS = {
-    "chain": lambda: chain(6),
-    "parallel hinges": lambda: Wired(3, [(0, 1), (1, 0), (1, 2), (1, 2), (0, 1)]),
-    "star": lambda: Wired(7, [(0, 1), (0, 2), (3, 0), (1, 4), (2, 5), (3, 6)]),
-    "ring": lambda: Wired(5, [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)]),
-    "mesh": lambda: Wired(5, [(0, 1), (1, 2), (2, 0), (2, 3), (3, 4), (4, 1), (0, 3)]),
-    "three ports, one of them twice on a body": lambda: Wired(4, [(0, 1, 2), (2, 3), (3, 3, 1)]),
-    "one port": lambda: Wired(2, [(0,), (0, 1)]),
+    "chain": links(6, [(k, k + 1) for k in range(5)]),
+    "parallel hinges": links(3, [(0, 1), (1, 0), (1, 2), (1, 2), (0, 1)]),
+    "star": links(7, [(0, 1), (0, 2), (3, 0), (1, 4), (2, 5), (3, 6)]),
+    "ring": links(5, [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)]),
+    "mesh": links(5, [(0, 1), (1, 2), (2, 0), (2, 3), (3, 4), (4, 1), (0, 3)]),
+    "three ports, one of them twice on a body": links(4, [(0, 1, 2), (2, 3), (3, 3, 1)]),
+    "one port": links(2, [(0,), (0, 1)]),
 }
 
 
+@pytest.mark.parametrize("order", [2, 4])
 @pytest.mark.parametrize("still", [(), (0,), (0, 1)])
 @pytest.mark.parametrize("name", NETWORKS)
-def test_linear_system_of_any_network(name, still):
+def test_linear_system_of_any_network(name, still, order):
     """Independent path: corrections of the engine and of the sparse solver equal those of a dense matrix.
 
     Bodies that never move leave the elimination, not the solution.
     """
-    network = NETWORKS[name]()
+    network = NETWORKS[name](order)
     probes = network.probes()
     for body in still:
         probes[body].matrix[:] = 0.0
@@ -173,12 +186,13 @@ def test_linear_system_of_any_network(name, still):
     np.testing.assert_allclose(system.solve(residual), expected, rtol=1e-7, atol=1e-9)
 
 
-def test_matrices_of_poses_alone():
+@pytest.mark.parametrize("order", [2, 4])
+def test_matrices_of_poses_alone(order):
     """Independent path: where no connection depends on rates, the engine leaves rates out of it, and is exact."""
-    network = NETWORKS["parallel hinges"]()
+    network = NETWORKS["parallel hinges"](order)
     probes = network.probes()
     for probe in probes[len(network.bodies) :]:
-        probe.matrix.reshape(len(probe.matrix), -1, 12)[:, :, 6:] = 0.0
+        probe.matrix.reshape(len(probe.matrix), -1, network.width.coordinates)[:, :, -6:] = 0.0
     residual = network.rng.standard_normal(network.size)
     made = network.engine()
     made.use(*network.matrices(probes))
@@ -202,7 +216,7 @@ def test_singular_matrix_gives_the_residual():
 
 def test_chain_stays_sparse():
     """Cost: entries of the factors and products of the elimination grow with the length of a chain, not faster."""
-    short, long = (eliminate(chain(length).meetings) for length in (50, 500))
+    short, long = (eliminate(chain(length).meetings, 6) for length in (50, 500))
     assert long.length < 10.5 * short.length
     assert long.targets.size <= 10.5 * short.targets.size
     assert long.parts.size < 10.5 * short.parts.size
@@ -211,7 +225,7 @@ def test_chain_stays_sparse():
 def test_tree_of_chains_has_no_fill():
     """Cost: wings on a hub are eliminated from their tips, so that no block appears that was not there."""
     wings = [(5 * wing + k if k else 0, 5 * wing + k + 1) for wing in range(4) for k in range(5)]
-    found = eliminate(Wired(21, wings).meetings)
+    found = eliminate(Wired(21, wings).meetings, 6)
     pairs = sum(len(set(a) & set(b)) > 0 for a in wings for b in wings)
     assert len(found.blocks) == pairs
 
@@ -238,13 +252,13 @@ def test_derivatives_equal_differences_of_steps():
         coupling.wrenches[:] = np.random.default_rng(1).standard_normal(network.size)
         coupling.sweep(0.0, 0.01)
         for given, probe, side, ports_of in (
-            (mobility_of, probe_mobility, network.bodies, network.body_ports),
-            (stiffness_of, probe_stiffness, network.connections, network.connection_ports),
+            (mobility_of, probe_mobility, network.bodies, network.body_places),
+            (stiffness_of, probe_stiffness, network.connections, network.connection_places),
         ):
-            for participant, ports in zip(side, ports_of, strict=True):
+            for participant, places in zip(side, ports_of, strict=True):
                 assert participant.directional_derivatives
-                exact = given(participant, len(ports), 0.0, 0.01).matrix
-                probed = probe(participant, len(ports), 0.0, 0.01).matrix
+                exact = given(participant, places, network.width, 0.0, 0.01).matrix
+                probed = probe(participant, places, network.width, 0.0, 0.01).matrix
                 scale = np.abs(probed).max() + 1e-9
                 np.testing.assert_allclose(exact / scale, probed / scale, atol=1e-4, err_msg=participant.name)
 
@@ -339,7 +353,7 @@ def test_bodies_that_never_move_join_nothing():
     """Count: legs of two bodies on one base are eliminated as if each stood alone, but for what the base takes."""
     legs = [pair for k in range(8) for pair in ((0, 1 + 2 * k), (1 + 2 * k, 2 + 2 * k))]
     one, eight = (
-        eliminate(Wired(bodies, legs[:count]).meetings, {0}) for bodies, count in ((3, 2), (17, 16))
+        eliminate(Wired(bodies, legs[:count]).meetings, 6, {0}) for bodies, count in ((3, 2), (17, 16))
     )
     assert eight.length == 8 * one.length
     assert eight.targets.size == 8 * one.targets.size
