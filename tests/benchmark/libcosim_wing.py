@@ -30,7 +30,7 @@ from orchestrator.run.run import as_fmus, export
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.component_connections import WrenchMode
 from tests.benchmark.error_plot import Point, error_texts, plot
-from tests.benchmark.one_panel import Trial, couple, crest, line_torque
+from tests.benchmark.models.one_panel import Trial, couple, crest, line_torque
 
 try:
     from libcosimpy.CosimEnums import CosimVariableType

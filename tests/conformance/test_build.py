@@ -12,8 +12,8 @@ from components import Component, ComponentError
 from fmus import build_fmu, value_references
 from fmus.python.bundle import bundle, pack_value
 from fmus.python.slave import unpack_value
-from tests.conformance.driver import KINDS
-from tests.conformance.toy import Toy
+from tests.conformance.programs.driver import KINDS
+from tests.conformance.programs.toy import Toy
 
 
 @pytest.fixture(autouse=True)

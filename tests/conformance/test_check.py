@@ -11,7 +11,7 @@ from components import ComponentError
 from fmus import build_fmu, check_fmu
 from fmus.archive import zip_bytes
 from fmus.description.units import base_unit
-from tests.conformance.toy import Toy
+from tests.conformance.programs.toy import Toy
 
 
 @pytest.fixture(scope="module")

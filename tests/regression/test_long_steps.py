@@ -13,7 +13,7 @@ from orchestrator.cosim.energy_balance import Energies
 from orchestrator.cosim.energy_guard import EnergyGuard
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
-from tests.benchmark.chain import as_instances
+from tests.benchmark.models.chain import as_instances
 from tests.references.coupled import Recording, Run, base, between
 
 LENGTH, BENDING, LINE_MASS, GRAVITY = 10.0, 1.4e4, 1.2, 10.0

@@ -14,8 +14,8 @@ from orchestrator.cosim.implicit.coupling import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
-from tests.conformance.driver import OK
-from tests.conformance.driver3 import Fmu3
+from tests.conformance.programs.driver import OK
+from tests.conformance.programs.driver3 import Fmu3
 from tests.references.coupled import Recording, Run, base, between, completed, prepared, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work

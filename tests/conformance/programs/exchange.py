@@ -14,8 +14,8 @@ from ctypes import c_double, c_size_t, c_void_p
 
 import numpy as np
 
-from tests.conformance.driver import ERROR, OK, Fmu, Reference
-from tests.conformance.exchange_pair import SUBJECTS, Model, Pair, agree, said, same
+from tests.conformance.programs.driver import ERROR, OK, Fmu, Reference
+from tests.conformance.programs.exchange_pair import SUBJECTS, Model, Pair, agree, said, same
 
 DISCARD = 2
 STATES = 200

@@ -8,7 +8,7 @@ import numpy as np
 from fmpy import read_model_description
 from fmpy.fmi3 import FMU3Slave
 
-from tests.conformance.driver import OK, Fmu, _extracted
+from tests.conformance.programs.driver import OK, Fmu, _extracted
 
 
 class Slave(FMU3Slave):

@@ -13,10 +13,10 @@ import sys
 
 import numpy as np
 
-from tests.conformance import trial
-from tests.conformance.driver import ERROR, KINDS, OK, Reference
-from tests.conformance.driver3 import Fmu3
-from tests.conformance.trial import advance, begin, finding, pair, refuse_state, said, same, tunable
+from tests.conformance.programs import trial
+from tests.conformance.programs.driver import ERROR, KINDS, OK, Reference
+from tests.conformance.programs.driver3 import Fmu3
+from tests.conformance.programs.trial import advance, begin, finding, pair, refuse_state, said, same, tunable
 
 trial.Fmu = Fmu3
 H = 2e-3

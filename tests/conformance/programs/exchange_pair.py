@@ -17,7 +17,7 @@ from components.ccl import CableLoop
 from components.damper import EddyCurrentDamper
 from components.fixed_base import FixedBase
 from components.hinge import Hinge
-from tests.conformance.driver import OK, Fmu, Reference
+from tests.conformance.programs.driver import OK, Fmu, Reference
 
 AGREEMENT, CANCELLED = 1e-11, 1e-3
 

@@ -17,7 +17,7 @@ from fmpy.fmi2 import (
 )
 
 from components import REGISTRY
-from tests.conformance.toy import Toy
+from tests.conformance.programs.toy import Toy
 
 KINDS = {**REGISTRY, Toy.kind: Toy}
 TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}

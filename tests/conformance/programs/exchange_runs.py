@@ -19,8 +19,8 @@ from components.body import Body
 from components.flexible.modal import ModalData
 from components.hinge import Hinge
 from fmus import build_fmu
-from tests.conformance.driver import OK, Fmu
-from tests.conformance.exchange import Model, finding
+from tests.conformance.programs.driver import OK, Fmu
+from tests.conformance.programs.exchange import Model, finding
 from tests.references.free_rotor import free_rotor
 
 MOTION = ("position", "orientation", "velocity", "angular_velocity")

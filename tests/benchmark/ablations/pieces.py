@@ -16,7 +16,7 @@ from orchestrator.cosim.participant import Participant
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene, read_scene
 from orchestrator.scene.bodies import scene_points
-from tests.benchmark.ablation_rows import Row
+from tests.benchmark.ablations.rows import Row
 
 UNTIL = 14.0
 HELD = ("HL1", "HL2", "HL3", "HL4", "HL5")

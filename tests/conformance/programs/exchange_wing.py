@@ -20,8 +20,8 @@ from components.body import Body
 from fmus import build_fmu
 from orchestrator.assembly import HingeLine, Part
 from orchestrator.cosim.master import Settings
-from tests.conformance.driver import OK
-from tests.conformance.exchange import Model
+from tests.conformance.programs.driver import OK
+from tests.conformance.programs.exchange import Model
 from tests.references.coupled import between, completed, rigid, turned
 
 END, AHEAD = 0.8, 0.1

@@ -15,9 +15,9 @@ import numpy as np
 from fmpy import simulate_fmu
 
 from components import REGISTRY
-from tests.conformance.driver import OK
-from tests.conformance.driver3 import Fmu3
-from tests.conformance.trial import finding
+from tests.conformance.programs.driver import OK
+from tests.conformance.programs.driver3 import Fmu3
+from tests.conformance.programs.trial import finding
 
 H = 0.01
 LATCH = 0.237

@@ -22,7 +22,7 @@ from fmus import Backend, build_fmu
 from orchestrator.assembly import Link, Part
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.participant import Participant
-from tests.benchmark.one_panel import hinge_start
+from tests.benchmark.models.one_panel import hinge_start
 
 INBOARD = {"left": "hl2_left", "right": "hl2_right"}
 OUTBOARD = {"left": "hl3_left", "right": "hl3_right"}

@@ -13,8 +13,8 @@ import sys
 
 import numpy as np
 
-from tests.conformance.driver import KINDS, OK, Fmu, Reference
-from tests.conformance.trial import begin, tune
+from tests.conformance.programs.driver import KINDS, OK, Fmu, Reference
+from tests.conformance.programs.trial import begin, tune
 
 H = 2e-3
 AMOUNTS = {"N": 1.0, "N.m": 1.0, "m": 1e-5, "m/s": 1e-3, "rad/s": 1e-3, "1": 1e-4}

@@ -9,9 +9,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from components import rotation_matrix
-from tests.benchmark import exudyn_model as model
-from tests.benchmark.chain import FOLDED, INBOARD, OUTBOARD, Chain
-from tests.benchmark.exudyn_model import WORLD, exudyn, item
+from tests.benchmark.models import exudyn_model as model
+from tests.benchmark.models.chain import FOLDED, INBOARD, OUTBOARD, Chain
+from tests.benchmark.models.exudyn_model import WORLD, exudyn, item
 from tests.benchmark.stability import MOTOR_STIFFNESS, MOTOR_WIND_UP
 
 Solver = Literal["implicit", "explicit"]

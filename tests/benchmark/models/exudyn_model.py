@@ -15,7 +15,7 @@ import numpy as np
 
 from components.contract.frames import skew
 from components.flexible.modal import ModalData
-from tests.benchmark.one_panel import AXIAL, CROSS, RADIAL
+from tests.benchmark.models.one_panel import AXIAL, CROSS, RADIAL
 from tests.benchmark.stability import JOINT_DAMPING, MOTOR_STIFFNESS, MOTOR_WIND_UP
 
 sys.exudynFast = getattr(sys, "exudynFast", True)  # type: ignore[attr-defined]

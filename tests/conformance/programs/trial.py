@@ -19,7 +19,7 @@ import numpy as np
 from fmpy.fmi1 import FMICallException
 
 from components import ComponentError
-from tests.conformance.driver import DISCARD, ERROR, FATAL, KINDS, OK, Fmu, Reference
+from tests.conformance.programs.driver import DISCARD, ERROR, FATAL, KINDS, OK, Fmu, Reference
 
 NATIVE = len(sys.argv) > 1 and sys.argv[1] == "native"
 STEPS = 1000 if NATIVE else 200
