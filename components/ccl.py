@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import (
+from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.frames import (
     Quaternion,
     Vector3,
     add,
@@ -33,8 +33,8 @@ from ._frames import (
     subtract,
     swing_twist,
 )
-from ._relative import as_floats, axis_frame, dissipated_energies, gives_end_point
-from .laws import SlackSpring, mean_force
+from .numerics.laws import SlackSpring, mean_force
+from .numerics.relative_motion import as_floats, axis_frame, dissipated_energies, gives_end_point
 
 
 class _Geometry(NamedTuple):

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, Port, Quantity, Vector
-from ._frames import mean, nearest_turn, rotate
-from ._midstep import MidStepRate
-from ._relative import (
+from .contract.component import Component, Port, Quantity, Vector
+from .contract.frames import mean, nearest_turn, rotate
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
     Pose,
     as_floats,
     axis_frame,

@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_load, remembered
-from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
-from ._frames import nearest_turn, rotate
-from ._midstep import MidStepRate
-from ._relative import (
+from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import nearest_turn, rotate
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
     Pose,
     as_floats,
     axis_frame,
@@ -25,6 +24,7 @@ from ._relative import (
     relative_pose,
     relative_rates,
 )
+from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
 
 _PROFILES = ("step", "step5")
 _ANGLE, _SWING, _MEMORY, _CLOCK, _HEAT, _WORK = 0, 5, slice(7, 9), 9, 10, 11

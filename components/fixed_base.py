@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ContinuousStates, Port, Quantity, Vector
-from ._frames import normalized, sum_of_moments
-from ._midstep import extrapolated
+from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import normalized, sum_of_moments
+from .numerics.mid_step import extrapolated
 
 _HISTORY = 6
 _STOPPED = -1.0
@@ -84,7 +84,7 @@ class FixedBase(Component):
         return np.zeros(0)
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Arrays that `fmus/native/fixed_base.c` reads."""
+        """Arrays that `fmus/native/kernels/fixed_base.c` reads."""
         return {"positions": self._positions, "arms": self._arms, "orientations": self._y[:, 3:7]}
 
     @classmethod

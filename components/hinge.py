@@ -15,11 +15,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, remembered
-from ._component import Component, ComponentError, Port, Vector
-from ._frames import nearest_turn, rotate
-from ._hinge_loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
-from ._hinge_state import (
+from .contract.component import Component, ComponentError, Port, Vector
+from .contract.frames import nearest_turn, rotate
+from .hinge_parts.loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
+from .hinge_parts.state import (
     ANGLE,
     HEAT,
     HEATS,
@@ -35,9 +34,10 @@ from ._hinge_state import (
     passage_of,
     rates_of,
 )
-from ._hinge_variables import inputs, observations, outputs, parameters
-from ._midstep import MidStepRate
-from ._relative import (
+from .hinge_parts.variables import inputs, observations, outputs, parameters
+from .numerics.laws import Law, Linear, Table
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
     as_floats,
     axis_frame,
     dissipated_energies,
@@ -47,8 +47,8 @@ from ._relative import (
     relative_pose,
     relative_rates,
 )
-from ._workless import remembered_path
-from .laws import Law, Linear, Table
+from .numerics.stiff_coordinate import Memory, StepMotion, remembered
+from .numerics.workless_pair import remembered_path
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")

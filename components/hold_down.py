@@ -9,10 +9,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import MeanLoad, Memory, StepMotion, bushing_load, remembered
-from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
-from ._frames import Quaternion, Vector3, cross, mean, rotate, rotate_back, subtract
-from ._relative import as_floats, gives_end_point, mean_direction, numerical_dissipation, pair, unit_direction
+from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import Quaternion, Vector3, cross, mean, rotate, rotate_back, subtract
+from .numerics.relative_motion import (
+    as_floats,
+    gives_end_point,
+    mean_direction,
+    numerical_dissipation,
+    pair,
+    unit_direction,
+)
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 
 _START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
 _CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH, _NUMERICAL = 16, 17, 18, 19, slice(20, 32), 32

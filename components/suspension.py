@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import Vector3, add, dot, norm, scaled, subtract
-from ._midstep import MidStepRate
-from ._relative import as_floats, dissipated_energies, gives_end_point
-from .laws import SlackSpring, mean_force
+from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.frames import Vector3, add, dot, norm, scaled, subtract
+from .numerics.laws import SlackSpring, mean_force
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point
 
 _HEAT, _SLIDE, _WRENCH = 3, slice(4, 8), slice(8, 20)
 

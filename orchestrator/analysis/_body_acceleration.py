@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from components._frames import Vector3, skew
-from components.modal import ModalData
+from components.contract.frames import Vector3, skew
+from components.flexible.modal import ModalData
 
-from ..result import Result
+from ..results.result import Result
 
 Vector = NDArray[np.float64]
 
@@ -18,7 +18,7 @@ def acceleration_field(result: Result, body: str, data: ModalData, gravity: Vect
     """Coefficients (N, 12) of a(s) - g = a + G s at the communication points, body axes, s from the centre of mass.
 
     Columns: a (m/s2), then the entries of G = skew(alpha) + skew(omega)² (1/s2) column by column, as
-    `components.reduction.inertia_relief` wants them. Rates of change are those of the momenta over the steps on
+    `components.flexible.reduction.inertia_relief` wants them. Rates of change are those of the momenta over the steps on
     both sides of a communication point; an impulse (step of no length) is left out. The angular velocity is that
     of the undeformed body, an error of second order in the deformation.
     """

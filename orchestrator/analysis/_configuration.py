@@ -10,11 +10,12 @@ from typing import Concatenate, Literal
 
 import click
 
-from ..cli_options import Command, Others, SceneChoice, ordered_names
-from ..cli_types import given_quantity
-from ..scene import Scene, SceneError, assemble
-from ..scene_bodies import scene_points, start_poses
-from ..scene_line_tables import HingeLine
+from ..assembly.assemble import assemble
+from ..cli.options import Command, Others, SceneChoice, ordered_names
+from ..cli.types import given_quantity
+from ..scene import Scene, SceneError
+from ..scene.bodies import scene_points, start_poses
+from ..scene.hinge_line_tables import HingeLine
 from ._linear import LinearModel, linearise
 from ._mechanism import Mechanism
 from ._statics import settle

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from components import REGISTRY, ComponentError, left_product, rotation_matrix
-from components._component import Vector
-from components._frames import exponential, skew
+from components.contract.component import Vector
+from components.contract.frames import exponential, skew
 
 from ..assembly import Part
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 
 _MOTION = 13
 _STEP = 1e-5

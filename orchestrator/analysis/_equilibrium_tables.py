@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from ..noise import noise_floor
+from ..results.round_off import noise_floor
 from ._tables import Column, degrees_text, plain_table, tables_that_fit
 
 _BASE_LOADS = (("force", "N"), ("torque", "N.m"))

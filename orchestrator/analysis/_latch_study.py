@@ -10,8 +10,8 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ..cli_options import Command
-from ..cli_types import Number
+from ..cli.options import Command
+from ..cli.types import Number
 from ._studies import Case, as_dict, draw_changes, draw_latch_torques, latch_table, refuse_unlatched
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from components._component import Vector
+from components.contract.component import Vector
 
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._mechanism import Mechanism
 
 Rows = NDArray[np.int64]

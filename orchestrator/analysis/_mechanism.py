@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from components import REGISTRY, ComponentError, rotation_matrix
-from components._component import Vector
-from components._frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
 from components.body import Body
+from components.contract.component import Vector
+from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
 from components.fixed_base import FixedBase
 
 from ..assembly import Link, Part
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._connection import Connection
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from components._component import Vector
+from components.contract.component import Vector
 
-from ..scene_table import SceneError
+from ..scene.table import SceneError
 from ._linear import LinearModel, linearise, normal_modes
 from ._mechanism import Mechanism
 

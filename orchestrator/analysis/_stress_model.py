@@ -10,16 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components import ComponentError, catalogue
-from components._plate_resultants import PlateNodes
-from components.modal import ModalData
-from components.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
-from components.stress import StressRecovery, face_sheets, stress_recovery
+from components.flexible.modal import ModalData
+from components.flexible.plate_resultants import PlateNodes
+from components.flexible.reduction import FiniteElementModel, inertia_relief, orthonormal_modes
+from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
 
-from ..result import Result, ResultError
-from ..scene_bodies import body_model
-from ..scene_body_tables import Body
-from ..scene_reader import read_scene
-from ..scene_schema import Scene
+from ..results.result import Result, ResultError
+from ..scene.bodies import body_model
+from ..scene.body_tables import Body
+from ..scene.reader import read_scene
+from ..scene.schema import Scene
 from ._body_acceleration import acceleration_field
 
 Vector = NDArray[np.float64]

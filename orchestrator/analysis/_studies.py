@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from rich.table import Table
 
 from ..assembly import Assembly
-from ..cli_progress import progress
-from ..master import Settings
-from ..plot_style import STYLE, draw, new_figure
-from ..result import Result
-from ..run import Outcome, RunError, run
-from ..summary import line_latch_torque
+from ..cli.progress import progress
+from ..cosim.master import Settings
+from ..results.key_figures import line_latch_torque
+from ..results.result import Result
+from ..run.run import Outcome, RunError, run
+from ..views.style import STYLE, draw, new_figure
 from ._tables import plain_table
 
 Vector = NDArray[np.float64]

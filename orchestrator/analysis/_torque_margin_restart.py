@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ..assembly import Assembly
-from ..master import Settings
-from ..result import Result
-from ..run import run
-from ..scene import Scene, SceneError, assemble
-from ..scene_line_tables import HingeLine
-from ..summary import latch_times
-from ..units import to_si
+from ..assembly.assemble import assemble
+from ..cosim.master import Settings
+from ..results.key_figures import latch_times
+from ..results.result import Result
+from ..run.run import run
+from ..scene import Scene, SceneError
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.units import to_si
 from ._torque_margin_sweep import at_share, driven_lines, travel
 
 _POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")

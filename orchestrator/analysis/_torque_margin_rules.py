@@ -14,7 +14,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ..noise import noise_floor
+from ..results.round_off import noise_floor
 
 Vector = NDArray[np.float64]
 Rule = Literal["sum", "ECSS"]

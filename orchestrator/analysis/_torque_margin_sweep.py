@@ -14,23 +14,24 @@ from typing import Literal
 import numpy as np
 
 from components import ComponentError
-from components._frames import Vector3, rotate
+from components.contract.frames import Vector3, rotate
 from components.hinge import Hinge
 
 from ..assembly import Assembly, Part
-from ..master import Master, Settings
-from ..network import Network, NetworkError
-from ..participant import InProcess, ParticipantError, Vector, in_process
-from ..run import RunError
-from ..scene import Scene, assemble
-from ..scene_line_tables import HingeLine
-from ..scene_table import SceneError
-from ..stepping import StepError
+from ..assembly.assemble import assemble
+from ..cosim.master import Master, Settings
+from ..cosim.network import Network, NetworkError
+from ..cosim.participant import InProcess, ParticipantError, Vector, in_process
+from ..cosim.stepping import StepError
+from ..run.run import RunError
+from ..scene import Scene
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.table import SceneError
 from ._torque_margin_rules import LineTorques
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
-"""Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.laws)."""
+"""Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.numerics.laws)."""
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 

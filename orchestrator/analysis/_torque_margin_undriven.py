@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from ..scene import Scene
-from ..scene_line_tables import HingeLine
+from ..scene.hinge_line_tables import HingeLine
 
 _CABLE, _DRIVE = "ccl", "drive"
 

@@ -15,14 +15,14 @@ from typing import NamedTuple
 import click
 import numpy as np
 
-from components._component import Vector
-from components._frames import exponential, multiply, rotate
-from components._hinge_state import State
+from components.contract.component import Vector
+from components.contract.frames import exponential, multiply, rotate
+from components.hinge_parts.state import State
 
-from ..cli_options import SceneChoice, ordered_names, refuse_idle, scene_choice
-from ..cli_types import Count
+from ..cli.options import SceneChoice, ordered_names, refuse_idle, scene_choice
+from ..cli.types import Count
 from ..scene import Scene, SceneError
-from ..scene_pieces import joined
+from ..scene.locked_groups import joined
 from ._configuration import (
     Configuration,
     ConfigurationChoice,

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from components._component import Vector
+from components.contract.component import Vector
 
-from ..cli_options import SceneChoice, ordered_names, scene_choice
-from ..cli_types import Count, Number, Picture
+from ..cli.options import SceneChoice, ordered_names, scene_choice
+from ..cli.types import Count, Number, Picture
 from ..scene import SceneError
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, scene_model
 from ._linear import ZERO_FREQUENCY, LinearModel, modal_damping, normal_modes
@@ -159,7 +159,7 @@ def command(
     frequencies = frequency_grid(model, low, high, steps)
     found = responses(model, excite, along or excite, points, frequencies)
     if plot is not None:
-        from ._linear_figures import draw_responses  # matplotlib takes its time
+        from ..views.linear import draw_responses  # matplotlib takes its time
 
         title = f"{scene.header.name}: base acceleration {excite}"
         draw_responses(plot, title, frequencies, found)

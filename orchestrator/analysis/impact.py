@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from ..cli_types import Picture
-from ..plot_style import STYLE, draw, new_figure
-from ..result import Result, ResultError
-from ..summary import extremes
+from ..cli.types import Picture
+from ..results.key_figures import extremes
+from ..results.result import Result, ResultError
+from ..views.style import STYLE, draw, new_figure
 from ._tables import plain_table
 
 Vector = NDArray[np.float64]

@@ -19,17 +19,18 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from components._component import Vector
-from components._frames import rotate
+from components.contract.component import Vector
+from components.contract.frames import rotate
 
 from ..assembly import Link, Part
-from ..cli_options import SceneChoice, scene_choice
-from ..cli_types import Number, given_quantity
-from ..scene import Scene, SceneError, choose_fidelity
-from ..scene_bodies import StartPose, base_model, body_model, scene_points, start_poses
-from ..scene_connections import LatchSetting, hinge_parts
-from ..scene_line_tables import HingeLine
-from ..scene_pieces import held_bodies
+from ..assembly.assemble import choose_fidelity
+from ..assembly.hinges import LatchSetting, hinge_parts
+from ..cli.options import SceneChoice, scene_choice
+from ..cli.types import Number, given_quantity
+from ..scene import Scene, SceneError
+from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.locked_groups import held_bodies
 from ._configuration import configuration, with_angles
 from ._linear import LinearModel, linearise, normal_modes
 from ._mechanism import Mechanism

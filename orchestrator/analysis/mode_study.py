@@ -19,15 +19,15 @@ from rich.console import Console
 from rich.table import Table
 
 from components.catalogue import BODIES, finite_elements
-from components.reduction import fixed_interface_frequencies, free_frequencies
+from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
-from ..cli_options import SceneChoice, scene_choice
-from ..master import Settings
-from ..run import RunError
+from ..cli.options import SceneChoice, scene_choice
+from ..cosim.master import Settings
+from ..run.run import RunError
 from ..scene import Scene
-from ..scene_bodies import body_model
-from ..scene_body_tables import Body
-from ..scene_pieces import held_bodies
+from ..scene.bodies import body_model
+from ..scene.body_tables import Body
+from ..scene.locked_groups import held_bodies
 from ._latch_study import LatchStudy, study_options
 from ._studies import run_case
 from ._tables import Column, tables_that_fit

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 import click
 from rich.console import Console
 
-from ..cli_options import SceneChoice, refuse_idle, scene_choice
-from ..cli_types import Count
+from ..cli.options import SceneChoice, refuse_idle, scene_choice
+from ..cli.types import Count
 from ..scene import Scene
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice, scene_model
 from ._linear import (
@@ -138,7 +138,7 @@ def command(
         _print(listed, free, force, torque)
         _print_damping(listed, scene)
     if plot is not None:
-        from ._linear_figures import draw_shapes  # matplotlib takes its time
+        from ..views.linear import draw_shapes  # matplotlib takes its time
 
         for path in draw_shapes(plot, model, modes, [mode.number - 1 for mode in listed[:shapes]]):
             click.echo(path, err=as_json)

@@ -11,8 +11,8 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ..cli_options import SceneChoice, scene_choice
-from ..master import Settings
+from ..cli.options import SceneChoice, scene_choice
+from ..cosim.master import Settings
 from ._latch_study import LatchStudy, study_options
 from ._studies import refuse_unlatched, run_case
 

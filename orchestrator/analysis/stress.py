@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from components._plate_resultants import PlateNodes
-from components.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
+from components.flexible.plate_resultants import PlateNodes
+from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
-from ..cli_types import Count, Number
-from ..result import Result, ResultError
-from ..summary import latch_times
+from ..cli.types import Count, Number
+from ..results.key_figures import latch_times
+from ..results.result import Result, ResultError
 from ._stress_model import BodyStress, body_stress
 
 Indices = NDArray[np.int64]
@@ -203,7 +203,7 @@ def _write_table(folder: Path, body: str, spots: Sequence[HotSpot]) -> Path:
 def _draw(
     folder: Path, body: str, result: Result, stress: BodyStress, peak: PeakStress, places: Indices
 ) -> list[Path]:
-    from ._stress_figures import MOST_HISTORIES, draw_field, draw_histories  # matplotlib takes its time
+    from ..views.stress import MOST_HISTORIES, draw_field, draw_histories  # matplotlib takes its time
 
     field, histories = folder / f"{body}_stress_field.png", folder / f"{body}_stress_histories.png"
     draw_field(

@@ -16,9 +16,9 @@ import click
 import numpy as np
 from rich.console import Console
 
-from ..cli_options import SceneChoice, layered_scene, ordered_names, refuse_idle
-from ..cli_progress import progress
-from ..cli_types import Count, Number, given_quantity
+from ..cli.options import SceneChoice, layered_scene, ordered_names, refuse_idle
+from ..cli.progress import progress
+from ..cli.types import Count, Number, given_quantity
 from ..scene import Scene, SceneError, scene_variants
 from ._torque_margin_restart import CaseRestart, restart, restart_share
 from ._torque_margin_rules import DEMANDS, FACTORS, LIMIT, RULES, FactorKind, Found, margins
@@ -224,7 +224,7 @@ def _as_dict(
 
 
 def _draw(folder: Path, found: Sequence[Found]) -> list[Path]:
-    from ._torque_margin_figures import draw_line  # matplotlib takes its time, which --help need not
+    from ..views.torque_margin import draw_line  # matplotlib takes its time, which --help need not
 
     paths = []
     for line in dict.fromkeys(one.line for one in found):

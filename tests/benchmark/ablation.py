@@ -26,12 +26,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
-from orchestrator.fmu import FmuParticipant
-from orchestrator.participant import Participant
-from orchestrator.run import Outcome, as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.participant import Participant
+from orchestrator.run.run import Outcome, as_fmus
+from orchestrator.scene import find_scene, load_scene
 from tests.benchmark import ablation_latched, ablation_pieces
 from tests.benchmark.ablation_rows import Row, draw, measure_all, print_table
 

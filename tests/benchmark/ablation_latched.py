@@ -18,15 +18,16 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 
 from components import rotation_matrix
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import Participant
-from orchestrator.run import as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene
-from orchestrator.scene_bodies import StartPose, attachments, body_model
-from orchestrator.scene_pieces import joined_model, pieces
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import Participant
+from orchestrator.run.run import as_fmus
+from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.bodies import StartPose, attachments, body_model
+from orchestrator.scene.locked_groups import joined_model, pieces
 from tests.benchmark.one_panel import crest, line_torque
 from tests.benchmark.stability import Record
 

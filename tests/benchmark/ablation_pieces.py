@@ -11,10 +11,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 from orchestrator.assembly import Assembly
-from orchestrator.participant import Participant
-from orchestrator.run import as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene, read_scene
-from orchestrator.scene_bodies import scene_points
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.participant import Participant
+from orchestrator.run.run import as_fmus
+from orchestrator.scene import find_scene, load_scene, read_scene
+from orchestrator.scene.bodies import scene_points
 from tests.benchmark.ablation_rows import Row
 
 UNTIL = 14.0

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from orchestrator.assembly import Assembly
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import Participant
-from orchestrator.run import Outcome, as_fmus, run
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import Participant
+from orchestrator.run.run import Outcome, as_fmus, run
 
 _MARKERS = "os^vDPX*<>hpd8H"
 Loading = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from components import REGISTRY, catalogue, rotation_matrix
-from components._frames import exponential
-from components.modal import ModalData
+from components.contract.frames import exponential
+from components.flexible.modal import ModalData
 from fmus import Backend, build_fmu
 from orchestrator.assembly import Link, Part
-from orchestrator.fmu import FmuParticipant
-from orchestrator.participant import Participant
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.participant import Participant
 from tests.benchmark.one_panel import hinge_start
 
 INBOARD = {"left": "hl2_left", "right": "hl2_right"}

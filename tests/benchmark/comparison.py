@@ -21,8 +21,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fmus import Backend, native_library
-from orchestrator.master import Settings
-from orchestrator.run import as_fmus
+from orchestrator.cosim.master import Settings
+from orchestrator.run.run import as_fmus
 from tests.benchmark import exudyn_panel
 from tests.benchmark.error_plot import Point, plot
 from tests.benchmark.exudyn_model import Steps

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from components._frames import skew
-from components.modal import ModalData
+from components.contract.frames import skew
+from components.flexible.modal import ModalData
 from tests.benchmark.one_panel import AXIAL, CROSS, RADIAL
 from tests.benchmark.stability import JOINT_DAMPING, MOTOR_STIFFNESS, MOTOR_WIND_UP
 

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.master import Settings
-from orchestrator.run import as_fmus
+from orchestrator.cosim.master import Settings
+from orchestrator.run.run import as_fmus
 from tests.benchmark.exudyn_model import (
     JOINT,
     WORLD,

@@ -16,16 +16,16 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from components._frames import exponential
-from components.modal import ModalData
+from components.contract.frames import exponential
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, HingeLine, Link, Part
-from orchestrator.explicit import ExplicitMaster
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import Participant, ParticipantError
-from orchestrator.port_starts import with_port_starts
-from orchestrator.scene_connections import WrenchMode
-from orchestrator.stepping import StepError
+from orchestrator.assembly.start_values import with_port_starts
+from orchestrator.cosim.explicit import ExplicitMaster
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import Participant, ParticipantError
+from orchestrator.cosim.stepping import StepError
+from orchestrator.scene.component_connections import WrenchMode
 from tests.benchmark.stability import (
     JOINT_DAMPING,
     MOTOR_STIFFNESS,

@@ -16,8 +16,8 @@ from fmpy import simulate_fmu
 from scipy.spatial.transform import Rotation
 
 from components.body import Body
+from components.flexible.modal import ModalData
 from components.hinge import Hinge
-from components.modal import ModalData
 from fmus import build_fmu
 from tests.conformance.driver import OK, Fmu
 from tests.conformance.exchange import Model, finding

@@ -20,7 +20,7 @@ from fmpy.validation import validate_fmu
 
 from components import ComponentError
 from fmus import build_fmu, check_fmu, native_backend, native_library
-from fmus.build import zip_bytes
+from fmus.archive import zip_bytes
 from tests.conformance.driver import KINDS, start_of
 from tests.conformance.latching import CHECKS as LATCHING
 from tests.conformance.latching import START, hinge

@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 
 from components import REGISTRY, Component, ComponentError, Quantity
-from components._component import Vector
+from components.contract.component import Vector
 
 
 class Toy(Component):

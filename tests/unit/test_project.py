@@ -17,7 +17,7 @@ import components
 import fmus
 import orchestrator
 from components import REGISTRY
-from orchestrator.cli import main
+from orchestrator.cli.main import main
 from orchestrator.scene import list_scenes
 
 ROOT = Path(__file__).parents[2]

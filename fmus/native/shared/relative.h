@@ -1,0 +1,185 @@
+/* Relative motion of a connection's two ports, seen from a frame on the first port whose x axis is a hinge
+   line: the twin of components/numerics/relative_motion.py; and what all connections read from their data. */
+
+#ifndef FANFOLD_RELATIVE_H
+#define FANFOLD_RELATIVE_H
+
+#include "frames.h"
+#include "kernel.h"
+
+/* Scalars of the motion and of the wrench of one port. */
+enum { MOTION_SIZE = 13, WRENCH_SIZE = 6 };
+
+/* The two components normal to the hinge line, in hinge axes: of a swing or of a bending moment. */
+typedef struct Transverse {
+    real y, z;
+} Transverse;
+
+/* Positions of two ports relative to each other: quaternion of the hinge frame on port A; gap from A to B in
+   world axes, offset the same in hinge axes; angle of B about x, in (-2 pi, 2 pi); rotation vector of the rest. */
+typedef struct Pose {
+    Quaternion frame;
+    Vector3 gap, offset;
+    real twist;
+    Transverse swing;
+} Pose;
+
+/* Rates of change of a pose: of the offset in hinge axes, of the twist, of the swing. */
+typedef struct Rates {
+    Vector3 offset;
+    real twist;
+    Transverse swing;
+} Rates;
+
+/* tan(s/2) / s, sin(s) / s and (s / sin(s) - 1) / s^2 of the swing's angle s. */
+typedef struct SwingFactors {
+    real lean, shortening, across;
+} SwingFactors;
+
+static inline SwingFactors factors_of_swing(Transverse swing) {
+    real angle = root_of_squares(swing.y * swing.y + swing.z * swing.z);
+    if (value_of(angle) < 1e-4) return (SwingFactors){0.5, 1.0, 1.0 / 6.0};
+    real shortening = real_sin(angle) / angle;
+    return (SwingFactors){
+        real_tan(0.5 * angle) / angle,
+        shortening,
+        (1.0 / shortening - 1.0) / (angle * angle),
+    };
+}
+
+static inline Quaternion frame_on_port(const real *port, const double axis_frame[4]) {
+    Quaternion axis = {axis_frame[0], axis_frame[1], axis_frame[2], axis_frame[3]};
+    return quaternion_multiply(quaternion_of(port + 3), axis);
+}
+
+/* Pose from the 26 inputs of two connection ports (position, quaternion, velocities of A, then of B). */
+static inline Pose relative_pose(const real *u, const double axis_frame[4]) {
+    Quaternion frame = frame_on_port(u, axis_frame);
+    Quaternion frame_b = frame_on_port(u + MOTION_SIZE, axis_frame);
+    Vector3 gap = vector_subtract(vector_of(u + MOTION_SIZE), vector_of(u));
+    SwingTwist turn = swing_twist(quaternion_multiply(quaternion_conjugate(frame), frame_b));
+    return (Pose){frame, gap, quaternion_rotate_back(frame, gap), turn.twist, {turn.swing_y, turn.swing_z}};
+}
+
+/* Rates from the same 26 inputs. */
+static inline Rates relative_rates(const real *u, const Pose *pose) {
+    Vector3 spin_a = vector_of(u + 10);
+    Vector3 apart = vector_subtract(vector_of(u + MOTION_SIZE + 7), vector_of(u + 7));
+    Vector3 velocity = vector_subtract(apart, vector_cross(spin_a, pose->gap));
+    Vector3 spin = quaternion_rotate_back(pose->frame, vector_subtract(vector_of(u + MOTION_SIZE + 10), spin_a));
+    Transverse swing = pose->swing;
+    SwingFactors factors = factors_of_swing(swing);
+    real twist = spin.x + factors.lean * (swing.z * spin.y - swing.y * spin.z);
+    /* what the twist adds to the angular velocity normal to the line, the axis of the twist being tilted */
+    real y = spin.y - factors.shortening * swing.z * twist;
+    real z = spin.z + factors.shortening * swing.y * twist;
+    real normal = factors.across * (swing.z * y - swing.y * z);
+    return (Rates){
+        quaternion_rotate_back(pose->frame, velocity),
+        twist,
+        {y + normal * swing.z, z - normal * swing.y},
+    };
+}
+
+/* Torque in hinge axes whose power is that of loads on the rates of relative_rates. */
+static inline Vector3 conjugate_torque(real twist, Transverse bending, Transverse swing) {
+    SwingFactors factors = factors_of_swing(swing);
+    real normal = swing.z * bending.y - swing.y * bending.z;
+    twist -= normal;
+    real share = factors.across * normal + factors.lean * twist;
+    return (Vector3){twist, bending.y + share * swing.z, bending.z - share * swing.y};
+}
+
+/* A vector held in hinge axes over a step, as its mean in world axes. */
+static inline Vector3 mean_direction(Quaternion start, Quaternion end, Vector3 v) {
+    return vector_mean(quaternion_rotate(start, v), quaternion_rotate(end, v));
+}
+
+/* Wrenches on A and on B, 12 numbers, that sum to zero about any point, from force and torque on B at its
+   origin in world axes, and the gap from A to B, the mean over the step. */
+static inline void store_pair(Vector3 force, Vector3 torque, Vector3 gap, real *wrench) {
+    vector_store(vector_scaled(-1.0, force), wrench);
+    vector_store(vector_scaled(-1.0, vector_add(torque, vector_cross(gap, force))), wrench + 3);
+    vector_store(force, wrench + 6);
+    vector_store(torque, wrench + 9);
+}
+
+/* Rate at the communication point, on the line through the mean rates of the last two steps: `slide` is both
+   rates, then the sizes of both steps; the last rate where a step is missing (size 0). */
+static inline double rate_now(const double slide[4]) {
+    if (slide[2] == 0.0 || slide[3] == 0.0) return slide[0];
+    return slide[0] + (slide[0] - slide[1]) * (slide[2] / (slide[2] + slide[3]));
+}
+
+/* Before the first step, or after an impulse: only an instant's rate is known. */
+static inline void store_starting_rate(real rate, real *slide) {
+    slide[0] = slide[1] = rate;
+    slide[2] = slide[3] = 0.0;
+}
+
+/* With one step more. */
+static inline void store_rate_after(const double *old, real rate, double h, real *slide) {
+    slide[0] = rate;
+    slide[1] = old[0];
+    slide[2] = h;
+    slide[3] = old[2];
+}
+
+#ifndef FANFOLD_COMPLEX
+
+/* A variable and its number of scalars. */
+typedef struct VariableName {
+    const char *name;
+    size_t size;
+} VariableName;
+
+/* Where a variable begins in its flat array of `total` scalars. */
+static inline int find_place(const Data *data, const char *group, VariableName variable, size_t total, size_t *place,
+                             Reason *why) {
+    long offset = data_offset(data, group, variable.name, variable.size, why);
+    if (offset < 0) return 0;
+    if ((size_t)offset > total || variable.size > total - (size_t)offset)
+        return refuse(why, "the %s %s lies outside its array", group, variable.name);
+    *place = (size_t)offset;
+    return 1;
+}
+
+static inline int find_parameters(const Data *data, const VariableName *variables, size_t count, const Sizes *sizes,
+                                  size_t *places, Reason *why) {
+    for (size_t i = 0; i < count; i++)
+        if (!find_place(data, "parameter", variables[i], sizes->parameters, &places[i], why)) return 0;
+    return 1;
+}
+
+/* Whether the flat arrays have the sizes that the equations write and read. */
+static inline int check_sizes(const char *kind, const Sizes *sizes, size_t inputs, size_t outputs,
+                              size_t observations, Reason *why) {
+    if (sizes->inputs == inputs && sizes->outputs == outputs && sizes->observations == observations) return 1;
+    return refuse(why, "a %s has %zu inputs, %zu outputs and %zu observations; the data give %zu, %zu and %zu",
+                  kind, inputs, outputs, observations, sizes->inputs, sizes->outputs, sizes->observations);
+}
+
+/* A whole number from 0 to `largest`. */
+static inline int read_choice(const Data *data, const char *name, int largest, int *choice, Reason *why) {
+    const double *value = data_array(data, name, 1, why);
+    if (!value) return 0;
+    if (!(value[0] >= 0.0 && value[0] <= largest) || value[0] != floor(value[0]))
+        return refuse(why, "%s is %g; it must be a whole number from 0 to %d", name, value[0], largest);
+    *choice = (int)value[0];
+    return 1;
+}
+
+static inline int read_axis_frame(const Data *data, double frame[4], Reason *why) {
+    const double *value = data_array(data, "axis_frame", 4, why);
+    if (!value) return 0;
+    double square = 0.0;
+    for (int i = 0; i < 4; i++) {
+        frame[i] = value[i];
+        square += value[i] * value[i];
+    }
+    if (!(fabs(square - 1.0) < 1e-9)) return refuse(why, "axis_frame is not a quaternion of unit length");
+    return 1;
+}
+
+#endif
+#endif
