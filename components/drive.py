@@ -178,7 +178,7 @@ class Drive(Component):
         # inertial terms tame held torques, which an end-point torque is not
         memory = Memory(mean_rate, mean_rate) if self._endpoint else Memory(*v[_MEMORY])
         motion = StepMotion(start, now.deflection, h, memory)
-        torque, heat, lost = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
+        torque, heat, lost, _ = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
         pose = now.pose
         swing = (0.5 * (v[_SWING] + pose.swing[0]), 0.5 * (v[_SWING + 1] + pose.swing[1]))
         world = mean_direction(
@@ -191,7 +191,7 @@ class Drive(Component):
             memory, slide = remembered(motion, rate), MidStepRate(*v[_SLIDE]).after(mean_rate, h)
         energies = (v[_HEAT] + heat, v[_WORK] + torque * (now.commanded - commanded))
         wrench, numerical = pair(_NOWHERE, world, _NOWHERE), v[_NUMERICAL] + lost
-        motions = (now.angle, *pose.frame, *pose.swing, *memory, clock)
+        motions = (now.angle, *pose.frame, *pose.swing, *memory[:2], clock)
         return np.array((*motions, *energies, *slide, *wrench, numerical))
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:

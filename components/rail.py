@@ -148,7 +148,7 @@ class Rail(Component):
             motion = StepMotion(starts[i], now.stiff[i], h, memory)
             loads.append(bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight))
             if inputs[-1] < 0.5:
-                mean_rates[i], end_rates[i] = remembered(motion, now.rates[i])
+                mean_rates[i], end_rates[i], _ = remembered(motion, now.rates[i])
         load, offset = [mean.force for mean in loads], now.pose.offset
         slip_y, slip_z = (offset[1] - v[_OFFSET + 1]) / h, (offset[2] - v[_OFFSET + 2]) / h
         speed = sqrt(slip_y * slip_y + slip_z * slip_z)

@@ -5,49 +5,54 @@ from __future__ import annotations
 from math import sqrt
 
 from ..contract.frames import Vector3
-from ..numerics.laws import mean_force, stiction_factors
+from ..numerics.laws import Law, mean_force, stiction_factors
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
+from ..numerics.workless_pair import workless_law, workless_spring
 from .state import Constants, Loads, State, mean_swing, shifted
 
 _FORCE_SMOOTHING = 1.0
 
 
 def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
-    """Mean loads over a step from both its ends (discrete gradients and mean rates)."""
+    """Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes of order 4."""
     stiff = [
-        bushing_load(
-            c.stiffness[i],
-            c.damping[i],
-            shifted(motion, c.aligned_angle) if i == 3 else motion,
-            c.end_weight,
-        )
+        _stiff_load(c, i, shifted(motion, c.aligned_angle) if i == 3 else motion)
         for i, motion in enumerate(motions)
     ]
-    elastic = [load.force for load in stiff]
+    elastic, slope = [load.force for load in stiff], [load.slope for load in stiff]
     force_on_b = (elastic[0], elastic[1], elastic[2])
     change = new.angle - old.angle
     friction = friction_torque(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
     latch = mean_latch_load(c, old, motions[3])
     numerical = sum(load.numerical for load in stiff) + latch.numerical
-    twist = (
-        elastic[3]
-        + mean_force(c.motor, old.angle, new.angle, c.end_weight)
-        + mean_force(c.harness, old.angle, new.angle, c.end_weight)
-        + friction
-        + latch.force
-    )
+    heat = (-friction * change, latch.heat, sum(load.heat for load in stiff))
+    motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
+    twist = elastic[3] + motor.force + harness.force + friction + latch.force
     if old.holding:
         twist -= c.hold_stiffness * (new.angle - old.hold_angle)
         numerical += 0.5 * c.hold_stiffness * change * change
-    return Loads(
-        force_on_b,
-        conjugate_torque(twist, (elastic[4], elastic[5]), mean_swing(old, new)),
-        latch.force,
-        friction,
-        (-friction * change, latch.heat, sum(load.heat for load in stiff)),
-        numerical,
-    )
+    swing = mean_swing(old, new)
+    torque = conjugate_torque(twist, (elastic[4], elastic[5]), swing)
+    if not c.paired:
+        return Loads(force_on_b, torque, latch.force, friction, heat, numerical)
+    twist = slope[3] + motor.slope + harness.slope + latch.slope
+    slopes = (slope[0], slope[1], slope[2]), conjugate_torque(twist, (slope[4], slope[5]), swing)
+    return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes)
+
+
+def _stiff_load(c: Constants, i: int, motion: StepMotion) -> MeanLoad:
+    """Load of the bushing in a coordinate."""
+    if c.paired:
+        return workless_spring(c.stiffness[i], c.damping[i], motion)
+    return bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight)
+
+
+def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:
+    """Load of a law that drives or brakes the hinge angle, too soft to need numerical damping."""
+    if c.paired:
+        return workless_law(law, 0.0, motion)
+    return MeanLoad(mean_force(law, motion.start, motion.end, c.end_weight), 0.0, 0.0)
 
 
 def friction_torque(
@@ -64,10 +69,12 @@ def friction_torque(
 
 
 def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
-    """Mean latch torque, its heat, and what its inertial terms took away."""
+    """Mean latch torque, its heat, and what the scheme took away."""
     if not old.latched or not c.latches:
         return MeanLoad(0.0, 0.0, 0.0)
     deflection = shifted(motion, old.latched_angle)
+    if c.paired:
+        return workless_law(c.latch, c.latch_damping, deflection, motion.memory.roughness)
     elastic = mean_force(c.latch, deflection.start, deflection.end)
     return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.end_weight)
 

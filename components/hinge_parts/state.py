@@ -11,7 +11,7 @@ from ..contract.component import Vector
 from ..contract.frames import Quaternion, Vector3
 from ..numerics.laws import Law
 from ..numerics.mid_step import MidStepRate
-from ..numerics.relative_motion import Pose, Rates, as_floats
+from ..numerics.relative_motion import Passage, Pose, Rates, as_floats
 from ..numerics.stiff_coordinate import Memory, StepMotion
 
 Six = tuple[float, float, float, float, float, float]
@@ -19,7 +19,10 @@ Six = tuple[float, float, float, float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class Constants:
-    """Parameters as plain numbers and laws; stiffness and damping of the six coordinates in order."""
+    """Parameters as plain numbers and laws; stiffness and damping of the six coordinates in order.
+
+    paired: whether loads are of order 4; static solutions, with an end weight above one half, are of order 2.
+    """
 
     stiffness: Six
     damping: Six
@@ -44,6 +47,7 @@ class Constants:
     lock_inertia: float
     hold_stiffness: float
     end_weight: float
+    paired: bool
 
 
 class State(NamedTuple):
@@ -66,6 +70,8 @@ class State(NamedTuple):
     holding: float
     hold_angle: float
     numerical_dissipation: float
+    roughness: tuple[float, ...] = (0.0,) * 6
+    slopes: tuple[float, ...] = (0.0,) * 12
 
     def pack(self) -> Vector:
         """As one array."""
@@ -80,7 +86,9 @@ class State(NamedTuple):
                 *self.wrench,
                 *self.power,
                 *self.slide,
-                *self[9:],
+                *self[9:17],
+                *self.roughness,
+                *self.slopes,
             )
         )
 
@@ -98,7 +106,9 @@ class State(NamedTuple):
             tuple(v[WRENCH]),
             tuple(v[43:46]),
             MidStepRate(*v[46:50]),
-            *v[50:],
+            *(v[50], v[51], v[52], v[53], v[54], v[55], v[56], v[57]),
+            tuple(v[58:64]),
+            tuple(v[SLOPES]),
         )
 
     @property
@@ -116,13 +126,16 @@ class State(NamedTuple):
         return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
 
-WRENCH = slice(31, 43)
+WRENCH, SLOPES = slice(31, 43), slice(64, 76)
 ANGLE, HEAT, LATCHED, HOLDING = 10, 50, 53, 55
 HEATS = ("friction_heat", "latch_heat", "damping_heat")
 
 
 class Loads(NamedTuple):
-    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes, numerical loss."""
+    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes, numerical loss.
+
+    The slopes of force and torque are zero of order 2.
+    """
 
     force: Vector3
     torque: Vector3
@@ -130,6 +143,8 @@ class Loads(NamedTuple):
     friction_torque: float
     heat: tuple[float, float, float]
     numerical: float
+    force_slope: Vector3 = (0.0, 0.0, 0.0)
+    torque_slope: Vector3 = (0.0, 0.0, 0.0)
 
 
 def mean_swing(old: State, new: State) -> tuple[float, float]:
@@ -138,10 +153,16 @@ def mean_swing(old: State, new: State) -> tuple[float, float]:
     return y, z
 
 
-def motion_of(old: State, new: State, i: int, h: float) -> StepMotion:
-    """Motion of coordinate i over a step, with its memory of rates."""
-    memory = Memory(old.mean_rates[i], old.end_rates[i])
-    return StepMotion(old.coordinates[i], new.coordinates[i], h, memory)
+def motions_of(old: State, new: State, moments: Six, h: float) -> list[StepMotion]:
+    """Motions of the six coordinates, with the moments of their rates."""
+    memories = map(Memory, old.mean_rates, old.end_rates, old.roughness)
+    ends = zip(old.coordinates, new.coordinates, memories, moments, strict=True)
+    return [StepMotion(start, end, h, memory, moment) for start, end, memory, moment in ends]
+
+
+def passage_of(old: State, new: State) -> Passage:
+    """Frame and gap at both ends of a step."""
+    return Passage(old.frame, new.frame, old.gap, new.gap)
 
 
 def shifted(motion: StepMotion, origin: float) -> StepMotion:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from ..contract.component import Quantity
-from ..numerics.relative_motion import numerical_dissipation
+from ..numerics.relative_motion import numerical_dissipation, order_parameter
 
 
 def parameters() -> list[Quantity]:
-    """Parameters, all tunable."""
+    """Parameters, all tunable but the order."""
 
     def tunable(
         name: str, unit: str, text: str, start: float = 0.0, minimum: float | None = 0.0, size: int = 1
@@ -55,6 +55,7 @@ def parameters() -> list[Quantity]:
         tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0),
         tunable("hold_stiffness", "N.m/rad", "Stiffness that holds the angle while hold is 1", 1e7),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+        order_parameter(),
     ]
 
 

@@ -29,6 +29,9 @@ class Law(Protocol):
     def potential(self, s: float) -> float:
         """Potential V(s)."""
 
+    def tangent(self, s0: float, s1: float) -> float:
+        """Divided difference of V' between two coordinates, V'' where they are one."""
+
 
 def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float:
     """Mean force of a law between the coordinates at both ends of a step.
@@ -63,6 +66,10 @@ class Linear:
         stretch = s - self.free
         return 0.5 * self.stiffness * stretch * stretch  # as in the native law: a power may round differently
 
+    def tangent(self, s0: float, s1: float) -> float:
+        """The stiffness."""
+        return self.stiffness
+
 
 class SlackSpring:
     """Tension-only strand: force -k (s + s0) while taut, zero while slack; s0 the elongation of the preload."""
@@ -82,6 +89,19 @@ class SlackSpring:
         """Energy at elongation s."""
         elongation = s + self.preload_elongation
         return 0.5 * self.stiffness * elongation * elongation if elongation > 0.0 else 0.0
+
+    def taut_share(self, s0: float, s1: float) -> float:
+        """Share of the way between two elongations on which the strand is taut."""
+        slack = -self.preload_elongation
+        if s0 > slack and s1 > slack:
+            return 1.0
+        if s0 <= slack and s1 <= slack:
+            return 0.0
+        return (max(s1, slack) - max(s0, slack)) / (s1 - s0)
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """The stiffness while taut."""
+        return self.stiffness * self.taut_share(s0, s1)
 
 
 class Table:
@@ -135,6 +155,17 @@ class Table:
         i, t = self._piece(s)
         a, b, c, d, e = self._potential[i]
         return (((a * t + b) * t + c) * t + d) * t + e
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """Minus the mean slope of the force between both; of one piece without a difference of forces."""
+        (i, t0), (j, t1) = self._piece(s0), self._piece(s1)
+        if i != j and abs(s1 - s0) > _TINY:
+            return (self.value(s0) - self.value(s1)) / (s1 - s0)
+        if i != j:
+            i, t0 = self._piece(0.5 * (s0 + s1))
+            t1 = t0
+        a, b, c, _ = self._force[i]
+        return -(a * (t0 * t0 + t0 * t1 + t1 * t1) + b * (t0 + t1) + c)
 
 
 def stiction_factors(rate: float, transition: float, static_ratio: float) -> tuple[float, float]:

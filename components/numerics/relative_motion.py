@@ -68,8 +68,29 @@ def dissipated_energies(
     )
 
 
+def order_parameter() -> Quantity:
+    """The order in time of a connection's mean wrenches."""
+    return Quantity(
+        "order",
+        "1",
+        "Order of mean wrenches in time: 2, or 4, which needs first moments from the master",
+        1,
+        2.0,
+        2.0,
+        4.0,
+        "fixed",
+    )
+
+
+def is_of_order_four(order: float) -> bool:
+    """Whether the parameter `order` is 4 and not 2; ComponentError where it is neither."""
+    if order not in (2.0, 4.0):
+        raise ComponentError(f"order = {order:g}; it must be 2 or 4")
+    return order == 4.0
+
+
 def numerical_dissipation() -> Quantity:
-    """The observation of what the inertial terms of a connection's stiff coordinates took away (J)."""
+    """The observation of what the scheme took away in a connection's stiff coordinates (J)."""
     return Quantity(
         NUMERICAL_DISSIPATION, "J", "Energy taken by the scheme since the start, not a physical loss"
     )
@@ -105,14 +126,77 @@ def relative_rates(u: list[float], pose: Pose) -> Rates:
     """Rates from the same 26 inputs."""
     spin_a = (u[10], u[11], u[12])
     velocity = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross(spin_a, pose.gap))
-    x, y, z = rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12]))
-    swing_y, swing_z = pose.swing
-    lean, shortening, across = _factors_of_swing(pose.swing)
+    spin = rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12]))
+    return _rates(rotate_back(pose.frame, velocity), spin, pose.swing)
+
+
+def _rates(offset: Vector3, spin: Vector3, swing: tuple[float, float]) -> Rates:
+    """Rates from velocity and angular velocity in hinge axes."""
+    x, y, z = spin
+    swing_y, swing_z = swing
+    lean, shortening, across = _factors_of_swing(swing)
     twist = x + lean * (swing_z * y - swing_y * z)
     # what the twist adds to the angular velocity normal to the line, the axis of the twist being tilted
     y, z = y - shortening * swing_z * twist, z + shortening * swing_y * twist
     normal = across * (swing_z * y - swing_y * z)
-    return Rates(rotate_back(pose.frame, velocity), twist, (y + normal * swing_z, z - normal * swing_y))
+    return Rates(offset, twist, (y + normal * swing_z, z - normal * swing_y))
+
+
+class Passage(NamedTuple):
+    """Hinge frame and gap at both ends of a step: what makes wrenches of loads, and moments of coordinates of moments.
+
+    Over a step loads and wrenches are u + u_slope P1, P1 = 2 t / h - 1, and the moment of a rate v is the integral of
+    P1 v dt. Both maps are adjoint, so that slopes do the same work on the moments of ports and of coordinates.
+    """
+
+    frame0: Quaternion
+    frame1: Quaternion
+    gap0: Vector3
+    gap1: Vector3
+
+    def moments(self, moments: Sequence[float]) -> tuple[Vector3, Vector3]:
+        """Moments of the relative velocity and angular velocity in hinge axes, from those of both ports (12,)."""
+        a_v, a_w, b_v, b_w = ((moments[i], moments[i + 1], moments[i + 2]) for i in (0, 3, 6, 9))
+        # the gap changes while the first port turns
+        turning = cross(turn_between(self.frame0, self.frame1), self._gap_slope())
+        carried = add(cross(a_w, mean(self.gap0, self.gap1)), turning)
+        return self._back(subtract(subtract(b_v, a_v), carried)), self._back(subtract(b_w, a_w))
+
+    def rate_moments(self, moments: Sequence[float], swing: tuple[float, float]) -> Rates:
+        """Moments of the rates of a pose; `swing` is the one in the middle of the step."""
+        return _rates(*self.moments(moments), swing)
+
+    def wrench(self, force: Vector3, torque: Vector3) -> tuple[float, ...]:
+        """Mean wrenches on A and B, 12 numbers, from loads on B in hinge axes that have no slopes."""
+        return pair(self.forward(force), self.forward(torque), mean(self.gap0, self.gap1))
+
+    def wrenches(
+        self, force: Vector3, torque: Vector3, force_slope: Vector3, torque_slope: Vector3
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Mean wrenches on A and B and their slopes, 12 numbers each, from loads on B in hinge axes.
+
+        The angular momentum that both ports get over the step is zero about any point.
+        """
+        means, slopes = self.wrench(force, torque), self.wrench(force_slope, torque_slope)
+        x, y, z = cross(self._gap_slope(), (slopes[6], slopes[7], slopes[8]))
+        return (*means[:3], means[3] - x, means[4] - y, means[5] - z, *means[6:]), slopes
+
+    def forward(self, v: Vector3) -> Vector3:
+        """A vector held in hinge axes, as its mean in world axes."""
+        return mean_direction(self.frame0, self.frame1, v)
+
+    def _back(self, v: Vector3) -> Vector3:
+        return mean(rotate_back(self.frame0, v), rotate_back(self.frame1, v))
+
+    def _gap_slope(self) -> Vector3:
+        """What a slope of a force has for an arm beside the mean gap: the gap's own slope times the mean of P1^2."""
+        return scaled(1.0 / 6.0, subtract(self.gap1, self.gap0))
+
+
+def turn_between(frame0: Quaternion, frame1: Quaternion) -> Vector3:
+    """Twice the tangent of half the angle, along the axis, of the rotation from one frame to another, world axes."""
+    w, x, y, z = multiply(frame1, conjugate(frame0))
+    return scaled(2.0 / w, (x, y, z))
 
 
 def conjugate_torque(twist: float, bending: tuple[float, float], swing: tuple[float, float]) -> Vector3:

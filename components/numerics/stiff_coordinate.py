@@ -26,27 +26,39 @@ _OF_RATES = 0.05
 
 
 class Memory(NamedTuple):
-    """What a coordinate remembers of the last step: its mean rate and its end rate p / h."""
+    """What a coordinate remembers of the last step: its mean rate, its end rate p / h, and how rough it went.
+
+    Of order 4, the end rate is the one that the path has, and roughness acts, see `workless_pair`.
+    """
 
     mean_rate: float
     end_rate: float
+    roughness: float = 0.0
 
 
 class StepMotion(NamedTuple):
-    """Motion of one coordinate over a step of size h, and what it remembers of the step before."""
+    """Motion of one coordinate over a step of size h, and what it remembers of the step before.
+
+    moment: of its rate, the integral of P1 s' dt with P1 = 2 t / h - 1; only laws of order 4 take note of it.
+    """
 
     start: float
     end: float
     h: float
     memory: Memory
+    moment: float = 0.0
 
 
 class MeanLoad(NamedTuple):
-    """Mean force of a coordinate over a step, its heat, and what the inertial terms took away (J)."""
+    """Mean force of a coordinate over a step, its heat, and what the scheme took away (J).
+
+    slope: coefficient of P1 of the force, zero of order 2.
+    """
 
     force: float
     heat: float
     numerical: float
+    slope: float = 0.0
 
 
 def inertial_force(stiffness: float, m: StepMotion) -> float:

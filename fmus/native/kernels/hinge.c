@@ -49,8 +49,8 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     Grip grip = hinge->endpoint ? present_grip(hinge, x, u) : commanded_grip(hinge, x, u);
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
     if (!hinge->endpoint) {
-        memcpy(now.rates, x + MEAN_RATES, sizeof now.rates);
-        now.rates[HINGE_ANGLE] = rate_now(x + SLIDE);
+        memcpy(now.rates, x + (hinge->paired ? END_RATES : MEAN_RATES), sizeof now.rates);
+        if (!hinge->paired) now.rates[HINGE_ANGLE] = rate_now(x + SLIDE);
     }
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     z[0] = angle;

@@ -29,20 +29,6 @@ static inline Line line_of(const real *u) {
     return line;
 }
 
-static inline real above(real a, double limit) {
-    if (value_of(a) > limit) return a;
-    return limit;
-}
-
-/* Share of a step between two elongations in which the spring is taut. */
-static inline real taut_share(const Law *spring, real before, real after) {
-    double slack = spring->free;
-    int taut_before = value_of(before) > slack, taut_after = value_of(after) > slack;
-    if (taut_before && taut_after) return 1.0;
-    if (!taut_before && !taut_after) return 0.0;
-    return (above(after, slack) - above(before, slack)) / (after - before);
-}
-
 /* Tension of an instant; damping never pushes, and a slack spring has none. */
 static inline real tension_of(const Suspension *suspension, real elongation, real rate) {
     real elastic = -law_value(&suspension->spring, elongation);

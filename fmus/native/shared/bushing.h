@@ -8,15 +8,18 @@
 #include "real.h"
 
 /* Motion of one coordinate over a step of size h, and what it remembers of the step before: its mean rate and
-   its end rate as a held force on a rigid body gives it. */
+   its end rate as a held force on a rigid body gives it, or at order 4 as its path has it, and how rough it went.
+   moment: of its rate, the integral of P1 s' dt with P1 = 2 t / h - 1, for laws of order 4. */
 typedef struct StepMotion {
     real start, end;
-    double h, mean_rate, end_rate;
+    double h, mean_rate, end_rate, roughness;
+    real moment;
 } StepMotion;
 
-/* Mean force of a coordinate over a step, its heat, and what the inertial terms took away. */
+/* Mean force of a coordinate over a step, its heat, what the scheme took away, and the coefficient of P1 of the
+   force, zero at order 2. */
 typedef struct MeanLoad {
-    real force, heat, numerical;
+    real force, heat, numerical, slope;
 } MeanLoad;
 
 /* The same motion counted from another origin. */
@@ -50,12 +53,12 @@ static inline MeanLoad damped_load(real elastic, double stiffness, double dampin
     real viscous = -damping * change / m->h;
     real numerical = -stiffness * (end_weight - 0.5) * change;
     if (end_weight == 0.5) numerical = inertial_force(stiffness, m);
-    return (MeanLoad){elastic + viscous + numerical, -viscous * change, -numerical * change};
+    return (MeanLoad){elastic + viscous + numerical, -viscous * change, -numerical * change, 0.0};
 }
 
 /* Mean load of spring, damper and inertial terms of one coordinate. */
 static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m, double end_weight) {
-    if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0, 0.0};
+    if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0, 0.0, 0.0};
     return damped_load(-0.5 * stiffness * (m->start + m->end), stiffness, damping, m, end_weight);
 }
 

@@ -94,6 +94,41 @@ static inline real law_end_force(const Law *law, real s0, real s1, double end_we
     return (end_weight - 0.5) * (law_value(law, s1) - law_value(law, s0));
 }
 
+static inline real above(real a, double limit) {
+    if (value_of(a) > limit) return a;
+    return limit;
+}
+
+/* Share of the way between two elongations on which a strand is taut. */
+static inline real taut_share(const Law *strand, real s0, real s1) {
+    double slack = strand->free;
+    int taut0 = value_of(s0) > slack, taut1 = value_of(s1) > slack;
+    if (taut0 && taut1) return 1.0;
+    if (!taut0 && !taut1) return 0.0;
+    return (above(s1, slack) - above(s0, slack)) / (s1 - s0);
+}
+
+/* Minus the mean slope of a table's force between two coordinates, at one where they are too close to divide by;
+   of one piece without a difference of forces. */
+static inline real table_tangent(const Law *table, real s0, real s1) {
+    size_t piece = table_piece(table, value_of(s0));
+    if (piece != table_piece(table, value_of(s1))) {
+        if (fabs(value_of(s1 - s0)) > 1e-5) return (law_value(table, s0) - law_value(table, s1)) / (s1 - s0);
+        s0 = s1 = 0.5 * (s0 + s1);
+        piece = table_piece(table, value_of(s0));
+    }
+    const double *c = table->force + 4 * piece;
+    real t0 = s0 - table->breaks[piece], t1 = s1 - table->breaks[piece];
+    return -(c[0] * (t0 * t0 + t0 * t1 + t1 * t1) + c[1] * (t0 + t1) + c[2]);
+}
+
+/* Divided difference of V' between two coordinates, V'' where they are one. */
+static inline real law_tangent(const Law *law, real s0, real s1) {
+    if (law->kind == TABLE_LAW) return table_tangent(law, s0, s1);
+    if (law->kind == STRAND_LAW) return law->stiffness * taut_share(law, s0, s1);
+    return law->stiffness;
+}
+
 /* Factors on dynamic Coulomb friction and on a constant friction torque. */
 typedef struct StictionFactors {
     real dynamic, constant;

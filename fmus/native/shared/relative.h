@@ -4,6 +4,8 @@
 #ifndef FANFOLD_RELATIVE_H
 #define FANFOLD_RELATIVE_H
 
+#include <stdio.h>
+
 #include "frames.h"
 #include "kernel.h"
 
@@ -61,24 +63,24 @@ static inline Pose relative_pose(const real *u, const double axis_frame[4]) {
     return (Pose){frame, gap, quaternion_rotate_back(frame, gap), turn.twist, {turn.swing_y, turn.swing_z}};
 }
 
-/* Rates from the same 26 inputs. */
-static inline Rates relative_rates(const real *u, const Pose *pose) {
-    Vector3 spin_a = vector_of(u + 10);
-    Vector3 apart = vector_subtract(vector_of(u + MOTION_SIZE + 7), vector_of(u + 7));
-    Vector3 velocity = vector_subtract(apart, vector_cross(spin_a, pose->gap));
-    Vector3 spin = quaternion_rotate_back(pose->frame, vector_subtract(vector_of(u + MOTION_SIZE + 10), spin_a));
-    Transverse swing = pose->swing;
+/* Rates from velocity and angular velocity in hinge axes. */
+static inline Rates rates_of(Vector3 offset, Vector3 spin, Transverse swing) {
     SwingFactors factors = factors_of_swing(swing);
     real twist = spin.x + factors.lean * (swing.z * spin.y - swing.y * spin.z);
     /* what the twist adds to the angular velocity normal to the line, the axis of the twist being tilted */
     real y = spin.y - factors.shortening * swing.z * twist;
     real z = spin.z + factors.shortening * swing.y * twist;
     real normal = factors.across * (swing.z * y - swing.y * z);
-    return (Rates){
-        quaternion_rotate_back(pose->frame, velocity),
-        twist,
-        {y + normal * swing.z, z - normal * swing.y},
-    };
+    return (Rates){offset, twist, {y + normal * swing.z, z - normal * swing.y}};
+}
+
+/* Rates from the same 26 inputs. */
+static inline Rates relative_rates(const real *u, const Pose *pose) {
+    Vector3 spin_a = vector_of(u + 10);
+    Vector3 apart = vector_subtract(vector_of(u + MOTION_SIZE + 7), vector_of(u + 7));
+    Vector3 velocity = vector_subtract(apart, vector_cross(spin_a, pose->gap));
+    Vector3 spin = quaternion_rotate_back(pose->frame, vector_subtract(vector_of(u + MOTION_SIZE + 10), spin_a));
+    return rates_of(quaternion_rotate_back(pose->frame, velocity), spin, pose->swing);
 }
 
 /* Torque in hinge axes whose power is that of loads on the rates of relative_rates. */
@@ -102,6 +104,63 @@ static inline void store_pair(Vector3 force, Vector3 torque, Vector3 gap, real *
     vector_store(vector_scaled(-1.0, vector_add(torque, vector_cross(gap, force))), wrench + 3);
     vector_store(force, wrench + 6);
     vector_store(torque, wrench + 9);
+}
+
+/* Hinge frame and gap at both ends of a step: what makes wrenches of loads, and moments of coordinates of moments.
+   Both maps are adjoint, so that slopes do the same work on the moments of ports and of coordinates. */
+typedef struct Passage {
+    Quaternion frame0, frame1;
+    Vector3 gap0, gap1;
+} Passage;
+
+/* Twice the tangent of half the angle, along the axis, of the rotation from one frame to another, world axes. */
+static inline Vector3 turn_between(Quaternion start, Quaternion end) {
+    Quaternion turn = quaternion_multiply(end, quaternion_conjugate(start));
+    return vector_scaled(2.0 / turn.w, (Vector3){turn.x, turn.y, turn.z});
+}
+
+/* What a slope of a force has for an arm beside the mean gap: the gap's own slope times the mean of P1^2. */
+static inline Vector3 gap_slope(const Passage *passage) {
+    return vector_scaled(1.0 / 6.0, vector_subtract(passage->gap1, passage->gap0));
+}
+
+/* A world vector in hinge axes, as the mean over the step. */
+static inline Vector3 mean_back(const Passage *passage, Vector3 v) {
+    return vector_mean(quaternion_rotate_back(passage->frame0, v), quaternion_rotate_back(passage->frame1, v));
+}
+
+/* Moments of the relative velocity and angular velocity in hinge axes, from those of both ports (12). */
+static inline void relative_moments(const Passage *passage, const real *moments, Vector3 *velocity, Vector3 *spin) {
+    Vector3 spin_a = vector_of(moments + 3);
+    Vector3 apart = vector_subtract(vector_of(moments + 6), vector_of(moments));
+    /* the gap changes while the first port turns */
+    Vector3 turning = vector_cross(turn_between(passage->frame0, passage->frame1), gap_slope(passage));
+    Vector3 carried = vector_add(vector_cross(spin_a, vector_mean(passage->gap0, passage->gap1)), turning);
+    *velocity = mean_back(passage, vector_subtract(apart, carried));
+    *spin = mean_back(passage, vector_subtract(vector_of(moments + 9), spin_a));
+}
+
+/* Moments of the rates of a pose; `swing` is the one in the middle of the step. */
+static inline Rates rate_moments(const Passage *passage, const real *moments, Transverse swing) {
+    Vector3 velocity, spin;
+    relative_moments(passage, moments, &velocity, &spin);
+    return rates_of(velocity, spin, swing);
+}
+
+/* Mean wrenches on A and B, 12 numbers, from loads on B in hinge axes that have no slopes. */
+static inline void store_mean_pair(const Passage *passage, Vector3 force, Vector3 torque, real *wrench) {
+    store_pair(mean_direction(passage->frame0, passage->frame1, force),
+               mean_direction(passage->frame0, passage->frame1, torque), vector_mean(passage->gap0, passage->gap1),
+               wrench);
+}
+
+/* The slopes of wrenches, 12 numbers, from those of the loads, and what they add to the mean ones already stored: the
+   angular momentum that both ports get over the step is zero about any point. */
+static inline void store_slope_pair(const Passage *passage, Vector3 force, Vector3 torque, real *wrench,
+                                    real *slopes) {
+    store_mean_pair(passage, force, torque, slopes);
+    Vector3 added = vector_cross(gap_slope(passage), vector_of(slopes + 6));
+    vector_store(vector_subtract(vector_of(wrench + 3), added), wrench + 3);
 }
 
 /* Rate at the communication point, on the line through the mean rates of the last two steps: `slide` is both
@@ -144,6 +203,15 @@ static inline int find_place(const Data *data, const char *group, VariableName v
     return 1;
 }
 
+/* Where the first moments of the ports' velocities begin, of the first port's name; none for NULL. */
+static inline int find_moments(const Data *data, const char *port, const Sizes *sizes, size_t *place, Reason *why) {
+    char name[64];
+    *place = 0;
+    if (!port) return 1;
+    snprintf(name, sizeof name, "%s.velocity_moment", port);
+    return find_place(data, "input", (VariableName){name, 3}, sizes->inputs, place, why);
+}
+
 static inline int find_parameters(const Data *data, const VariableName *variables, size_t count, const Sizes *sizes,
                                   size_t *places, Reason *why) {
     for (size_t i = 0; i < count; i++)
@@ -167,6 +235,13 @@ static inline int read_choice(const Data *data, const char *name, int largest, i
         return refuse(why, "%s is %g; it must be a whole number from 0 to %d", name, value[0], largest);
     *choice = (int)value[0];
     return 1;
+}
+
+/* Whether the parameter `order` says 4 and not 2. */
+static inline int read_order(double order, int *fourth, Reason *why) {
+    *fourth = order == 4.0;
+    if (order == 2.0 || order == 4.0) return 1;
+    return refuse(why, "order = %g; it must be 2 or 4", order);
 }
 
 static inline int read_axis_frame(const Data *data, double frame[4], Reason *why) {

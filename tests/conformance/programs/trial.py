@@ -34,6 +34,18 @@ def pair(kind, path, instance="instance"):
     return Fmu(path, instance), Reference(KINDS[kind].example())
 
 
+def set_order(fmu, reference):
+    """Order 4 before the start; whether there is a choice."""
+    layout = reference.component.parameter_layout
+    if "order" not in layout:
+        return False
+    p = reference.p.copy()
+    p[layout["order"]] = 4.0
+    reference.prepare(p)
+    assert fmu.set(layout["order"].start, [4.0]) == OK, fmu.log
+    return True
+
+
 def begin(fmu, reference, rng):
     reference.u = reference.random_inputs(rng)
     fmu.set(reference.firsts[1], reference.u)
@@ -81,10 +93,21 @@ def advance(fmu, reference, rng):
 
 def check_equal(kind, path):
     """Initialization, steps, tunable parameters and rollback, against the component."""
-    rng = np.random.default_rng(1)
     fmu, reference = pair(kind, path)
     reference.start()
     same(fmu, reference, "in initialization mode")
+    go_on_alike(fmu, reference)
+
+
+def check_equal_of_order_four(kind, path):
+    """The same with wrenches that are linear in time, where a component has them."""
+    fmu, reference = pair(kind, path)
+    if set_order(fmu, reference):
+        go_on_alike(fmu, reference)
+
+
+def go_on_alike(fmu, reference):
+    rng = np.random.default_rng(1)
     begin(fmu, reference, rng)
     same(fmu, reference, "at the start")
     refused = 0

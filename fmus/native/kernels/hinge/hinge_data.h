@@ -29,6 +29,7 @@ static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
     [LOCK_STIFFNESS] = {"lock_stiffness", 1},
     [HOLD_STIFFNESS] = {"hold_stiffness", 1},
     [END_WEIGHT] = {"end_weight", 1},
+    [ORDER] = {"order", 1},
 };
 
 /* The laws that come from the structure. */
@@ -44,7 +45,8 @@ static int read_laws(Hinge *hinge, const Data *data, Memory *memory, Reason *why
 static int find_commands(Hinge *hinge, const Data *data, const Sizes *sizes, Reason *why) {
     return find_place(data, "input", (VariableName){"latch_command", 1}, sizes->inputs, &hinge->latch_command, why) &&
            find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &hinge->impulse, why) &&
-           find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &hinge->hold, why);
+           find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &hinge->hold, why) &&
+           find_moments(data, hinge->endpoint ? NULL : "inboard", sizes, &hinge->moments, why);
 }
 
 static void *hinge_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
@@ -54,10 +56,12 @@ static void *hinge_create(const Data *data, const Sizes *sizes, Memory *memory, 
         return NULL;
     }
     *states = STATES;
-    int usable = check_sizes("hinge", sizes, 2 * MOTION_SIZE + 3, OUTPUTS, OBSERVATIONS, why) &&
+    if (!read_choice(data, "endpoint", 1, &hinge->endpoint, why)) return NULL;
+    size_t pairs = hinge->endpoint ? 0 : PAIR_SIZE;
+    int usable = check_sizes("hinge", sizes, 2 * MOTION_SIZE + COMMANDS + pairs, OUTPUTS + pairs, OBSERVATIONS, why) &&
                  read_axis_frame(data, hinge->axis_frame, why) &&
                  read_choice(data, "latch_kind", KINEMATIC_LATCH, &hinge->latch_kind, why) &&
-                 read_choice(data, "endpoint", 1, &hinge->endpoint, why) && read_laws(hinge, data, memory, why) &&
+                 read_laws(hinge, data, memory, why) &&
                  find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, hinge->places, why) &&
                  find_commands(hinge, data, sizes, why);
     hinge->locks = hinge->latch_kind == KINEMATIC_LATCH && !hinge->endpoint;
@@ -77,7 +81,8 @@ static void prepare_latch(Hinge *hinge, const double *p) {
 static int hinge_prepare(void *self, const double *p, Reason *why) {
     Hinge *hinge = self;
     const size_t *place = hinge->places;
-    (void)why;
+    int fourth = 0;
+    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
     for (size_t i = 0; i < 3; i++) {
         hinge->stiffness[i] = p[place[TRANSLATIONAL_STIFFNESS] + i];
         hinge->damping[i] = p[place[TRANSLATIONAL_DAMPING] + i];
@@ -97,6 +102,7 @@ static int hinge_prepare(void *self, const double *p, Reason *why) {
     hinge->lock_inertia = p[place[LOCK_INERTIA]];
     hinge->hold_stiffness = p[place[HOLD_STIFFNESS]];
     hinge->end_weight = p[place[END_WEIGHT]];
+    hinge->paired = fourth && hinge->end_weight == 0.5 && !hinge->endpoint;
     prepare_latch(hinge, p);
     return 1;
 }

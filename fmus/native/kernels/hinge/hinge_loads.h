@@ -3,8 +3,8 @@
 #ifndef FANFOLD_HINGE_LOADS_H
 #define FANFOLD_HINGE_LOADS_H
 
-#include "bushing.h"
 #include "hinge_model.h"
+#include "workless.h"
 
 /* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
 static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
@@ -19,9 +19,11 @@ static inline real friction_torque(const Hinge *hinge, const Grip *grip, const r
     return -(hinge->friction * hinge->pin_radius * normal * sliding.dynamic + preload * sliding.constant);
 }
 
-/* Motion of a coordinate over the step. */
-static inline StepMotion step_motion(const double *x, const Motion *new, int i, double h) {
-    return (StepMotion){x[COORDINATES + i], new->coordinates[i], h, x[MEAN_RATES + i], x[END_RATES + i]};
+/* Motion of a coordinate over the step; `moment` of its rate. */
+static inline StepMotion step_motion(const double *x, const Motion *new, int i, real moment, double h) {
+    return (StepMotion){
+        x[COORDINATES + i], new->coordinates[i], h, x[MEAN_RATES + i], x[END_RATES + i], x[ROUGHNESS + i], moment,
+    };
 }
 
 /* Swing in the middle of a step. */
@@ -32,49 +34,70 @@ static inline Transverse mean_swing(const double *x, const Motion *new) {
     };
 }
 
-/* Mean latch torque, its heat, and what its inertial terms took away. */
+/* Load of the bushing in a coordinate. */
+static inline MeanLoad stiff_load(const Hinge *hinge, int i, const StepMotion *motion) {
+    if (hinge->paired) return workless_spring(hinge->stiffness[i], hinge->damping[i], motion);
+    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion, hinge->end_weight);
+}
+
+/* Load of a law that drives or brakes the hinge angle, too soft to need numerical damping. */
+static inline MeanLoad drive_load(const Hinge *hinge, const Law *law, const StepMotion *motion) {
+    if (hinge->paired) return workless_law(law, 0.0, motion, 0.0);
+    real force = law_mean_force(law, motion->start, motion->end) +
+                 law_end_force(law, motion->start, motion->end, hinge->end_weight);
+    return (MeanLoad){force, 0.0, 0.0, 0.0};
+}
+
+/* Mean latch torque, its heat, and what the scheme took away. */
 static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
     StepMotion deflection = shifted_motion(motion, grip->latched_angle);
+    if (hinge->paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
     real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
     return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->end_weight);
 }
 
-/* Mean force of a law with its end weight. */
-static inline real weighted_mean_force(const Law *law, real start, real end, double end_weight) {
-    return law_mean_force(law, start, end) + law_end_force(law, start, end, end_weight);
-}
-
-/* Mean loads over a step from both its ends (discrete gradients and mean rates). */
-static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
-    real elastic[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
-    StepMotion turn = step_motion(x, new, HINGE_ANGLE, h);
+/* Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes at order 4. */
+static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new,
+                               const StepMotion *motions, double h) {
+    real elastic[COORDINATE_COUNT], slope[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
+    StepMotion turn = motions[HINGE_ANGLE];
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        StepMotion motion = step_motion(x, new, i, h);
+        StepMotion motion = motions[i];
         if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->aligned_angle);
-        MeanLoad load = bushing_load(hinge->stiffness[i], hinge->damping[i], &motion, hinge->end_weight);
+        MeanLoad load = stiff_load(hinge, i, &motion);
         elastic[i] = load.force;
+        slope[i] = load.slope;
         heat += load.heat;
         numerical += load.numerical;
     }
     real change = turn.end - turn.start;
     real friction = friction_torque(hinge, grip, elastic, change / h);
-    MeanLoad latch = {0.0, 0.0, 0.0};
+    MeanLoad latch = {0.0, 0.0, 0.0, 0.0};
     if (latch_acts(hinge, grip)) latch = mean_latch_load(hinge, grip, turn);
-    real twist = elastic[HINGE_ANGLE] + weighted_mean_force(&hinge->motor, turn.start, turn.end, hinge->end_weight) +
-                 weighted_mean_force(&hinge->harness, turn.start, turn.end, hinge->end_weight) + friction + latch.force;
+    MeanLoad motor = drive_load(hinge, &hinge->motor, &turn), harness = drive_load(hinge, &hinge->harness, &turn);
+    real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction + latch.force;
     numerical += latch.numerical;
     if (grip->holding != 0.0) {
         twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
         numerical += 0.5 * hinge->hold_stiffness * change * change;
     }
-    return (Loads){
+    Transverse swing = mean_swing(x, new);
+    Loads loads = {
         {elastic[0], elastic[1], elastic[2]},
-        conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, mean_swing(x, new)),
+        conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, swing),
         latch.force,
         friction,
         {-friction * change, latch.heat, heat},
         numerical,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
     };
+    if (hinge->paired) {
+        twist = slope[HINGE_ANGLE] + motor.slope + harness.slope + latch.slope;
+        loads.force_slope = (Vector3){slope[0], slope[1], slope[2]};
+        loads.torque_slope = conjugate_torque(twist, (Transverse){slope[4], slope[5]}, swing);
+    }
+    return loads;
 }
 
 /* Loads that remove the relative rate in every stiff direction at the end of a vanishing step: an ideal joint
@@ -98,6 +121,8 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
         0.0,
         {0.0, latch, 0.0},
         sum - latch,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
     };
 }
 
@@ -126,6 +151,8 @@ static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const r
         friction,
         {-friction * rate, -viscous * rate, damping},
         0.0,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
     };
 }
 

@@ -26,11 +26,19 @@ enum {
     LATCHED_ANGLE = 54,
     HOLDING = 55,
     HOLD_ANGLE = 56,
-    NUMERICAL = 57, /* what inertial terms took away */
-    STATES = 58
+    NUMERICAL = 57, /* what the scheme took away */
+    ROUGHNESS = 58,
+    SLOPES = 64,
+    STATES = 76
 };
 
-enum { HEAT_CAUSES = 3, PAIR_SIZE = 2 * WRENCH_SIZE, OUTPUTS = PAIR_SIZE + 2, OBSERVATIONS = 16 };
+enum {
+    HEAT_CAUSES = 3,
+    PAIR_SIZE = 2 * WRENCH_SIZE,
+    COMMANDS = 3,
+    OUTPUTS = PAIR_SIZE + 2, /* and slopes, of mean wrenches */
+    OBSERVATIONS = 16
+};
 
 enum { NO_LATCH, SPRING_LATCH, TABLE_LATCH, KINEMATIC_LATCH };
 
@@ -58,13 +66,15 @@ enum {
     LOCK_STIFFNESS,
     HOLD_STIFFNESS,
     END_WEIGHT,
+    ORDER,
     PARAMETERS
 };
 
 typedef struct Hinge {
     double axis_frame[4];
     int latch_kind, endpoint, locks;
-    size_t latch_command, impulse, hold, places[PARAMETERS];
+    int paired; /* loads are of order 4; those of static solutions are not */
+    size_t latch_command, impulse, hold, moments, places[PARAMETERS];
     double stiffness[COORDINATE_COUNT], damping[COORDINATE_COUNT];
     double aligned_angle, stowed_angle;
     double friction, static_ratio, pin_radius, bending_arm, friction_preload, stiction_velocity;
@@ -87,10 +97,11 @@ typedef struct Grip {
 } Grip;
 
 /* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping,
-   what inertial terms took away. */
+   what the scheme took away; the slopes of force and torque, zero at order 2. */
 typedef struct Loads {
     Vector3 force, torque;
     real latch_torque, friction_torque, heat[HEAT_CAUSES], numerical;
+    Vector3 force_slope, torque_slope;
 } Loads;
 
 /* Motion of the inputs; the angle is the one nearest the reference. */
