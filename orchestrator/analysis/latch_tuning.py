@@ -20,7 +20,7 @@ from components.contract.frames import rotate
 
 from ..assembly import Link, Part
 from ..assembly.hinges import LatchSetting, hinge_parts
-from ..scene import Scene, SceneError
+from ..scene import CheckedScene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
@@ -57,7 +57,7 @@ class Pair(NamedTuple):
         return float(modes.frequencies[k]), float(overlap[k])
 
 
-def pair(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
+def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
     """The pair of a line, its latch a spring of the given total stiffness (N.m/rad), or locked where that is None."""
     points = scene_points(scene)
     poses = start_poses(with_angles(scene, configuration(scene, "deployed").angles), points)
@@ -88,7 +88,9 @@ def pair(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], stiffness:
     return _pair(mechanism, line)
 
 
-def _body_part(scene: Scene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose) -> Part:
+def _body_part(
+    scene: CheckedScene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose
+) -> Part:
     """A body of the pair with a port at every hinge of the line."""
     seats = {hinge.name: getattr(hinge, side) for hinge in line.hinges}
     bodies = {body.name: body for body in scene.bodies}
@@ -190,7 +192,7 @@ class Tuning:
 
 
 def tune(
-    scene: Scene,
+    scene: CheckedScene,
     line: HingeLine,
     flexible: Mapping[str, bool],
     frequency: float | None = None,
@@ -228,7 +230,7 @@ def tune(
     )  # fmt: skip
 
 
-def _refuse_held(scene: Scene, line: HingeLine) -> None:
+def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:
     """A held piece turns as a whole; single bodies would give its inertia wrongly."""
     held = held_bodies(scene)
     problems = [
@@ -241,7 +243,7 @@ def _refuse_held(scene: Scene, line: HingeLine) -> None:
         raise SceneError(problems)
 
 
-def find_line(scene: Scene, name: str) -> HingeLine:
+def find_line(scene: CheckedScene, name: str) -> HingeLine:
     """The line of a name; SceneError where there is none."""
     lines = {line.name: line for line in scene.hinge_lines}
     if name not in lines:

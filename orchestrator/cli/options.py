@@ -15,7 +15,7 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
-from ..scene import Scene, SceneError, find_scene, load_scene
+from ..scene import CheckedScene, SceneError, find_scene, load_scene
 from ..scene.component_connections import WrenchMode
 
 Command = TypeVar("Command", bound=Callable[..., None])
@@ -43,11 +43,11 @@ class SceneChoice:
         """The same with one more variant over the others."""
         return replace(self, variants=(*self.variants, name))
 
-    def load(self, *settings: str) -> Scene:
+    def load(self, *settings: str) -> CheckedScene:
         """The scene with its layers, and further settings over them."""
         return load_scene(self.file, self.variants, (*self.settings, *settings))
 
-    def load_one_run(self) -> Scene:
+    def load_one_run(self) -> CheckedScene:
         """The scene with its layers; SceneError where it runs in phases and none of them is chosen."""
         scene = self.load()
         phases = scene.header.phases
@@ -57,7 +57,7 @@ class SceneChoice:
             )
         return scene
 
-    def assemble(self, scene: Scene, wrench_mode: WrenchMode = "mean") -> Assembly:
+    def assemble(self, scene: CheckedScene, wrench_mode: WrenchMode = "mean") -> Assembly:
         """A scene that this choice has loaded, at its fidelities."""
         return assemble(scene, self.rigid, self.flexible, wrench_mode)
 

@@ -18,7 +18,7 @@ from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Tree, read_layers
-from .schema import Header, Scene
+from .schema import CheckedScene, Header
 from .table import SceneError
 from .validation import Entries, EntryReader
 
@@ -46,7 +46,7 @@ def find_scene(name_or_path: str) -> Path:
     raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
 
 
-def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> Scene:
+def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> CheckedScene:
     """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it.
 
     Every variant of the file, chosen or not, must be a sound scene when it alone is laid over the file.
@@ -84,7 +84,7 @@ def scene_variants(path: Path) -> tuple[str, ...]:
     return tuple(read_layers(path, find_scene).variants)
 
 
-def read_scene(file: str, tree: Tree) -> Scene:
+def read_scene(file: str, tree: Tree) -> CheckedScene:
     """Check a tree of tables; SceneError with everything that is wrong with it."""
     scene, problems = _checked(file, tree)
     if scene is None:
@@ -92,7 +92,7 @@ def read_scene(file: str, tree: Tree) -> Scene:
     return scene
 
 
-def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene | None, list[str]]:
+def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
     reader = EntryReader(tree, added)
     known = ", ".join(sorted(_TABLES | _ARRAYS))
@@ -113,7 +113,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene 
     if base is None or not placed:
         return None, reader.problems
     # where bodies stand and touch can be told whatever else is wrong
-    scene = Scene(
+    scene = CheckedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
     )  # fmt: skip

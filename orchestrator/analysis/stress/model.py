@@ -19,7 +19,7 @@ from ...results.result import Result, ResultError
 from ...scene.bodies import body_model
 from ...scene.body_tables import Body
 from ...scene.reader import read_scene
-from ...scene.schema import Scene
+from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
 
 Vector = NDArray[np.float64]
@@ -65,7 +65,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
     return BodyStress(model.plate, recovery, np.hstack([result.signal(body, "modal_coordinate"), field]))
 
 
-def _scene(result: Result) -> Scene:
+def _scene(result: Result) -> CheckedScene:
     try:
         tree = json.loads(result.provenance["scene_tree"])
     except (KeyError, ValueError):

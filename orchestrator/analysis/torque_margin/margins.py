@@ -11,13 +11,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...scene import Scene
+from ...scene import CheckedScene
 from .rules import FACTORS, RULES, FactorKind, Found, margins
 from .sweep import FrictionKind, sweep
 
 
 def find_margins(
-    cases: Mapping[str, Scene],
+    cases: Mapping[str, CheckedScene],
     positions: int,
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",

@@ -16,7 +16,7 @@ from ...cosim.master import Settings
 from ...results.key_figures import latch_times
 from ...results.result import Result
 from ...run.run import run
-from ...scene import Scene, SceneError
+from ...scene import CheckedScene, SceneError
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.units import to_si
 from .sweep import at_share, driven_lines, travel
@@ -56,7 +56,7 @@ class CaseRestart(NamedTuple):
     lines: list[Restart]
 
 
-def restart_share(scene: Scene, position: str) -> float:
+def restart_share(scene: CheckedScene, position: str) -> float:
     """Share of the travel (0 to 1) of "50%" or "45 deg", an angle of the first line that has a motor.
 
     SceneError where it is neither, or does not lie within the travel, or none is left.
@@ -83,7 +83,7 @@ def restart_share(scene: Scene, position: str) -> float:
 
 
 def restart(
-    scene: Scene,
+    scene: CheckedScene,
     share: float,
     output: Path,
     until: float | None = None,

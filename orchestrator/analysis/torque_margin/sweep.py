@@ -24,7 +24,7 @@ from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
 from ...cosim.stepping import StepError
 from ...run.run import RunError
-from ...scene import Scene
+from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
 from .rules import LineTorques
@@ -45,7 +45,7 @@ class _NoRecorder:
         """Nothing."""
 
 
-def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
+def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
     """Lines that a motorisation spring opens; SceneError if there are none."""
     lines = tuple(line for line in scene.hinge_lines if line.motor is not None and not line.held)
     if not lines:
@@ -58,7 +58,7 @@ def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
     return lines
 
 
-def travel(scene: Scene, line: HingeLine) -> float:
+def travel(scene: CheckedScene, line: HingeLine) -> float:
     """Way of a line (rad) from its start to its deployed angle; SceneError where none is left."""
     way = line.deployed_angle - line.initial_angle
     if way <= 0.0:
@@ -70,7 +70,7 @@ def travel(scene: Scene, line: HingeLine) -> float:
     return way
 
 
-def at_share(scene: Scene, share: float) -> Scene:
+def at_share(scene: CheckedScene, share: float) -> CheckedScene:
     """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle."""
     driven = {line.name for line in driven_lines(scene)}
     lines = []
@@ -82,7 +82,10 @@ def at_share(scene: Scene, share: float) -> Scene:
 
 
 def sweep(
-    scene: Scene, shares: Sequence[float], friction: FrictionKind, extra: Mapping[str, Mapping[str, float]]
+    scene: CheckedScene,
+    shares: Sequence[float],
+    friction: FrictionKind,
+    extra: Mapping[str, Mapping[str, float]],
 ) -> list[LineTorques]:
     """Torques of every driven line at shares of the travel; extra: further torques (N.m) by line and symbol.
 
@@ -100,7 +103,7 @@ def sweep(
     return result
 
 
-def _torques(scene: Scene, friction: FrictionKind) -> dict[str, Vector]:
+def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
     """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
     settled = _equilibrium(assembly)

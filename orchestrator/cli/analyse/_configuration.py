@@ -11,7 +11,7 @@ from typing import Concatenate
 import click
 
 from ...analysis.statics.configuration import Configuration, Named, configuration
-from ...scene import Scene
+from ...scene import CheckedScene
 from ..options import Command, Others, SceneChoice, ordered_names
 from ..types import given_quantity
 
@@ -28,7 +28,7 @@ class ConfigurationChoice:
     """rad, of single lines"""
     latched: str | None = None
 
-    def of(self, scene: Scene) -> Configuration:
+    def of(self, scene: CheckedScene) -> Configuration:
         """That of a scene; SceneError where a line does not exist."""
         return configuration(scene, self.named, self.angles, self.latched)
 

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from ...analysis.latch_tuning import Kind, Tuning, find_line, latch_law, tune
 from ...assembly.assemble import choose_fidelity
-from ...scene import Scene
+from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ..options import SceneChoice, scene_choice
 from ..types import Number, given_quantity
@@ -66,7 +66,7 @@ def command(
         click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
 
 
-def _scope(scene: Scene, line: HingeLine) -> str:
+def _scope(scene: CheckedScene, line: HingeLine) -> str:
     """What the stiffness is tuned for, in a sentence."""
     rest = "bodies further out are not part of the pair"
     if line.inboard == scene.base.name:

@@ -14,7 +14,7 @@ from rich.table import Table
 from ...analysis.mode_study import Frequencies, Vector, frequencies
 from ...cosim.master import Settings
 from ...run.run import RunError
-from ...scene import Scene
+from ...scene import CheckedScene
 from ...scene.body_tables import Body
 from ...scene.locked_groups import held_bodies
 from ..options import SceneChoice, scene_choice
@@ -54,7 +54,7 @@ def _error(values: Vector, free: Vector, k: int) -> str:
     return f"{100.0 * (values[k] / free[k] - 1.0):+.3g}" if k < len(values) else ""
 
 
-def _body(scene: Scene, name: str | None, rigid: Collection[str]) -> Body:
+def _body(scene: CheckedScene, name: str | None, rigid: Collection[str]) -> Body:
     """The named body of the catalogue, or the only one that --rigid leaves; held lines leave a body no modes."""
     held = held_bodies(scene)
     bodies = {

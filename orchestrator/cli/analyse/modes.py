@@ -11,7 +11,7 @@ from rich.console import Console
 from ...analysis.modes import DIRECTIONS, Mode, mode_table
 from ...analysis.statics.configuration import scene_model
 from ...analysis.statics.linear_model import normal_modes
-from ...scene import Scene
+from ...scene import CheckedScene
 from ..options import SceneChoice, refuse_idle, scene_choice
 from ..tables import plain_table
 from ..types import Count
@@ -96,7 +96,7 @@ def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
     )
 
 
-def _structural(scene: Scene) -> dict[str, float] | None:
+def _structural(scene: CheckedScene) -> dict[str, float] | None:
     """The scene's structural damping for JSON."""
     if scene.structural_damping is None:
         return None
@@ -104,7 +104,7 @@ def _structural(scene: Scene) -> dict[str, float] | None:
     return {"ratio": structural.ratio, "reference_frequency_hz": structural.reference_frequency}
 
 
-def _print_damping(modes: list[Mode], scene: Scene) -> None:
+def _print_damping(modes: list[Mode], scene: CheckedScene) -> None:
     """What damps the first mode, and by which rule."""
     console = Console()
     if modes and modes[0].damping_shares:

@@ -15,7 +15,7 @@ from ...analysis.torque_margin.restart import CaseRestart, restart, restart_shar
 from ...analysis.torque_margin.rules import DEMANDS, FACTORS, LIMIT, FactorKind, Found
 from ...analysis.torque_margin.sweep import FrictionKind, driven_lines
 from ...analysis.torque_margin.undriven import without_margin
-from ...scene import Scene, SceneError, scene_variants
+from ...scene import CheckedScene, SceneError, scene_variants
 from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..progress import progress
 from ..types import Count, Number, given_quantity
@@ -25,7 +25,7 @@ _BASE, _COLD = "base", "cold"
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
 
 
-def load_cases(choice: SceneChoice, names: tuple[str, ...]) -> dict[str, Scene]:
+def load_cases(choice: SceneChoice, names: tuple[str, ...]) -> dict[str, CheckedScene]:
     """Scenes by case: the variants named, "base" for none; by default the scene, and its variant "cold" if any."""
     known = scene_variants(choice.file)
     if not names:
@@ -135,7 +135,7 @@ def command(
 
 
 def _run(
-    folder: Path, case: str, scene: Scene, position: str, share: float, until: float | None
+    folder: Path, case: str, scene: CheckedScene, position: str, share: float, until: float | None
 ) -> CaseRestart:
     path = folder / f"restart_{case}_{_percent(share)}.h5"
     with progress(f"{case} from {position}", until or scene.header.until) as watch:
@@ -147,7 +147,7 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.4g}"
 
 
-def _restart_shares(scene: Scene, positions: Sequence[str]) -> dict[str, float]:
+def _restart_shares(scene: CheckedScene, positions: Sequence[str]) -> dict[str, float]:
     """Share of the travel by position; SceneError where two of them are the same, whose files would be one."""
     shares: dict[str, float] = {}
     for text in positions:
@@ -159,7 +159,7 @@ def _restart_shares(scene: Scene, positions: Sequence[str]) -> dict[str, float]:
     return shares
 
 
-def _refuse_unknown_lines(cases: Mapping[str, Scene], extra: Mapping[str, object]) -> None:
+def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str, object]) -> None:
     for case in cases.values():
         known = [line.name for line in driven_lines(case)]
         problems = [
