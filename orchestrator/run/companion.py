@@ -11,14 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
 from ..results.estimated_errors import ESTIMATED_ERRORS, Key, errors_text
 from ..results.key_figures import Headline, headline
-from ..results.result import Result, add_statistics
+from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARE = 1.0 / sqrt(3.0)
@@ -45,11 +43,11 @@ def with_estimates(
     errors: Mapping[Key, float] = {}
     if outcome.master == "implicit":
         plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-        with TemporaryDirectory(prefix="fanfold_") as folder, suppress(RunError):
-            coarse = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
+        with suppress(RunError):
+            coarse = run(assembly, None, plan, until, watch=watch, load=load)
             errors = _errors(outcome.headline, coarse.headline)
-    add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
-    return replace(outcome, headline=headline(Result.open(outcome.path)))
+    result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, result=result, headline=headline(result))
 
 
 def _errors(fine: Headline, coarse: Headline) -> dict[Key, float]:
