@@ -21,7 +21,7 @@ from components.hinge_parts.state import State
 from ..scene import CheckedScene, SceneError
 from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
-from .statics.configuration import Configuration, hinges_of, placed
+from .statics.configuration import Configuration, hinges_of, lines_named, placed
 from .statics.equilibrium_search import settle
 from .statics.mechanism import Mechanism
 
@@ -102,6 +102,22 @@ def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], s
         )
     kept = ",".join([*(name for name in held if name not in swept), *free])
     return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} with --hold {kept}"
+
+
+def lines_held(
+    scene: CheckedScene, target: Configuration, hold: str | None, sweeps: Collection[Sweep]
+) -> list[str]:
+    """Lines to hold: those of a text with commas between, "all" or "none"; SceneError where that cannot be.
+
+    Without a text all that are not latched, beside a sweep none. Swept lines are no part of them.
+    """
+    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
+    default = "none" if sweeps else ",".join(free_lines(scene, target, ()))
+    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
+    both = sorted({*swept, *held} & set(target.latched))
+    if both:
+        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
+    return held
 
 
 def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str]) -> list[str]:

@@ -9,7 +9,7 @@ where the hinges are rigid; equation 2.7 adds or removes the hinges' measured st
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import Literal, NamedTuple
 
@@ -159,6 +159,10 @@ class Tuning:
     """Stiffnesses (N.m/rad) of a line; those that need the hinges' are None without it."""
 
     line: str
+    bodies: tuple[str, str]
+    """inboard and outboard"""
+    at_base: bool
+    """whether the inboard body is the base"""
     inertias: tuple[float, float]
     inertia: float
     frequency: float
@@ -172,10 +176,22 @@ class Tuning:
     """that share a stiffness, one a hinge"""
     check: float
     """Hz of the rigid pair with the tuned stiffness, from its linear model"""
+    law: tuple[tuple[float, float], ...] = ()
+    """deflections (rad) and torques (N.m) of the line's measured curve, the structure's rotation added"""
+
+    @property
+    def scope(self) -> str:
+        """What the stiffness is tuned for, in a sentence."""
+        inboard, outboard = self.bodies
+        if self.at_base:
+            return f"tuned for {inboard} and {outboard} alone; the rest of the wing is not part of the pair"
+        return f"tuned for {inboard} and {outboard} alone, free in space; bodies further out are not part of the pair"
 
     def as_dict(self) -> dict[str, object]:
         """For JSON."""
         first = self.inertias[0]
+        angles, torques = zip(*self.law, strict=True) if self.law else ((), ())
+        law = {"latch_law": {"deflection_rad": angles, "torque_nm": torques}} if self.law else {}
         return {
             "line": self.line,
             "inboard_inertia_kgm2": first if np.isfinite(first) else None,
@@ -188,6 +204,7 @@ class Tuning:
             "hinge_stiffness_nm_per_rad": self.hinges,
             "springs": self.springs,
             "check_frequency_hz": self.check,
+            **law,
         }
 
 
@@ -224,10 +241,11 @@ def tune(
     if hinges is not None:
         structure = without(tuned, hinges) if kind == "total" else tuned
         total = tuned if kind == "total" else series(tuned, hinges)
-    return Tuning(
-        line.name, rigid.inertias, rigid.inertia, frequency, overlap, total, structure, hinges,
-        len(line.hinges), check,
+    found = Tuning(
+        line.name, (line.inboard, line.outboard), line.inboard == scene.base.name, rigid.inertias, rigid.inertia,
+        frequency, overlap, total, structure, hinges, len(line.hinges), check,
     )  # fmt: skip
+    return replace(found, law=tuple(latch_law(line, found)))
 
 
 def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:

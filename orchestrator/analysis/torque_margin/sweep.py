@@ -111,7 +111,7 @@ def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
     return {
         line.name: sum(
             (
-                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name].inputs, friction)
+                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name], friction)
                 for hinge in line.hinges
             ),
             start=np.zeros(len(_OBSERVED)),
@@ -132,8 +132,8 @@ def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:
     return {participant.name: participant for participant in participants}
 
 
-def _opening_torques(part: Part, axis: Vector3, inputs: Vector, friction: FrictionKind) -> Vector:
-    """Motor, harness and friction torque (3,) of a hinge in the pose of its inputs, opening slowly.
+def _opening_torques(part: Part, axis: Vector3, settled: InProcess, friction: FrictionKind) -> Vector:
+    """Motor, harness and friction torque (3,) of a hinge in its pose in equilibrium, opening slowly.
 
     The end-point form of the component gives the torques of an instant; no torque depends on the rate but the
     friction, whose law says at which rate it slides.
@@ -141,12 +141,13 @@ def _opening_torques(part: Part, axis: Vector3, inputs: Vector, friction: Fricti
     hinge = Hinge(**{**part.structure, "wrench_mode": "endpoint"})
     coefficient = {"friction_coefficient": 0.0} if friction == "constant" else {}
     slow = InProcess(part.name, hinge, {**part.start, **coefficient})
-    slow.inputs[:] = inputs
-    layout = hinge.input_layout
+    layout, known = hinge.input_layout, settled.input_layout
+    for quantity in layout.quantities:  # of an instant there are fewer than of a step
+        slow.inputs[layout[quantity.name]] = settled.inputs[known[quantity.name]]
     for port in ("inboard", "outboard"):
         slow.inputs[layout[f"{port}.velocity"]] = 0.0
         slow.inputs[layout[f"{port}.angular_velocity"]] = 0.0
-    w, x, y, z = (float(v) for v in inputs[layout["inboard.orientation"]])
+    w, x, y, z = (float(v) for v in slow.inputs[layout["inboard.orientation"]])
     transition = float(np.ravel(part.start["stiction_velocity"])[0])
     rate = transition * (1.0 if friction == "static" else _SLIDING)
     slow.inputs[layout["outboard.angular_velocity"]] = rate * np.array(rotate((w, x, y, z), axis))
