@@ -146,7 +146,9 @@ def _solved(mismatch: Callable[[Vector], Vector], u: Vector) -> Vector:
     for _ in range(30):
         left = mismatch(u)
         size = 1e-3 * (1.0 + np.abs(u).max())
-        slopes = [(mismatch(u + size * unit) - mismatch(u - size * unit)) / (2.0 * size) for unit in np.eye(2)]
+        slopes = [
+            (mismatch(u + size * unit) - mismatch(u - size * unit)) / (2.0 * size) for unit in np.eye(2)
+        ]
         change = np.linalg.solve(np.array(slopes).T, -left)
         u = u + change
         if np.abs(change).max() <= 1e-11 * (1.0 + np.abs(u).max()):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from components.numerics.laws import Linear, Table
+from components.numerics.laws import Linear
 from components.numerics.stiff_coordinate import bushing_load, remembered
-from components.numerics.workless_pair import remembered_path, workless_law, workless_spring
+from components.numerics.workless_pair import remembered_path, workless_spring
 from tests.references.held_beam import Beam, coupled, exact_means
 
 BEAM = Beam.pinned_free()
