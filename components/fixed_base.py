@@ -17,7 +17,7 @@ _STOPPED = -1.0
 
 
 class FixedBase(Component):
-    """Ports that never move, and the loads they carry.
+    """Ports that never move, whatever slopes their wrenches have, and the loads they carry.
 
     ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
     (quaternion). The interface load is the sum of all wrenches about `reference` (3, m).
@@ -33,13 +33,14 @@ class FixedBase(Component):
         self._arms = self._positions - np.asarray(reference, dtype=float)
         self._declare(
             {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
-            ports=[Port(port["name"], "body") for port in ports],
+            ports=[Port(port["name"], "body", 4) for port in ports],
             inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
             observations=[
                 Quantity("interface_force", "N", "Force on the base, world axes", 3),
                 Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
             ],
         )
+        self._impulse = 6 * len(ports)
         self.continuous = ContinuousStates((), (), (), ())
         self._y = np.zeros((len(ports), 13))
         self._y[:, 0:3] = self._positions
@@ -56,19 +57,19 @@ class FixedBase(Component):
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
-        if u[-1] > 0.5:
+        if u[self._impulse] > 0.5:
             return np.concatenate((np.zeros(2 * _HISTORY), (_STOPPED, 0.0)))
         return np.concatenate((self._load(u), x[:_HISTORY], (h, x[-2])))
 
     def _load(self, u: Vector) -> Vector:
-        """Sum of the wrenches about the reference, shape (6,)."""
-        wrench = u[:-1].reshape(-1, 6)
+        """Sum of the mean wrenches about the reference, shape (6,)."""
+        wrench = u[: self._impulse].reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         return np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Constant poses."""
-        return self._y.ravel().copy()
+        """Constant poses, first moments of no motion."""
+        return np.concatenate((self._y.ravel(), np.zeros(self._impulse)))
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two means, which belong to mid-step.

@@ -1,4 +1,5 @@
-/* Fixed base: ports that never move, and the loads they carry; the equations of components/fixed_base.py.
+/* Fixed base: ports that never move, whatever slopes their wrenches have, and the loads they carry; the equations of
+   components/fixed_base.py.
 
    State: mean load of the last step and of the one before (force, torque about the reference), and the
    sizes of the two steps, 0 where there is none yet and STOPPED after an impulse. */
@@ -11,6 +12,7 @@
 #define STOPPED -1.0
 #define WRENCH 6
 #define MOTION 13
+#define MOMENTS 6
 
 typedef struct {
     size_t ports, impulse;
@@ -22,7 +24,7 @@ typedef struct {
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
 void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
 
-/* Sum of the wrenches about the reference. */
+/* Sum of the mean wrenches about the reference. */
 static inline void store_load(const FixedBase *base, const real *u, real *x) {
     Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < base->ports; k++) {
@@ -60,6 +62,7 @@ void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y)
         for (size_t i = 0; i < 4; i++) y[3 + i] = base->orientations[4 * k + i];
         for (size_t i = 7; i < MOTION; i++) y[i] = 0.0;
     }
+    for (size_t i = 0; i < MOMENTS * base->ports; i++) y[i] = 0.0;
 }
 
 /* There are no continuous states. */
@@ -119,7 +122,7 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     if (impulse < 0) return NULL;
     base->impulse = (size_t)impulse;
     if (base->impulse < WRENCH * base->ports || base->impulse >= sizes->inputs ||
-        sizes->outputs != MOTION * base->ports || sizes->observations != LOAD) {
+        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != LOAD) {
         refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
         return NULL;
     }

@@ -52,6 +52,8 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
         vector_store(vector_add(velocity, matrix_times(a, relative)), y + 7);
         vector_store(matrix_times(a, rate_of_turn), y + 10);
     }
+    const real *moments = x + MODES + 2 * body->modes;
+    for (size_t i = 0; i < WRENCH * body->ports; i++) y[i] = moments[i];
 }
 
 #endif

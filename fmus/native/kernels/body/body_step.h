@@ -138,6 +138,7 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     x_next[HEAT] = x[HEAT] + turned.heat;
     store_modes(body, work.eta, work.pi, x_next);
     vector_store(angular_velocity(body, transposed_times(a_end, spin), &work), x_next + OMEGA);
+    for (size_t i = 0; i < WRENCH * body->ports; i++) x_next[MODES + 2 * body->modes + i] = 0.0;
 }
 
 /* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
@@ -170,6 +171,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
     vector_store(vector_add(constant_vector(x + POSITION), vector_scaled(h * h, pull)), x_next + POSITION);
     x_next[HEAT] = x[HEAT];
     store_modes(body, work.eta, work.pi, x_next);
+    for (size_t i = 0; i < WRENCH * body->ports; i++) x_next[MODES + 2 * body->modes + i] = 0.0;
 }
 
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
