@@ -24,6 +24,9 @@ goes out and comes back within each step, fades with 120 M / (k h^2) only.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import sqrt
+
 from .laws import Law, mean_force
 from .stiff_coordinate import MeanLoad, Memory, StepMotion
 
@@ -58,6 +61,17 @@ def workless_spring(stiffness: float, damping: float, m: StepMotion) -> MeanLoad
 def workless_law(law: Law, damping: float, m: StepMotion, roughness: float = 0.0) -> MeanLoad:
     """Load of any law and a damper."""
     return workless_load(mean_force(law, m.start, m.end), law.tangent(m.start, m.end), damping, m, roughness)
+
+
+def viscous_load(law: Callable[[float], float], change: float, moment: float, h: float) -> MeanLoad:
+    """Load of a law of the rate that only brakes, along a rate that is linear in time.
+
+    By Gauss' rule with two points, hence of order 4; its heat is a sum of the law's own at both.
+    """
+    mean, bend = change / h, sqrt(3.0) * moment / h
+    before, after = law(mean - bend), law(mean + bend)
+    heat = -0.5 * h * (before * (mean - bend) + after * (mean + bend))
+    return MeanLoad(0.5 * (before + after), heat, 0.0, 0.5 * sqrt(3.0) * (after - before))
 
 
 def remembered_path(m: StepMotion) -> Memory:

@@ -76,7 +76,7 @@ def test_slowing_down_beyond_the_peak_rate():
 def damper(mode="mean", peak_rate=0.0):
     component = EddyCurrentDamper(wrench_mode=mode)
     p = component.parameter_layout.start_values()
-    p[:] = COEFFICIENT, peak_rate
+    p[:2] = COEFFICIENT, peak_rate
     return component, component.prepare(p)
 
 
