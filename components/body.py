@@ -267,28 +267,24 @@ class Body(Component):
             a1 = a_mid @ half
             b, inertia, nonlinear = self._inertia.at(omega, eta_mean, rate_mean)
             drag = omega @ b
-            acts_at = eta_mean
-            force, slope = self._placed.modal_forces(a0, a_mid, a1, acts_at, load)
+            force, slope = self._placed.modal_forces(a0, a_mid, a1, eta_mean, load)
             force = nonlinear + force
-            rate0 = pi0 - drag
-            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + prop.c1 * slope
-            rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force + prop.c2 * slope
-            pi1 = rate1 + drag
-            # by which the mean of the rates exceeds that of both ends
-            ahead = (prop.c1 / h - 0.5 * prop.c2) * slope
-            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1) + ahead
+            rate0, travel = pi0 - drag, prop.c1 * slope
+            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + travel
+            held = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
+            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + held) + travel / h
             arms = self.arms + self._placed.displacements(eta1)
             moment, moment_slope = load.moments(world_arms, arms @ a1.T)
             body_momentum = (momentum + (0.5 * h) * moment - (h / 6.0) * moment_slope) @ a_mid
             if self._inertia.varies:
-                updated = solve_symmetric(inertia, body_momentum - b @ (0.5 * (pi0 + pi1) + ahead))
+                updated = solve_symmetric(inertia, body_momentum - b @ (rate_mean + drag))
             else:
                 updated = self._inertia.inverse @ body_momentum
             change, omega = float(abs(updated - omega).max()), updated
             if h * change < _ANGLE_TOLERANCE:
                 break
         rate = (eta1 - eta0) / h
-        growth = self._inertia.growth(omega, acts_at, rate)
+        growth = self._inertia.growth(omega, eta_mean, rate)
         momenta_moment = prop.moment(eta0, rate0, force, slope)
         gyroscopic = np.cross(omega, body_momentum) + growth.momentum + growth.b @ (rate + drag)
         torque = (h * h / 6.0) * (moment @ a_mid - gyroscopic) - b @ momenta_moment
@@ -299,11 +295,11 @@ class Body(Component):
             world_arms,
             arms,
             eta1,
-            pi1,
+            held + prop.c2 * slope + drag,
             prop.dissipated(eta0, rate0, force, slope),
             rate_moment,
             momenta_moment - rate_moment @ b - (h * h / 6.0) * (omega @ growth.b),
-            acts_at,
+            eta_mean,
         )
 
     def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:

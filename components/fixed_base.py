@@ -56,7 +56,7 @@ class FixedBase(Component):
         """Nothing to prepare."""
 
     def initial(self, c: None, u: Vector) -> Vector:
-        """Mean load, slope and size of the last two steps; size 0 where there is none yet, _STOPPED after an impulse."""
+        """Mean load, slope, size of the last two steps; size 0 where there is none yet, _STOPPED after an impulse."""
         return np.zeros(2 * _STEP)
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
