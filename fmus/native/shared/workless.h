@@ -51,10 +51,10 @@ static inline MeanLoad viscous_load(const real rates[2], const real forces[2], d
 static inline void remember_path(const StepMotion *m, real *mean_rate, real *end_rate, real *roughness) {
     real change = m->end - m->start, bend = 3.0 * m->moment;
     real begin = (change - bend) / m->h, end = (change + bend) / m->h;
-    real size = real_abs(begin) + real_abs(end) + fabs(m->end_rate) + 1e-30;
+    real jump = (begin - m->end_rate) / (real_abs(begin) + real_abs(end) + fabs(m->end_rate) + 1e-30);
     *mean_rate = change / m->h;
     *end_rate = end;
-    *roughness = real_abs(begin - m->end_rate) / size;
+    *roughness = jump * jump;
 }
 
 #endif
