@@ -3,9 +3,12 @@
 A floating frame in the centre of mass plus orthonormalised Craig-Bampton modes with the rigid modes
 removed, so that linear momentum decouples and the frame is the mean-axis frame (Bagnoli 2007, section 1.3,
 Table 1-1, with I3 = I4 = 0). The states are momenta: world linear and angular momentum are conserved to
-round-off. Held wrenches act on the ports; the modes are propagated exactly, the rotation by the Lie-group
-midpoint rule, the inertia coupling by an exponential midpoint rule iterated to convergence, so a step is
-time-symmetric and of second order.
+round-off. Wrenches linear in time act on the ports; the modes are propagated exactly, the rotation by the
+Lie-group midpoint rule, the inertia coupling by an exponential midpoint rule iterated to convergence, so a step
+is time-symmetric, of fourth order in the vibration and of second in large rotations.
+
+A step's moments are what the slopes do work on: all maps from slopes to motion and from motion to moments are
+transposes of one another, so that means times travel and slopes times moments are the energy a body takes up.
 """
 
 from __future__ import annotations
@@ -20,10 +23,12 @@ from numpy.typing import ArrayLike
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, solve_symmetric
+from .body_parts.load import Load
 from .body_parts.ports import BodyPorts
 from .body_parts.variables import continuous_states, observations, parameters
 from .contract.component import Component, ComponentError, Port, Vector
 from .contract.frames import (
+    Quaternion,
     exponential,
     left_product,
     multiply,
@@ -70,16 +75,12 @@ class _Constants:
         return found
 
 
-class _Load(NamedTuple):
-    """Held wrenches of all ports, world axes, and the sum of their torques."""
-
-    force: Vector
-    torque: Vector
-    torque_sum: Vector
-
-
 class _Turned(NamedTuple):
-    """Outcome of a step's iteration: angular velocity of mid-step, arms at both ends, modes at the end, heat."""
+    """Outcome of a step's iteration: mean angular velocity, arms at both ends, modes at the end, heat.
+
+    omega, arms and rate_moment, the first moment of the angular velocity (rad), are in body axes, that of mid-step;
+    world_arms are those of the start. modal_moment: of the modal rates. eta_mean: where wrenches acted.
+    """
 
     omega: Vector
     world_arms: Vector
@@ -87,6 +88,9 @@ class _Turned(NamedTuple):
     eta: Vector
     pi: Vector
     heat: float
+    rate_moment: Vector
+    modal_moment: Vector
+    eta_mean: Vector
 
 
 class Body(Component):
@@ -113,7 +117,7 @@ class Body(Component):
         self._inertia = InertiaCoupling(data, inertia_coupling)
         self._declare(
             {"modal": dict(modal), "ports": [dict(p) for p in ports], "inertia_coupling": inertia_coupling},
-            ports=[Port(p["name"], "body") for p in ports],
+            ports=[Port(p["name"], "body", 4) for p in ports],
             parameters=parameters(),
             observations=observations(self.modes),
         )
@@ -124,6 +128,7 @@ class Body(Component):
         self._placed = BodyPorts(data, ports)
         self.arms = self._placed.arms
         self.translation, self.rotation = self._placed.translation, self._placed.rotation
+        self._moments = slice(_ETA + 2 * self.modes, _ETA + 2 * self.modes + 6 * len(ports))
 
     @staticmethod
     def _check(data: ModalData) -> None:
@@ -164,12 +169,17 @@ class Body(Component):
             ),
         )
 
+    def _modal(self, x: Vector) -> tuple[Vector, Vector]:
+        """Modal coordinates and momenta (M,) of a state."""
+        m = self.modes
+        return x[_ETA : _ETA + m], x[_ETA + m : _ETA + 2 * m]
+
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """Undeformed, placed and moving as the initial parameters say."""
         position, orientation, velocity, angular_velocity = c.start
         q = normalized(tuple(orientation.tolist()))
         a = rotation_matrix(q)
-        x = np.zeros(_ETA + 2 * self.modes)
+        x = np.zeros(self._moments.stop)
         x[_R] = position + a @ self.data.center_of_mass
         x[_Q] = q
         x[_P] = self.data.mass * velocity
@@ -178,50 +188,77 @@ class Body(Component):
         return x
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step under wrenches held in world axes."""
+        """One step under wrenches in world axes, linear in time."""
         # the absurd wrenches an iteration may try end as values that are not finite, without a warning
         with np.errstate(over="ignore", invalid="ignore"):
             return self._static_step(c, x, u, h) if c.quasi_static else self._dynamic_step(c, x, u, h)
 
     def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        m = self.modes
-        wrench = u.reshape(-1, 6)
-        load = _Load(wrench[:, :3], wrench[:, 3:], wrench[:, 3:].sum(0))
-        turned = self._turned_flexible(c, x, load, h) if m else self._turned_rigid(x, load, h)
+        mass, load = self.data.mass, Load.of(u)
+        turned = self._turned_flexible(c, x, load, h) if self.modes else self._turned_rigid(x, load, h)
         result = np.empty_like(x)
-        result[_P] = x[_P] + h * (load.force.sum(0) + self.data.mass * c.gravity)
-        result[_R] = x[_R] + (0.5 * h / self.data.mass) * (x[_P] + result[_P])
+        result[_P] = x[_P] + h * (load.force.sum(0) + mass * c.gravity)
+        result[_R] = x[_R] + (0.5 * h / mass) * (x[_P] + result[_P])
+        result[_R] -= (h * h / (6.0 * mass)) * load.force_slope.sum(0)
         q0 = tuple(x[_Q].tolist())
         half_turn = exponential(tuple((0.5 * h * turned.omega).tolist()))
         result[_Q] = q1 = normalized(multiply(q0, multiply(half_turn, half_turn)))
         a1 = rotation_matrix(q1)
-        arms = 0.5 * (turned.world_arms + turned.arms @ a1.T)
-        result[_L] = momentum = x[_L] + h * (sum_of_moments(arms, load.force) + load.torque_sum)
-        result[_ETA : _ETA + m], result[_ETA + m :] = turned.eta, turned.pi
+        moment, _ = load.moments(turned.world_arms, turned.arms @ a1.T)
+        result[_L] = momentum = x[_L] + h * moment
+        result[_ETA : self._moments.start] = np.concatenate((turned.eta, turned.pi))
         result[_D] = x[_D] + turned.heat
         result[_W] = self._inertia.angular_velocity(momentum @ a1, turned.eta, turned.pi)
+        center = (h / (6.0 * mass)) * (result[_P] - x[_P])
+        result[self._moments] = self._port_moments(x, turned, center, half_turn, a1, h).ravel()
         return result
 
-    def _turned_rigid(self, x: Vector, load: _Load, h: float) -> _Turned:
-        """Angular velocity of mid-step, iterated on the moments of the forces at both ends."""
+    def _port_moments(
+        self, x: Vector, turned: _Turned, center: Vector, half_turn: Quaternion, a1: Vector, h: float
+    ) -> Vector:
+        """First moments of velocity and angular velocity of every port over a step, world axes, (ports, 6).
+
+        center: that of the velocity of the centre of mass. The transpose of what slopes do in a step.
+        """
+        q0 = tuple(x[_Q].tolist())
+        a0, a_mid = rotation_matrix(q0), rotation_matrix(multiply(q0, half_turn))
+        start, end = turned.world_arms, turned.arms @ a1.T
+        rate_moment, turn = a_mid @ turned.rate_moment, (h / 6.0) * (a_mid @ turned.omega)
+        y = np.empty((len(self.arms), 6))
+        y[:, :3] = center + 0.5 * (start + end) @ skew(rate_moment).T + (end - start) @ skew(turn).T
+        y[:, 3:] = rate_moment
+        if self.modes:
+            change, placed = (turned.eta - self._modal(x)[0]) / 6.0, self._placed
+            moved, changed = (placed.displacements(e) for e in (turned.modal_moment, change))
+            y[:, :3] += 0.5 * moved @ (a0 + a1).T + changed @ (a1 - a0).T
+            twist, twisted = (placed.twists(turned.eta_mean, e) for e in (turned.modal_moment, change))
+            y[:, 3:] += twist @ a_mid.T + twisted @ (a1 - a0).T
+        return y
+
+    def _turned_rigid(self, x: Vector, load: Load, h: float) -> _Turned:
+        """Mean angular velocity, iterated on the moments of the forces at both ends."""
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         world_arms = self.arms @ a0.T
         momentum, omega = x[_L], x[_W]
         for _ in range(_MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
-            moment = sum_of_moments(0.5 * (world_arms + self.arms @ (a_mid @ half).T), load.force)
-            updated = self._inertia.inverse @ ((momentum + (0.5 * h) * (moment + load.torque_sum)) @ a_mid)
+            moment, slope = load.moments(world_arms, self.arms @ (a_mid @ half).T)
+            mean = momentum + (0.5 * h) * moment - (h / 6.0) * slope
+            updated = self._inertia.inverse @ (mean @ a_mid)
             change, omega = float(abs(updated - omega).max()), updated
             if h * change < _ANGLE_TOLERANCE:
                 break
-        return _Turned(omega, world_arms, self.arms, x[_ETA:_ETA], x[_ETA:_ETA], 0.0)
+        torque = moment @ a_mid - np.cross(omega, mean @ a_mid)
+        rate_moment = (h * h / 6.0) * (self._inertia.inverse @ torque)
+        none = x[_ETA:_ETA]
+        return _Turned(omega, world_arms, self.arms, none, none, 0.0, rate_moment, none, none)
 
-    def _turned_flexible(self, c: _Constants, x: Vector, load: _Load, h: float) -> _Turned:
+    def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> _Turned:
         """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
-        m, prop = self.modes, c.propagator(h)
+        prop = c.propagator(h)
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
-        eta0, pi0, momentum, omega = x[_ETA : _ETA + m], x[_ETA + m :], x[_L], x[_W]
+        (eta0, pi0), momentum, omega = self._modal(x), x[_L], x[_W]
         world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
         eta_mean, rate_mean = eta0, self._inertia.modal_rate(omega, eta0, pi0)
         for _ in range(_MAX_ITERATIONS):
@@ -230,34 +267,50 @@ class Body(Component):
             a1 = a_mid @ half
             b, inertia, nonlinear = self._inertia.at(omega, eta_mean, rate_mean)
             drag = omega @ b
-            force = nonlinear + self._placed.modal_force(
-                0.5 * (a0 + a1), a_mid, eta_mean, load.force, load.torque
-            )
-            rate0 = pi0 - drag
-            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force
-            rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
-            pi1 = rate1 + drag
-            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + rate1)
+            force, slope = self._placed.modal_forces(a0, a_mid, a1, eta_mean, load)
+            force = nonlinear + force
+            rate0, travel = pi0 - drag, prop.c1 * slope
+            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + travel
+            held = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
+            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + held) + travel / h
             arms = self.arms + self._placed.displacements(eta1)
-            moment = sum_of_moments(0.5 * (world_arms + arms @ a1.T), load.force) + load.torque_sum
-            body_momentum = (momentum + (0.5 * h) * moment) @ a_mid
+            moment, moment_slope = load.moments(world_arms, arms @ a1.T)
+            body_momentum = (momentum + (0.5 * h) * moment - (h / 6.0) * moment_slope) @ a_mid
             if self._inertia.varies:
-                updated = solve_symmetric(inertia, body_momentum - b @ (0.5 * (pi0 + pi1)))
+                updated = solve_symmetric(inertia, body_momentum - b @ (rate_mean + drag))
             else:
                 updated = self._inertia.inverse @ body_momentum
             change, omega = float(abs(updated - omega).max()), updated
             if h * change < _ANGLE_TOLERANCE:
                 break
-        return _Turned(omega, world_arms, arms, eta1, pi1, prop.dissipated(eta0, rate0, force))
+        rate = (eta1 - eta0) / h
+        growth = self._inertia.growth(omega, eta_mean, rate)
+        momenta_moment = prop.moment(eta0, rate0, force, slope)
+        gyroscopic = np.cross(omega, body_momentum) + growth.momentum + growth.b @ (rate + drag)
+        torque = (h * h / 6.0) * (moment @ a_mid - gyroscopic) - b @ momenta_moment
+        varies = self._inertia.varies
+        rate_moment = solve_symmetric(inertia, torque) if varies else self._inertia.inverse @ torque
+        return _Turned(
+            omega,
+            world_arms,
+            arms,
+            eta1,
+            held + prop.c2 * slope + drag,
+            prop.dissipated(eta0, rate0, force, slope),
+            rate_moment,
+            momenta_moment - rate_moment @ b - (h * h / 6.0) * (omega @ growth.b),
+            eta_mean,
+        )
 
     def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
 
-        At rest before and after; modes take their static deflection at once. Its fixed points are exactly
-        the equilibria of the dynamic step, and the centre of mass of a free scene does not move.
+        At rest before and after, under the mean wrenches; modes take their static deflection at once. Its
+        fixed points are exactly the equilibria of the dynamic step, and the centre of mass of a free scene
+        does not move.
         """
         m = self.modes
-        wrench = u.reshape(-1, 6)
+        wrench = u[: 6 * len(self.arms)].reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         q0 = tuple(x[_Q].tolist())
         q1, a1, arms = q0, rotation_matrix(q0), self.arms
@@ -279,8 +332,10 @@ class Body(Component):
         return result
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Pose and velocity of every port, world axes."""
-        m = self.modes
+        """Pose and velocity of every port and its first moments over the last step, world axes.
+
+        Moments are zero where no step in time was made: at the start, in static steps and in model exchange.
+        """
         q = tuple(x[_Q].tolist())
         a = rotation_matrix(q)
         omega = x[_W]
@@ -289,28 +344,24 @@ class Body(Component):
         velocity = arms @ spin.T
         turns = np.zeros_like(arms)
         rate_of_turn = np.broadcast_to(omega, arms.shape)
-        if m:
-            eta = x[_ETA : _ETA + m]
-            rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
+        if self.modes:
+            eta, pi = self._modal(x)
+            rate = self._inertia.modal_rate(omega, eta, pi)
             deflection = self._placed.displacements(eta)
             arms = arms + deflection
             velocity = arms @ spin.T + self._placed.displacements(rate)
             turns = self._placed.turns(eta)
-            twist = self._placed.turns(rate)
-            turn = skew(turns)
-            once = (turn @ twist[:, :, None])[:, :, 0]
-            rate_of_turn = omega + twist + 0.5 * once + (turn @ once[:, :, None])[:, :, 0] / 6.0
+            rate_of_turn = omega + self._placed.twists(eta, rate)
         y[:, 0:3] = x[_R] + arms @ a.T
         y[:, 3:7] = self._placed.quaternions(q, turns)
         y[:, 7:10] = x[_P] / self.data.mass + velocity @ a.T
         y[:, 10:13] = rate_of_turn @ a.T
-        return y.ravel()
+        return np.concatenate((y.ravel(), x[self._moments]))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Pose of the construction frame, momenta, energies and modal coordinates."""
-        m = self.modes
         a = rotation_matrix(tuple(x[_Q].tolist()))
-        eta, pi = x[_ETA : _ETA + m], x[_ETA + m :]
+        eta, pi = self._modal(x)
         rate = self._inertia.modal_rate(x[_W], eta, pi)
         kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
@@ -327,25 +378,26 @@ class Body(Component):
 
     def complete(self, c: _Constants, x: Vector) -> Vector:
         """The state with a quaternion of unit length and the angular velocity that belongs to its momenta."""
-        m = self.modes
         result = x.copy()
         result[_Q] = q = normalized(tuple(x[_Q].tolist()))
         momentum = x[_L] @ rotation_matrix(q)
-        result[_W] = self._inertia.angular_velocity(momentum, x[_ETA : _ETA + m], x[_ETA + m :])
+        result[_W] = self._inertia.angular_velocity(momentum, *self._modal(x))
         return result
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Equations of motion; a quaternion that a solver made longer or shorter returns to unit length."""
+        """Equations of motion under the wrenches of the instant, without their slopes.
+
+        A quaternion that a solver made longer or shorter returns to unit length.
+        """
         if c.quasi_static:
             raise ComponentError("quasi_static is 1; rates exist only where a body follows time")
-        m = self.modes
         complete = self.complete(c, x)
         a = rotation_matrix(tuple(complete[_Q].tolist()))
-        omega, eta = complete[_W], x[_ETA : _ETA + m]
-        wrench = u.reshape(-1, 6)
+        omega, (eta, pi) = complete[_W], self._modal(x)
+        wrench = u[: 6 * len(self.arms)].reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         arms = (self.arms + self._placed.displacements(eta)) @ a.T
-        rate = self._inertia.modal_rate(omega, eta, x[_ETA + m :])
+        rate = self._inertia.modal_rate(omega, eta, pi)
         friction = 2.0 * c.damping_ratio * c.frequency * rate
         load = self._inertia.at(omega, eta, rate).forces + self._placed.modal_force(a, a, eta, force, torque)
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega

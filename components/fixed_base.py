@@ -10,14 +10,18 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
 from .contract.frames import normalized, sum_of_moments
-from .numerics.mid_step import extrapolated
+from .numerics.mid_step import StepMean, extrapolated
 
-_HISTORY = 6
+_STEP = 13  # load, slope and size of a step
 _STOPPED = -1.0
 
 
+def _step_mean(memory: Vector) -> StepMean[Vector]:
+    return StepMean(memory[:6], memory[6:12], float(memory[12]))
+
+
 class FixedBase(Component):
-    """Ports that never move, and the loads they carry.
+    """Ports that never move, whatever slopes their wrenches have, and the loads they carry.
 
     ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
     (quaternion). The interface load is the sum of all wrenches about `reference` (3, m).
@@ -33,13 +37,14 @@ class FixedBase(Component):
         self._arms = self._positions - np.asarray(reference, dtype=float)
         self._declare(
             {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
-            ports=[Port(port["name"], "body") for port in ports],
+            ports=[Port(port["name"], "body", 4) for port in ports],
             inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
             observations=[
                 Quantity("interface_force", "N", "Force on the base, world axes", 3),
                 Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
             ],
         )
+        self._impulse = 6 * len(ports)
         self.continuous = ContinuousStates((), (), (), ())
         self._y = np.zeros((len(ports), 13))
         self._y[:, 0:3] = self._positions
@@ -51,33 +56,36 @@ class FixedBase(Component):
         """Nothing to prepare."""
 
     def initial(self, c: None, u: Vector) -> Vector:
-        """Last two mean loads and their step sizes, 0 where there is none yet, _STOPPED after an impulse."""
-        return np.zeros(2 * _HISTORY + 2)
+        """Mean load, slope, size of the last two steps; size 0 where there is none yet, _STOPPED after an impulse."""
+        return np.zeros(2 * _STEP)
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
-        if u[-1] > 0.5:
-            return np.concatenate((np.zeros(2 * _HISTORY), (_STOPPED, 0.0)))
-        return np.concatenate((self._load(u), x[:_HISTORY], (h, x[-2])))
+        if u[self._impulse] > 0.5:
+            stopped = np.zeros(2 * _STEP)
+            stopped[_STEP - 1] = _STOPPED
+            return stopped
+        slope = self._sum(u[self._impulse + 1 :])
+        return np.concatenate((self._sum(u[: self._impulse]), slope, (h,), x[:_STEP]))
 
-    def _load(self, u: Vector) -> Vector:
-        """Sum of the wrenches about the reference, shape (6,)."""
-        wrench = u[:-1].reshape(-1, 6)
+    def _sum(self, wrenches: Vector) -> Vector:
+        """Sum of the wrenches of all ports about the reference, shape (6,)."""
+        wrench = wrenches.reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         return np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Constant poses."""
-        return self._y.ravel().copy()
+        """Constant poses, first moments of no motion."""
+        return np.concatenate((self._y.ravel(), np.zeros(self._impulse)))
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Loads at the communication point, extrapolated from the last two means, which belong to mid-step.
+        """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
 
         Without a step before, as at the start and in model exchange, those of the present inputs.
         """
-        if x[-2] == 0.0:
-            return self._load(u)
-        return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
+        if x[_STEP - 1] == 0.0:
+            return self._sum(u[: self._impulse])
+        return extrapolated(_step_mean(x[:_STEP]), _step_mean(x[_STEP:]))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""

@@ -10,6 +10,7 @@ import numpy as np
 from ..contract.component import ComponentError, Vector
 from ..contract.frames import Quaternion, left_product, multiply, normalized, skew
 from ..flexible.modal import ModalData
+from .load import Load
 
 
 class BodyPorts:
@@ -52,6 +53,28 @@ class BodyPorts:
     def turns(self, eta: Vector) -> Vector:
         """Rotation vectors (K, 3) of modal coordinates, or their rates, body axes."""
         return (self._psi @ eta).reshape(-1, 3)
+
+    def twists(self, eta: Vector, rate: Vector) -> Vector:
+        """Angular velocities (K, 3) of modal coordinates eta and their rates, body axes: Jl(Psi eta) Psi rate."""
+        twist, turn = self.turns(rate), skew(self.turns(eta))
+        once = (turn @ twist[:, :, None])[:, :, 0]
+        result: Vector = twist + 0.5 * once + (turn @ once[:, :, None])[:, :, 0] / 6.0
+        return result
+
+    def modal_forces(
+        self, a_start: Vector, a_mid: Vector, a_end: Vector, eta: Vector, load: Load
+    ) -> tuple[Vector, Vector]:
+        """Means and slopes (M,) of the generalised forces of a load over a step, eta and rotations as it makes them.
+
+        A changing wrench on a shape that turns on has a mean as well.
+        """
+        mean, turned = 0.5 * (a_start + a_end), (a_end - a_start) / 6.0
+        force = self.modal_force(mean, a_mid, eta, load.force, load.torque)
+        slope, changing = (
+            self.modal_force(along, about, eta, load.force_slope, load.torque_slope)
+            for along, about in ((mean, a_mid), (turned, turned))
+        )
+        return force + changing, slope
 
     def modal_force(
         self, a_force: Vector, a_torque: Vector, eta: Vector, force: Vector, torque: Vector

@@ -13,6 +13,7 @@ from ..contract.frames import (
     add,
     conjugate,
     cross,
+    dot,
     frame_with_x_along,
     mean,
     multiply,
@@ -191,6 +192,32 @@ class Passage(NamedTuple):
     def _gap_slope(self) -> Vector3:
         """What a slope of a force has for an arm beside the mean gap: the gap's own slope times the mean of P1^2."""
         return scaled(1.0 / 6.0, subtract(self.gap1, self.gap0))
+
+
+class Line(NamedTuple):
+    """Centre line between two points over a step: mean and change of the vector, and the scale of its direction.
+
+    A tension acts along scale x mean, and a slope of the tension also along the change of the direction within the
+    step, so that no angular momentum is left over; moments of the length are taken with the adjoint.
+    """
+
+    mean: Vector3
+    change: Vector3
+    scale: float
+
+    def moment(self, apart: Vector3) -> float:
+        """Moment of the length's rate, from that of the velocity of the second point against the first."""
+        return self.scale * dot(self.mean, apart) + dot(self._turning(), self.change)
+
+    def forces(self, tension: float, slope: float) -> tuple[Vector3, Vector3]:
+        """Mean force on the second point and its slope."""
+        along, turning = scaled(self.scale, self.mean), self._turning()
+        return scaled(-1.0, add(scaled(tension, along), scaled(slope, turning))), scaled(-slope, along)
+
+    def _turning(self) -> Vector3:
+        """A sixth of the change of the direction."""
+        share = dot(self.mean, self.change) / dot(self.mean, self.mean)
+        return scaled(self.scale / 6.0, subtract(self.change, scaled(share, self.mean)))
 
 
 def turn_between(frame0: Quaternion, frame1: Quaternion) -> Vector3:

@@ -81,9 +81,10 @@ def prepared(
     `iteration` replaces the tolerance to which wrenches are iterated, in which the conservation of angular
     momentum is to be seen.
     """
-    network = Network(in_process(parts), links)
+    settings = settings or Settings()
+    network = Network(in_process(parts), links, settings.order or 2)
     recording = Recording()
-    master = Master(network, lines, recording, settings or Settings())
+    master = Master(network, lines, recording, settings)
     if iteration is not None:
         master._coupling.tolerance = iteration
     run = Run(master, [p.name for p in (*network.bodies, *network.connections)])

@@ -44,7 +44,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     Quaternion q = quaternion_normalized(quaternion_of(body->start_orientation));
     rotation_matrix(q, a);
     Vector3 omega = transposed_times(a, vector_of(body->start_angular_velocity));
-    memset(x, 0, (MODES + 2 * body->modes) * sizeof(double));
+    memset(x, 0, (MODES + 2 * body->modes + WRENCH * body->ports) * sizeof(double));
     vector_store(vector_add(vector_of(body->start_position), matrix_times(a, vector_of(body->center_of_mass))),
                  x + POSITION);
     quaternion_store(q, x + ORIENTATION);

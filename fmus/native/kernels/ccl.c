@@ -1,18 +1,21 @@
 /* Closed-cable-loop synchroniser: two preloaded strands between two pulleys: the twin of components/ccl.py. */
 
-#include "laws.h"
 #include "relative.h"
+#include "workless.h"
 
 /* State: angles of both pulleys, what they work on, centre line, angles and strand length of the preload, heat,
-   wrenches of the two or three ports. */
-enum { ANGLES = 0, WORKS = 2, SPAN = 8, START = 11, HEAT = 14, WRENCH = 15 };
+   wrenches of the two or three ports, orientations of both pulleys, slopes of the wrenches. */
+enum { ANGLES = 0, WORKS = 2, SPAN = 8, START = 11, HEAT = 14, WRENCH = 15, FRAMES_SIZE = 8 };
 
-enum { RADIUS_1, RADIUS_2, PRELOAD, STRAND_STIFFNESS, STRAND_DAMPING, END_WEIGHT, PARAMETERS };
+enum { RADIUS_1, RADIUS_2, PRELOAD, STRAND_STIFFNESS, STRAND_DAMPING, END_WEIGHT, ORDER, PARAMETERS };
+
+enum { OBSERVATIONS = 9 };
 
 typedef struct Loop {
     double axis_frame[4];
     int guided, endpoint;
-    size_t ports, hold, places[PARAMETERS];
+    int paired; /* tensions are of order 4; those of static solutions are not */
+    size_t ports, hold, moments, frames, slopes, places[PARAMETERS];
     double radius_1, radius_2, damping, end_weight;
     Law strand;
 } Loop;
@@ -123,6 +126,78 @@ static inline void store_start(const Loop *loop, const Geometry *g, real *x) {
     x[START + 2] = strand_length(loop, vector_norm(g->span));
 }
 
+static inline void store_frames(const Loop *loop, const real *u, real *x) {
+    for (size_t i = 0; i < 4; i++) {
+        x[loop->frames + i] = u[3 + i];
+        x[loop->frames + 4 + i] = u[MOTION_SIZE + 3 + i];
+    }
+}
+
+/* Force along the centre line for a tension of one: free strands cross it. */
+static inline real axial_share(const Loop *loop, real distance) {
+    double step = loop->guided ? 0.0 : loop->radius_1 - loop->radius_2;
+    return real_sqrt(distance * distance - step * step) / distance;
+}
+
+/* Elongation rates from that of the centre line, and from what moves against each pulley. */
+static inline Strands rates_of_strands(const Loop *loop, const Geometry *g, Vector3 relative_1, Vector3 relative_2,
+                                       real along) {
+    real rate_1 = vector_dot(relative_1, g->works_1), rate_2 = vector_dot(relative_2, g->works_2);
+    real stretch = along;
+    if (!loop->guided) stretch = along * axial_share(loop, vector_norm(g->span));
+    real turn = loop->radius_1 * rate_1 - loop->radius_2 * rate_2;
+    return (Strands){stretch + turn, stretch - turn};
+}
+
+/* Moment of what moves against a pulley of free strands; `moments` are those of its port. */
+static inline Vector3 moment_against(const Geometry *g, const Line *line, Vector3 apart, const real *moments,
+                                     const double *before, const real *after) {
+    Quaternion start = {before[0], before[1], before[2], before[3]};
+    Vector3 turning = vector_cross(turn_between(start, quaternion_of(after)), vector_scaled(1.0 / 6.0, line->change));
+    return vector_subtract(vector_subtract(apart, vector_cross(vector_of(moments + 3), g->span)), turning);
+}
+
+/* Moments of both elongations' rates; the adjoint of store_pairs. */
+static inline Strands strand_moments(const Loop *loop, const double *x, const real *u, const Geometry *g,
+                                     const Line *line) {
+    const real *first = u + loop->moments, *second = first + WRENCH_SIZE;
+    Vector3 apart = vector_subtract(vector_of(second), vector_of(first)), relative_1, relative_2;
+    if (loop->guided) {
+        Vector3 guide = vector_of(second + WRENCH_SIZE + 3);
+        relative_1 = vector_subtract(guide, vector_of(first + 3));
+        relative_2 = vector_subtract(guide, vector_of(second + 3));
+    } else {
+        const double *frames = x + loop->frames;
+        relative_1 = moment_against(g, line, apart, first, frames, u + 3);
+        relative_2 = moment_against(g, line, apart, second, frames + 4, u + MOTION_SIZE + 3);
+    }
+    return rates_of_strands(loop, g, relative_1, relative_2, line_moment(line, apart));
+}
+
+static inline void add_to(Vector3 added, real *place) {
+    vector_store(vector_add(vector_of(place), added), place);
+}
+
+/* Mean wrenches of all ports and their slopes, which give no angular momentum as the centre line moves. */
+static inline void store_pairs(const Loop *loop, const Geometry *g, const Line *line, Strands tension, Strands slope,
+                               real *wrench, real *slopes) {
+    store_wrenches(loop, g, tension, wrench);
+    store_wrenches(loop, g, slope, slopes);
+    Vector3 force = line_force(line, 0.0, axial_share(loop, vector_norm(g->span)) * (slope.a + slope.b));
+    add_to(vector_scaled(-1.0, force), wrench);
+    add_to(force, wrench + WRENCH_SIZE);
+    if (loop->guided) return;
+    Vector3 change = vector_scaled((slope.a - slope.b) / 6.0, line->change);
+    add_to(vector_scaled(loop->radius_1, vector_cross(change, g->works_1)), wrench + 3);
+    add_to(vector_scaled(-loop->radius_2, vector_cross(change, g->works_2)), wrench + WRENCH_SIZE + 3);
+}
+
+/* Load of one strand at order 4. */
+static inline MeanLoad strand_load(const Loop *loop, real before, real after, real moment, double h) {
+    StepMotion motion = {before, after, h, 0.0, 0.0, 0.0, moment};
+    return workless_law(&loop->strand, loop->damping, &motion, 0.0);
+}
+
 /* Mean tension of one strand over a step; adds to the heat. */
 static inline real mean_tension(const Loop *loop, real before, real after, double h, real *heat) {
     real rate = (after - before) / h;
@@ -138,6 +213,8 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
     (void)why;
     Geometry new = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
     store_geometry(&new, x_next);
+    store_frames(loop, u, x_next);
+    for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x_next[loop->slopes + i] = 0.0;
     if (value_of(u[loop->hold]) > 0.5) {
         real preload = -law_value(&loop->strand, 0.0);
         store_start(loop, &new, x_next);
@@ -154,10 +231,6 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
     };
     Strands before = elongations(loop, &old, x[START], x[START + 1], x[START + 2]);
     Strands after = elongations(loop, &new, x[START], x[START + 1], x[START + 2]);
-    real heat = 0.0;
-    Strands tension;
-    tension.a = mean_tension(loop, before.a, after.a, h, &heat);
-    tension.b = mean_tension(loop, before.b, after.b, h, &heat);
     Geometry middle = {
         new.angle_1,
         new.angle_2,
@@ -166,6 +239,20 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
         vector_mean(old.span, new.span),
     };
     for (int i = 0; i < 3; i++) x_next[START + i] = x[START + i];
+    if (loop->paired) {
+        Line line = line_between(old.span, new.span, 1.0 / vector_norm(middle.span));
+        Strands moment = strand_moments(loop, x, u, &middle, &line);
+        MeanLoad a = strand_load(loop, before.a, after.a, moment.a, h);
+        MeanLoad b = strand_load(loop, before.b, after.b, moment.b, h);
+        x_next[HEAT] = x[HEAT] + (a.heat + b.heat);
+        store_pairs(loop, &middle, &line, (Strands){-a.force, -b.force}, (Strands){-a.slope, -b.slope},
+                    x_next + WRENCH, x_next + loop->slopes);
+        return 1;
+    }
+    real heat = 0.0;
+    Strands tension;
+    tension.a = mean_tension(loop, before.a, after.a, h, &heat);
+    tension.b = mean_tension(loop, before.b, after.b, h, &heat);
     x_next[HEAT] = x[HEAT] + heat;
     store_wrenches(loop, &middle, tension, x_next + WRENCH);
     return 1;
@@ -173,23 +260,18 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
 
 /* Elongation rates of both strands from the ports' velocities. */
 static inline Strands elongation_rates(const Loop *loop, const real *u, const Geometry *g) {
-    real distance = vector_norm(g->span);
-    Vector3 direction = vector_scaled(1.0 / distance, g->span);
-    Vector3 velocity = vector_subtract(vector_of(u + MOTION_SIZE + 7), vector_of(u + 7));
+    Vector3 velocity = vector_subtract(vector_of(u + MOTION_SIZE + 7), vector_of(u + 7)), relative_1, relative_2;
     Vector3 spin_1 = vector_of(u + 10), spin_2 = vector_of(u + MOTION_SIZE + 10);
-    real rate_1, rate_2, stretch = vector_dot(velocity, direction);
     if (loop->guided) {
         Vector3 spin = vector_of(u + 2 * MOTION_SIZE + 10);
-        rate_1 = vector_dot(vector_subtract(spin, spin_1), g->works_1);
-        rate_2 = vector_dot(vector_subtract(spin, spin_2), g->works_2);
+        relative_1 = vector_subtract(spin, spin_1);
+        relative_2 = vector_subtract(spin, spin_2);
     } else {
-        rate_1 = vector_dot(vector_subtract(velocity, vector_cross(spin_1, g->span)), g->works_1);
-        rate_2 = vector_dot(vector_subtract(velocity, vector_cross(spin_2, g->span)), g->works_2);
-        real slope = (loop->radius_1 - loop->radius_2) / distance;
-        stretch = stretch * real_sqrt(1.0 - slope * slope);
+        relative_1 = vector_subtract(velocity, vector_cross(spin_1, g->span));
+        relative_2 = vector_subtract(velocity, vector_cross(spin_2, g->span));
     }
-    real turn = loop->radius_1 * rate_1 - loop->radius_2 * rate_2;
-    return (Strands){stretch + turn, stretch - turn};
+    real along = vector_dot(velocity, vector_scaled(1.0 / vector_norm(g->span), g->span));
+    return rates_of_strands(loop, g, relative_1, relative_2, along);
 }
 
 /* Geometry of an instant, and elongations, their rates and tensions of the strands. */
@@ -210,11 +292,15 @@ static inline Instant loop_now(const Loop *loop, const real *x, const real *u) {
     return now;
 }
 
-/* Wrenches on all ports. */
+/* Wrenches on all ports, slopes of mean wrenches. */
 void NAME(loop_outputs)(void *self, const real *x, const real *u, real *y) {
     const Loop *loop = self;
     if (!loop->endpoint) {
-        for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) y[i] = x[WRENCH + i];
+        size_t size = WRENCH_SIZE * loop->ports;
+        for (size_t i = 0; i < size; i++) {
+            y[i] = x[WRENCH + i];
+            y[size + i] = x[loop->slopes + i];
+        }
         return;
     }
     Instant now = loop_now(loop, x, u);
@@ -245,6 +331,7 @@ static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
     [STRAND_STIFFNESS] = {"strand_stiffness", 1},
     [STRAND_DAMPING] = {"strand_damping", 1},
     [END_WEIGHT] = {"end_weight", 1},
+    [ORDER] = {"order", 1},
 };
 
 static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
@@ -254,11 +341,16 @@ static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, s
         return NULL;
     }
     if (!read_choice(data, "guided", 1, &loop->guided, why)) return NULL;
+    if (!read_choice(data, "endpoint", 1, &loop->endpoint, why)) return NULL;
     loop->ports = loop->guided ? 3 : 2;
-    *states = WRENCH + WRENCH_SIZE * loop->ports;
+    size_t wrenches = WRENCH_SIZE * loop->ports, pairs = loop->endpoint ? 0 : wrenches;
+    loop->frames = WRENCH + wrenches;
+    loop->slopes = loop->frames + FRAMES_SIZE;
+    *states = loop->slopes + wrenches;
     int usable =
-        check_sizes("cable loop", sizes, MOTION_SIZE * loop->ports + 1, WRENCH_SIZE * loop->ports, 9, why) &&
-        read_axis_frame(data, loop->axis_frame, why) && read_choice(data, "endpoint", 1, &loop->endpoint, why) &&
+        check_sizes("cable loop", sizes, MOTION_SIZE * loop->ports + 1 + pairs, wrenches + pairs, OBSERVATIONS, why) &&
+        read_axis_frame(data, loop->axis_frame, why) &&
+        find_moments(data, "pulley_1.velocity_moment", loop->endpoint ? 0 : loop->ports, sizes, &loop->moments, why) &&
         find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, loop->places, why) &&
         find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &loop->hold, why);
     return usable ? loop : NULL;
@@ -267,11 +359,13 @@ static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, s
 static int loop_prepare(void *self, const double *p, Reason *why) {
     Loop *loop = self;
     const size_t *place = loop->places;
-    (void)why;
+    int fourth = 0;
+    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
     loop->radius_1 = p[place[RADIUS_1]];
     loop->radius_2 = p[place[RADIUS_2]];
     loop->damping = p[place[STRAND_DAMPING]];
     loop->end_weight = p[place[END_WEIGHT]];
+    loop->paired = fourth && loop->end_weight == 0.5 && !loop->endpoint;
     loop->strand = strand_law(p[place[STRAND_STIFFNESS]], p[place[PRELOAD]]);
     return 1;
 }
@@ -286,8 +380,9 @@ static int loop_initial(void *self, const double *u, double *x, Reason *why) {
                       distance);
     store_geometry(&g, x);
     store_start(loop, &g, x);
+    store_frames(loop, u, x);
     x[HEAT] = 0.0;
-    for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x[WRENCH + i] = 0.0;
+    for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x[WRENCH + i] = x[loop->slopes + i] = 0.0;
     return 1;
 }
 
@@ -321,7 +416,7 @@ static void loop_update(void *self, const double *x, const double *u, int at_eve
     const Loop *loop = self;
     (void)at_event;
     Geometry now = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
-    memcpy(x_next, x, (WRENCH + WRENCH_SIZE * loop->ports) * sizeof(double));
+    memcpy(x_next, x, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof(double));
     x_next[ANGLES] = now.angle_1;
     x_next[ANGLES + 1] = now.angle_2;
     if (u[loop->hold] > 0.5) store_start(loop, &now, x_next);

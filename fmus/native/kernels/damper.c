@@ -1,14 +1,17 @@
 /* Eddy-current damper between two ports, about their common axis: the twin of components/damper.py. */
 
 #include "relative.h"
+#include "workless.h"
 
-/* State: unwrapped angle, frame, gap, heat, wrenches of both ports, mean rates of two steps, swing. */
-enum { ANGLE = 0, FRAME = 1, GAP = 5, HEAT = 8, WRENCH = 9, SLIDE = 21, SWING = 25, STATES = 27 };
+/* State: unwrapped angle, frame, gap, heat, wrenches of both ports, mean rates of two steps, swing, slopes. */
+enum { ANGLE = 0, FRAME = 1, GAP = 5, HEAT = 8, WRENCH = 9, SLIDE = 21, SWING = 25, SLOPES = 27, STATES = 39 };
+
+enum { OBSERVATIONS = 3, PAIR_SIZE = 2 * WRENCH_SIZE };
 
 typedef struct Damper {
     double axis_frame[4];
-    int endpoint;
-    size_t coefficient_place, peak_rate_place, impulse;
+    int endpoint, paired; /* paired: torques are of order 4 */
+    size_t coefficient_place, peak_rate_place, order_place, impulse, moments;
     double coefficient, peak_rate;
 } Damper;
 
@@ -27,34 +30,65 @@ static inline void damper_store_pose(const Pose *pose, real angle, real *x) {
     x[SWING + 1] = pose->swing.z;
 }
 
-/* One step: the torque of the mean rate, and the heat it makes. */
+/* Load of the mean rate. */
+static inline MeanLoad load_of_mean(const Damper *damper, real change, double h) {
+    real torque = damper_torque(damper, change / h);
+    return (MeanLoad){torque, -torque * change, 0.0, 0.0};
+}
+
+/* Load along a rate that is linear in time. */
+static inline MeanLoad load_of_path(const Damper *damper, real change, real moment, double h) {
+    real rates[2], torques[2];
+    gauss_rates(change, moment, h, rates);
+    for (int i = 0; i < 2; i++) torques[i] = damper_torque(damper, rates[i]);
+    return viscous_load(rates, torques, h);
+}
+
+/* Stores the wrenches of a torque about the axis, the mean over a step. */
+static inline void store_mean_torque(const Passage *passage, real torque, Transverse swing, real *wrench) {
+    Vector3 conjugate = conjugate_torque(torque, (Transverse){0.0, 0.0}, swing);
+    store_mean_pair(passage, (Vector3){0.0, 0.0, 0.0}, conjugate, wrench);
+}
+
+/* One step: the torque of the mean rate, at order 4 that along the path, and the heat it makes. */
 int NAME(damper_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Damper *damper = self;
     (void)why;
     Pose pose = relative_pose(u, damper->axis_frame);
     real angle = nearest_turn(pose.twist, x[ANGLE]);
     real change = angle - x[ANGLE];
-    real torque = damper_torque(damper, change / h);
     Transverse swing = {0.5 * (x[SWING] + pose.swing.y), 0.5 * (x[SWING + 1] + pose.swing.z)};
-    Vector3 conjugate = conjugate_torque(torque, (Transverse){0.0, 0.0}, swing);
-    Quaternion frame = {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]};
-    Vector3 gap = {x[GAP], x[GAP + 1], x[GAP + 2]};
+    Passage passage = {
+        {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, pose.frame, {x[GAP], x[GAP + 1], x[GAP + 2]}, pose.gap,
+    };
+    int impulse = !(value_of(u[damper->impulse]) < 0.5);
+    MeanLoad load;
+    if (damper->paired && !impulse) {
+        real moment = rate_moments(&passage, u + damper->moments, swing).twist;
+        load = load_of_path(damper, change, moment, h);
+        store_starting_rate((change + 3.0 * moment) / h, x_next + SLIDE);
+    } else {
+        load = load_of_mean(damper, change, h);
+        if (impulse)
+            store_starting_rate(relative_rates(u, &pose).twist, x_next + SLIDE);
+        else
+            store_rate_after(x + SLIDE, change / h, h, x_next + SLIDE);
+    }
     damper_store_pose(&pose, angle, x_next);
-    x_next[HEAT] = x[HEAT] - torque * change;
-    store_pair((Vector3){0.0, 0.0, 0.0}, mean_direction(frame, pose.frame, conjugate), vector_mean(gap, pose.gap),
-               x_next + WRENCH);
-    if (value_of(u[damper->impulse]) < 0.5)
-        store_rate_after(x + SLIDE, change / h, h, x_next + SLIDE);
-    else
-        store_starting_rate(relative_rates(u, &pose).twist, x_next + SLIDE);
+    x_next[HEAT] = x[HEAT] + load.heat;
+    store_mean_torque(&passage, load.force, swing, x_next + WRENCH);
+    store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
     return 1;
 }
 
-/* Wrenches on both ports. */
+/* Wrenches on both ports, slopes of mean wrenches. */
 void NAME(damper_outputs)(void *self, const real *x, const real *u, real *y) {
     const Damper *damper = self;
     if (!damper->endpoint) {
-        for (int i = 0; i < 2 * WRENCH_SIZE; i++) y[i] = x[WRENCH + i];
+        for (int i = 0; i < PAIR_SIZE; i++) {
+            y[i] = x[WRENCH + i];
+            y[PAIR_SIZE + i] = x[SLOPES + i];
+        }
         return;
     }
     Pose pose = relative_pose(u, damper->axis_frame);
@@ -88,22 +122,29 @@ static void *damper_create(const Data *data, const Sizes *sizes, Memory *memory,
         return NULL;
     }
     *states = STATES;
-    int usable = check_sizes("damper", sizes, 2 * MOTION_SIZE + 1, 2 * WRENCH_SIZE, 3, why) &&
+    if (!read_choice(data, "endpoint", 1, &damper->endpoint, why)) return NULL;
+    size_t pairs = damper->endpoint ? 0 : PAIR_SIZE;
+    int usable = check_sizes("damper", sizes, 2 * MOTION_SIZE + 1 + pairs, PAIR_SIZE + pairs, OBSERVATIONS, why) &&
                  read_axis_frame(data, damper->axis_frame, why) &&
-                 read_choice(data, "endpoint", 1, &damper->endpoint, why) &&
                  find_place(data, "parameter", (VariableName){"damping_coefficient", 1}, sizes->parameters,
                             &damper->coefficient_place, why) &&
                  find_place(data, "parameter", (VariableName){"peak_rate", 1}, sizes->parameters,
                             &damper->peak_rate_place, why) &&
+                 find_place(data, "parameter", (VariableName){"order", 1}, sizes->parameters, &damper->order_place,
+                            why) &&
+                 find_moments(data, "inboard.velocity_moment", damper->endpoint ? 0 : 2, sizes, &damper->moments,
+                              why) &&
                  find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &damper->impulse, why);
     return usable ? damper : NULL;
 }
 
 static int damper_prepare(void *self, const double *p, Reason *why) {
     Damper *damper = self;
-    (void)why;
+    int fourth = 0;
+    if (!read_order(p[damper->order_place], &fourth, why)) return 0;
     damper->coefficient = p[damper->coefficient_place];
     damper->peak_rate = p[damper->peak_rate_place];
+    damper->paired = fourth && !damper->endpoint;
     return 1;
 }
 

@@ -1,11 +1,11 @@
 /* Drive about an axis: a commanded angle that follows a motion profile, behind the compliance of a gearbox: the
    twin of components/drive.py. */
 
-#include "bushing.h"
 #include "relative.h"
+#include "workless.h"
 
 /* State: unwrapped angle, frame, swing, remembered rates of the deflection, clock, heat, work of the motor, mean
-   rates of two steps, wrenches of both ports, what inertial terms took away. */
+   rates of two steps, wrenches of both ports, what the scheme took away, roughness, slopes of the wrenches. */
 enum {
     ANGLE = 0,
     FRAME = 1,
@@ -17,17 +17,31 @@ enum {
     SLIDE = 12,
     WRENCH = 16,
     NUMERICAL = 28,
-    STATES = 29
+    ROUGHNESS = 29,
+    SLOPES = 30,
+    STATES = 42
 };
 
-enum { STIFFNESS, DAMPING, ALIGNED_ANGLE, START_ANGLE, END_ANGLE, START_TIME, DURATION, END_WEIGHT, PARAMETERS };
+enum {
+    STIFFNESS,
+    DAMPING,
+    ALIGNED_ANGLE,
+    START_ANGLE,
+    END_ANGLE,
+    START_TIME,
+    DURATION,
+    END_WEIGHT,
+    ORDER,
+    PARAMETERS
+};
 
-enum { CONTINUOUS = 3, OBSERVATIONS = 9 };
+enum { CONTINUOUS = 3, OBSERVATIONS = 9, PAIR_SIZE = 2 * WRENCH_SIZE };
 
 typedef struct Drive {
     double axis_frame[4];
     int quintic, endpoint;
-    size_t impulse, hold, places[PARAMETERS];
+    int paired; /* torques are of order 4; those of static solutions are not */
+    size_t impulse, hold, moments, places[PARAMETERS];
     double stiffness, damping, aligned_angle, start_angle, change, start_time, duration, end_weight;
 } Drive;
 
@@ -55,6 +69,13 @@ static inline real profile_rate(const Drive *drive, real time) {
     real s = passed_share(drive, time);
     real rest = s * (1.0 - s);
     return drive->change / drive->duration * (drive->quintic ? 30.0 * rest * rest : 6.0 * rest);
+}
+
+/* First moment of the rate between two times, by Gauss' rule: exact but where the motion begins or ends. */
+static inline double profile_moment(const Drive *drive, double start, double end) {
+    const double gauss = sqrt(0.6), middle = 0.5 * (start + end), half = 0.5 * (end - start);
+    real change = profile_rate(drive, middle + gauss * half) - profile_rate(drive, middle - gauss * half);
+    return 5.0 / 9.0 * gauss * half * value_of(change);
 }
 
 static inline int is_held(const Drive *drive, const real *u) { return value_of(u[drive->hold]) > 0.5; }
@@ -90,6 +111,12 @@ static inline void drive_store_torque(Vector3 torque, real *wrench) {
     store_pair(zero, torque, zero, wrench);
 }
 
+/* Stores the wrenches of a torque about the axis, the mean over a step. */
+static inline void store_mean_torque(const Passage *passage, real torque, Transverse swing, real *wrench) {
+    Vector3 conjugate = conjugate_torque(torque, (Transverse){0.0, 0.0}, swing);
+    drive_store_torque(mean_direction(passage->frame0, passage->frame1, conjugate), wrench);
+}
+
 /* One step: the mean torque of the deflections at both ends, and the motor's work. */
 int NAME(drive_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Drive *drive = self;
@@ -99,20 +126,35 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     real commanded = profile_angle(drive, x[CLOCK]);
     real start = x[ANGLE] - commanded;
     real mean_rate = (now.deflection - start) / h;
-    StepMotion motion = {start, now.deflection, h, x[MEMORY], x[MEMORY + 1]};
+    StepMotion motion = {start, now.deflection, h, x[MEMORY], x[MEMORY + 1], x[ROUGHNESS], 0.0};
     /* inertial terms tame held torques, which an end-point torque is not */
     if (drive->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
-    MeanLoad load = bushing_load(drive->stiffness, drive->damping, &motion, drive->end_weight);
+    int impulse = value_of(u[drive->impulse]) > 0.5, fourth = drive->paired && !impulse;
     Transverse swing = {0.5 * (x[SWING] + now.pose.swing.y), 0.5 * (x[SWING + 1] + now.pose.swing.z)};
-    Vector3 conjugate = conjugate_torque(load.force, (Transverse){0.0, 0.0}, swing);
-    Quaternion frame = {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]};
+    Passage passage = {
+        {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, now.pose.frame, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0},
+    };
+    double driven = 0.0;
+    MeanLoad load;
+    if (fourth) {
+        driven = profile_moment(drive, x[CLOCK], clock);
+        motion.moment = rate_moments(&passage, u + drive->moments, swing).twist - driven;
+        load = workless_spring(drive->stiffness, drive->damping, &motion);
+    } else {
+        load = bushing_load(drive->stiffness, drive->damping, &motion, drive->end_weight);
+    }
     drive_store_pose(&now, x_next);
     x_next[CLOCK] = clock;
     x_next[HEAT] = x[HEAT] + load.heat;
     x_next[NUMERICAL] = x[NUMERICAL] + load.numerical;
-    x_next[WORK] = x[WORK] + load.force * (now.commanded - commanded);
-    drive_store_torque(mean_direction(frame, now.pose.frame, conjugate), x_next + WRENCH);
-    if (value_of(u[drive->impulse]) > 0.5) {
+    x_next[WORK] = x[WORK] + load.force * (now.commanded - commanded) + load.slope * driven;
+    store_mean_torque(&passage, load.force, swing, x_next + WRENCH);
+    store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
+    x_next[ROUGHNESS] = 0.0;
+    if (fourth) {
+        remember_path(&motion, x_next + MEMORY, x_next + MEMORY + 1, x_next + ROUGHNESS);
+        store_starting_rate(x_next[MEMORY + 1], x_next + SLIDE);
+    } else if (impulse) {
         x_next[MEMORY] = x_next[MEMORY + 1] = now.deflection_rate;
         store_starting_rate(now.deflection_rate, x_next + SLIDE);
     } else {
@@ -122,11 +164,14 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     return 1;
 }
 
-/* Wrenches on both ports. */
+/* Wrenches on both ports, slopes of mean wrenches. */
 void NAME(drive_outputs)(void *self, const real *x, const real *u, real *y) {
     const Drive *drive = self;
     if (!drive->endpoint) {
-        for (int i = 0; i < 2 * WRENCH_SIZE; i++) y[i] = x[WRENCH + i];
+        for (int i = 0; i < PAIR_SIZE; i++) {
+            y[i] = x[WRENCH + i];
+            y[PAIR_SIZE + i] = x[SLOPES + i];
+        }
         return;
     }
     Instant now = drive_instant(drive, u, x[CLOCK], x[ANGLE]);
@@ -157,7 +202,7 @@ void drive_outputs_complex(void *self, const double complex *x, const double com
 static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
     [STIFFNESS] = {"stiffness", 1},     [DAMPING] = {"damping", 1},         [ALIGNED_ANGLE] = {"aligned_angle", 1},
     [START_ANGLE] = {"start_angle", 1}, [END_ANGLE] = {"end_angle", 1},     [START_TIME] = {"start_time", 1},
-    [DURATION] = {"duration", 1},       [END_WEIGHT] = {"end_weight", 1},
+    [DURATION] = {"duration", 1},       [END_WEIGHT] = {"end_weight", 1},   [ORDER] = {"order", 1},
 };
 
 static void *drive_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
@@ -167,10 +212,12 @@ static void *drive_create(const Data *data, const Sizes *sizes, Memory *memory, 
         return NULL;
     }
     *states = STATES;
-    int usable = check_sizes("drive", sizes, 2 * MOTION_SIZE + 2, 2 * WRENCH_SIZE, OBSERVATIONS, why) &&
+    if (!read_choice(data, "endpoint", 1, &drive->endpoint, why)) return NULL;
+    size_t pairs = drive->endpoint ? 0 : PAIR_SIZE;
+    int usable = check_sizes("drive", sizes, 2 * MOTION_SIZE + 2 + pairs, PAIR_SIZE + pairs, OBSERVATIONS, why) &&
+                 find_moments(data, "inboard.velocity_moment", drive->endpoint ? 0 : 2, sizes, &drive->moments, why) &&
                  read_axis_frame(data, drive->axis_frame, why) &&
                  read_choice(data, "quintic", 1, &drive->quintic, why) &&
-                 read_choice(data, "endpoint", 1, &drive->endpoint, why) &&
                  find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, drive->places, why) &&
                  find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &drive->impulse, why) &&
                  find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &drive->hold, why);
@@ -180,7 +227,8 @@ static void *drive_create(const Data *data, const Sizes *sizes, Memory *memory, 
 static int drive_prepare(void *self, const double *p, Reason *why) {
     Drive *drive = self;
     const size_t *place = drive->places;
-    (void)why;
+    int fourth = 0;
+    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
     drive->stiffness = p[place[STIFFNESS]];
     drive->damping = p[place[DAMPING]];
     drive->aligned_angle = p[place[ALIGNED_ANGLE]];
@@ -189,6 +237,7 @@ static int drive_prepare(void *self, const double *p, Reason *why) {
     drive->start_time = p[place[START_TIME]];
     drive->duration = p[place[DURATION]];
     drive->end_weight = p[place[END_WEIGHT]];
+    drive->paired = fourth && drive->end_weight == 0.5 && !drive->endpoint;
     return 1;
 }
 

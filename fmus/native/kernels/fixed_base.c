@@ -1,16 +1,19 @@
-/* Fixed base: ports that never move, and the loads they carry; the equations of components/fixed_base.py.
+/* Fixed base: ports that never move, whatever slopes their wrenches have, and the loads they carry; the equations of
+   components/fixed_base.py.
 
-   State: mean load of the last step and of the one before (force, torque about the reference), and the
-   sizes of the two steps, 0 where there is none yet and STOPPED after an impulse. */
+   State: of the last step and of the one before the mean load (force, torque about the reference), its slope, and the
+   size of the step, 0 where there is none yet and STOPPED after an impulse. */
 
 #include "frames.h"
 #include "kernel.h"
 
 #define LOAD 6
-#define STATES (2 * LOAD + 2)
+#define STEP (2 * LOAD + 1)
+#define STATES (2 * STEP)
 #define STOPPED -1.0
 #define WRENCH 6
 #define MOTION 13
+#define MOMENTS 6
 
 typedef struct {
     size_t ports, impulse;
@@ -22,8 +25,8 @@ typedef struct {
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
 void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
 
-/* Sum of the wrenches about the reference. */
-static inline void store_load(const FixedBase *base, const real *u, real *x) {
+/* Sum of the wrenches of all ports about the reference. */
+static inline void store_sum(const FixedBase *base, const real *u, real *x) {
     Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < base->ports; k++) {
         const double *arm = base->arms + 3 * k;
@@ -42,13 +45,13 @@ int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, 
     (void)why;
     for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
     if (value_of(u[base->impulse]) > 0.5) {
-        x_next[2 * LOAD] = STOPPED;
+        x_next[STEP - 1] = STOPPED;
         return 1;
     }
-    store_load(base, u, x_next);
-    for (size_t i = 0; i < LOAD; i++) x_next[LOAD + i] = x[i];
-    x_next[2 * LOAD] = h;
-    x_next[2 * LOAD + 1] = x[2 * LOAD];
+    store_sum(base, u, x_next);
+    store_sum(base, u + base->impulse + 1, x_next + LOAD);
+    x_next[STEP - 1] = h;
+    for (size_t i = 0; i < STEP; i++) x_next[STEP + i] = x[i];
     return 1;
 }
 
@@ -60,6 +63,7 @@ void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y)
         for (size_t i = 0; i < 4; i++) y[3 + i] = base->orientations[4 * k + i];
         for (size_t i = 7; i < MOTION; i++) y[i] = 0.0;
     }
+    for (size_t i = 0; i < MOMENTS * base->ports; i++) y[i] = 0.0;
 }
 
 /* There are no continuous states. */
@@ -118,8 +122,8 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     long impulse = data_offset(data, "input", "impulse", 1, why);
     if (impulse < 0) return NULL;
     base->impulse = (size_t)impulse;
-    if (base->impulse < WRENCH * base->ports || base->impulse >= sizes->inputs ||
-        sizes->outputs != MOTION * base->ports || sizes->observations != LOAD) {
+    if (base->impulse < WRENCH * base->ports || sizes->inputs < base->impulse + 1 + WRENCH * base->ports ||
+        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != LOAD) {
         refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
         return NULL;
     }
@@ -139,18 +143,26 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Loads at the communication point, extrapolated from the last two means, which belong to mid-step; without a step
-   before, as at the start and in model exchange, those of the present inputs. */
+/* Value at the end of the last of two steps: what slopes tell goes on as a parabola, what they do not know of the
+   change of means along a line. */
+static double extrapolated(const double *last, const double *previous, double h, double previous_h) {
+    const double mean = last[0], slope = last[LOAD], between = 0.5 * (h + previous_h);
+    if (h <= 0.0 || previous_h <= 0.0) return mean + slope;
+    const double rate = slope * (2.0 / h), rate_before = previous[LOAD] * (2.0 / previous_h);
+    const double bend = (rate - rate_before) / between;
+    const double known = 0.5 * between * (rate + rate_before) + bend * (h * h - previous_h * previous_h) / 24.0;
+    const double unknown = mean - previous[0] - known;
+    return mean + slope + bend * (h * h / 12.0) + unknown * (0.5 * h / between);
+}
+
+/* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
+   step before, as at the start and in model exchange, those of the present inputs. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    const double h = x[2 * LOAD], previous_h = x[2 * LOAD + 1];
-    if (h == 0.0) {
-        store_load(self, u, z);
+    if (x[STEP - 1] == 0.0) {
+        store_sum(self, u, z);
         return;
     }
-    for (size_t i = 0; i < LOAD; i++) {
-        z[i] = x[i];
-        if (h > 0.0 && previous_h > 0.0) z[i] += (x[i] - x[LOAD + i]) * (h / (h + previous_h));
-    }
+    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(x + i, x + STEP + i, x[STEP - 1], x[2 * STEP - 1]);
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

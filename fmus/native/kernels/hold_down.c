@@ -1,13 +1,13 @@
 /* Hold-down point: a preloaded joint of two ports in three directions, until it is released: the twin of
    components/hold_down.py. */
 
-#include "bushing.h"
 #include "relative.h"
+#include "workless.h"
 
 enum { AXES = 3, CONTINUOUS = 2, OBSERVATIONS = 7, PAIR_SIZE = 2 * WRENCH_SIZE };
 
 /* State: orientation of the inboard port, gap, offset at the start, remembered mean and end rates, clock, released or
-   not, heat of damping and of the release, wrenches of both ports, what inertial terms took away. */
+   not, heat of damping and of the release, wrenches of both ports, what the scheme took away, roughness, slopes. */
 enum {
     FRAME = 0,
     GAP = 4,
@@ -20,18 +20,20 @@ enum {
     RELEASE_HEAT = 19,
     WRENCH = 20,
     NUMERICAL = 32,
-    STATES = 33
+    ROUGHNESS = 33,
+    SLOPES = 36,
+    STATES = 48
 };
 
-enum { STIFFNESS, DAMPING, PRELOAD, RELEASE_TIME, END_WEIGHT, PARAMETERS };
+enum { STIFFNESS, DAMPING, PRELOAD, RELEASE_TIME, END_WEIGHT, ORDER, PARAMETERS };
 
 /* Distance (s) from the release time that sums of step sizes, or a solver's search, may leave. */
 #define REACHED 1e-9
 
 typedef struct HoldDown {
     double direction[AXES];
-    int endpoint;
-    size_t release_command, impulse, hold, places[PARAMETERS];
+    int endpoint, paired; /* paired: forces are of order 4; those of static solutions are not */
+    size_t release_command, impulse, hold, moments, places[PARAMETERS];
     double stiffness[AXES], damping[AXES], free[AXES], release_time, end_weight;
 } HoldDown;
 
@@ -85,26 +87,54 @@ static inline int is_due(const HoldDown *hold_down, double clock) {
 static inline int is_held_clock(const HoldDown *hold_down, const real *u) { return value_of(u[hold_down->hold]) > 0.5; }
 
 static inline void store_rates(const real *rate, real *x) {
-    for (int i = 0; i < AXES; i++) x[MEAN_RATES + i] = x[END_RATES + i] = rate[i];
+    for (int i = 0; i < AXES; i++) {
+        x[MEAN_RATES + i] = x[END_RATES + i] = rate[i];
+        x[ROUGHNESS + i] = 0.0;
+    }
 }
 
-/* Mean force over a held step, inboard axes; stores what is remembered, and adds to the losses. */
-static inline Vector3 held_force(const HoldDown *hold_down, const double *x, const real *before, const Instant *now,
-                                 double h, real *x_next) {
-    real force[AXES];
+/* Load along an axis over a held step; stores what is remembered. */
+static inline MeanLoad held_load(const HoldDown *hold_down, StepMotion motion, int i, int fourth, real rate,
+                                 real *x_next) {
+    double stiffness = hold_down->stiffness[i], damping = hold_down->damping[i];
+    real *mean_rate = x_next + MEAN_RATES + i, *end_rate = x_next + END_RATES + i;
+    StepMotion moved = shifted_motion(motion, hold_down->free[i]);
+    if (fourth) {
+        remember_path(&motion, mean_rate, end_rate, x_next + ROUGHNESS + i);
+        return workless_spring(stiffness, damping, &moved);
+    }
+    remember_rates(&motion, rate, mean_rate, end_rate);
+    x_next[ROUGHNESS + i] = 0.0;
+    return bushing_load(stiffness, damping, &moved, hold_down->end_weight);
+}
+
+/* Wrenches over a held step, with what is remembered; adds to the losses. */
+static inline void hold_step(const HoldDown *hold_down, const double *x, const real *u, const real *before,
+                             const Instant *now, double h, real *x_next) {
+    int impulse = value_of(u[hold_down->impulse]) > 0.5, fourth = hold_down->paired && !impulse;
+    Passage passage = {
+        {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, now->frame, {x[GAP], x[GAP + 1], x[GAP + 2]}, now->gap,
+    };
+    Vector3 zero = {0.0, 0.0, 0.0}, velocity = zero, spin;
+    if (fourth) relative_moments(&passage, u + hold_down->moments, &velocity, &spin);
+    const real moments[AXES] = {velocity.x, velocity.y, velocity.z};
+    real force[AXES], slope[AXES];
     for (int i = 0; i < AXES; i++) {
-        real mean_rate = (now->displacement[i] - before[i]) / h;
-        StepMotion motion = {before[i], now->displacement[i], h, x[MEAN_RATES + i], x[END_RATES + i]};
+        double mean_rate = value_of(now->displacement[i] - before[i]) / h;
+        StepMotion motion = {
+            before[i], now->displacement[i], h, x[MEAN_RATES + i], x[END_RATES + i], x[ROUGHNESS + i], moments[i],
+        };
         /* inertial terms tame held forces, which an end-point force is not */
-        if (hold_down->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
-        remember_rates(&motion, now->rate[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
-        motion = shifted_motion(motion, hold_down->free[i]);
-        MeanLoad load = bushing_load(hold_down->stiffness[i], hold_down->damping[i], &motion, hold_down->end_weight);
+        if (hold_down->endpoint) motion.mean_rate = motion.end_rate = mean_rate;
+        MeanLoad load = held_load(hold_down, motion, i, fourth, now->rate[i], x_next);
         force[i] = load.force;
+        slope[i] = load.slope;
         x_next[HEAT] += load.heat;
         x_next[NUMERICAL] += load.numerical;
     }
-    return vector_of(force);
+    store_mean_pair(&passage, vector_of(force), zero, x_next + WRENCH);
+    if (fourth) store_slope_pair(&passage, vector_of(slope), zero, x_next + WRENCH, x_next + SLOPES);
+    if (impulse) store_rates(now->rate, x_next);
 }
 
 /* One step: held or free throughout. */
@@ -114,7 +144,7 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     real start[AXES], before[AXES];
     for (int i = 0; i < AXES; i++) x_next[START + i] = start[i] = x[START + i];
     Quaternion frame = {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]};
-    Vector3 gap = {x[GAP], x[GAP + 1], x[GAP + 2]}, zero = {0.0, 0.0, 0.0};
+    Vector3 gap = {x[GAP], x[GAP + 1], x[GAP + 2]};
     displacement_of(frame, gap, start, before);
     Instant now = hold_down_instant(u, start);
     double clock = is_held_clock(hold_down, u) ? x[CLOCK] : x[CLOCK] + h;
@@ -123,7 +153,7 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     x_next[CLOCK] = clock;
     for (int i = RELEASED; i <= RELEASE_HEAT; i++) x_next[i] = x[i];
     x_next[NUMERICAL] = x[NUMERICAL];
-    for (int i = 0; i < PAIR_SIZE; i++) x_next[WRENCH + i] = 0.0;
+    for (int i = 0; i < PAIR_SIZE; i++) x_next[WRENCH + i] = x_next[SLOPES + i] = 0.0;
     if (x[RELEASED] == 0.0 && value_of(u[hold_down->release_command]) > 0.5) {
         x_next[RELEASED] = 1.0;
         x_next[RELEASE_HEAT] = elastic_energy(hold_down, before);
@@ -132,9 +162,7 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
         store_rates(now.rate, x_next);
         return 1;
     }
-    Vector3 force = held_force(hold_down, x, before, &now, h, x_next);
-    store_pair(mean_direction(frame, now.frame, force), zero, vector_mean(gap, now.gap), x_next + WRENCH);
-    if (value_of(u[hold_down->impulse]) > 0.5) store_rates(now.rate, x_next);
+    hold_step(hold_down, x, u, before, &now, h, x_next);
     if (is_due(hold_down, clock)) {
         x_next[RELEASED] = 1.0;
         x_next[RELEASE_HEAT] = elastic_energy(hold_down, now.displacement);
@@ -142,10 +170,13 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     return 1;
 }
 
-/* Wrenches on both ports. */
+/* Wrenches on both ports, slopes of mean wrenches. */
 void NAME(hold_down_outputs)(void *self, const real *x, const real *u, real *y) {
     const HoldDown *hold_down = self;
-    for (int i = 0; i < PAIR_SIZE; i++) y[i] = hold_down->endpoint ? 0.0 : x[WRENCH + i];
+    for (int i = 0; i < PAIR_SIZE; i++) {
+        y[i] = hold_down->endpoint ? 0.0 : x[WRENCH + i];
+        if (!hold_down->endpoint) y[PAIR_SIZE + i] = x[SLOPES + i];
+    }
     if (!hold_down->endpoint || value_of(x[RELEASED]) != 0.0) return;
     Instant now = hold_down_instant(u, x + START);
     Vector3 zero = {0.0, 0.0, 0.0}, force = force_of(hold_down, now.displacement, now.rate);
@@ -178,6 +209,7 @@ static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
     [PRELOAD] = {"preload", 1},
     [RELEASE_TIME] = {"release_time", 1},
     [END_WEIGHT] = {"end_weight", 1},
+    [ORDER] = {"order", 1},
 };
 
 /* Direction of the preload, of unit length. */
@@ -200,10 +232,12 @@ static void *hold_down_create(const Data *data, const Sizes *sizes, Memory *memo
         return NULL;
     }
     *states = STATES;
+    if (!read_choice(data, "endpoint", 1, &hold_down->endpoint, why)) return NULL;
+    size_t pairs = hold_down->endpoint ? 0 : PAIR_SIZE;
     int usable =
-        check_sizes("hold-down point", sizes, 2 * MOTION_SIZE + 3, PAIR_SIZE, OBSERVATIONS, why) &&
+        check_sizes("hold-down point", sizes, 2 * MOTION_SIZE + 3 + pairs, PAIR_SIZE + pairs, OBSERVATIONS, why) &&
         read_direction(data, hold_down->direction, why) &&
-        read_choice(data, "endpoint", 1, &hold_down->endpoint, why) &&
+        find_moments(data, "inboard.velocity_moment", hold_down->endpoint ? 0 : 2, sizes, &hold_down->moments, why) &&
         find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, hold_down->places, why) &&
         find_place(data, "input", (VariableName){"release_command", 1}, sizes->inputs, &hold_down->release_command,
                    why) &&
@@ -216,6 +250,8 @@ static int hold_down_prepare(void *self, const double *p, Reason *why) {
     HoldDown *hold_down = self;
     const size_t *place = hold_down->places;
     double preload = p[place[PRELOAD]];
+    int fourth = 0;
+    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
     for (size_t i = 0; i < AXES; i++) {
         double stiffness = p[place[STIFFNESS] + i], share = hold_down->direction[i];
         if (!(stiffness > 0.0) && preload * share != 0.0)
@@ -229,6 +265,7 @@ static int hold_down_prepare(void *self, const double *p, Reason *why) {
     }
     hold_down->release_time = p[place[RELEASE_TIME]];
     hold_down->end_weight = p[place[END_WEIGHT]];
+    hold_down->paired = fourth && hold_down->end_weight == 0.5 && !hold_down->endpoint;
     return 1;
 }
 
@@ -250,7 +287,8 @@ static void hold_down_observe(void *self, const double *x, const double *u, doub
     const HoldDown *hold_down = self;
     int released = x[RELEASED] != 0.0;
     Instant now = hold_down_instant(u, x + START);
-    Vector3 force = force_of(hold_down, now.displacement, hold_down->endpoint ? now.rate : x + MEAN_RATES);
+    const double *remembered = x + (hold_down->paired ? END_RATES : MEAN_RATES);
+    Vector3 force = force_of(hold_down, now.displacement, hold_down->endpoint ? now.rate : remembered);
     if (released) force = (Vector3){0.0, 0.0, 0.0};
     vector_store(force, z);
     z[3] = released;

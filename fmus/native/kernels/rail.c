@@ -126,7 +126,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
     for (int i = 0; i < STIFF_COUNT; i++) {
         double before = i == 0 ? x[OFFSET] : x[TWIST + i - 1];
         real mean_rate = (now.stiff[i] - before) / h;
-        StepMotion motion = {before, now.stiff[i], h, x[MEAN_RATES + i], x[END_RATES + i]};
+        StepMotion motion = {before, now.stiff[i], h, x[MEAN_RATES + i], x[END_RATES + i], 0.0, 0.0};
         /* inertial terms tame held wrenches, which an end-point wrench is not */
         if (rail->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
         MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->end_weight);

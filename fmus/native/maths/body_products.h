@@ -57,15 +57,18 @@ FANFOLD_VECTORISED static void rows_combined_twice_double(const double *restrict
     }
 }
 
-/* out[k] = scalar product of row k with `weight`, of the same rows. */
-FANFOLD_VECTORISED static void rows_projected_double(const double *restrict rows, size_t count, size_t length,
-                                                     const double *restrict weight, double *restrict out) {
-    Lanes r0, r1, r2, r3, w;
+/* out[k] = scalar product of row k with `weight`, and with another set of weights that shares the rows. */
+FANFOLD_VECTORISED static void rows_projected_twice_double(const double *restrict rows, size_t count, size_t length,
+                                                           const double *restrict weight,
+                                                           const double *restrict other, double *restrict out,
+                                                           double *restrict other_out) {
+    Lanes r0, r1, r2, r3, w, v;
     for (size_t k = 0; k < count; k += FANFOLD_LANES) {
         const double *row = rows + k * length;
-        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0};
+        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0}, t0 = {0.0}, t1 = {0.0}, t2 = {0.0}, t3 = {0.0};
         for (size_t i = 0; i < length; i += FANFOLD_LANES, row += FANFOLD_LANES) {
             memcpy(&w, weight + i, sizeof w);
+            memcpy(&v, other + i, sizeof v);
             memcpy(&r0, row, sizeof r0);
             memcpy(&r1, row + length, sizeof r1);
             memcpy(&r2, row + 2 * length, sizeof r2);
@@ -74,9 +77,15 @@ FANFOLD_VECTORISED static void rows_projected_double(const double *restrict rows
             s1 += r1 * w;
             s2 += r2 * w;
             s3 += r3 * w;
+            t0 += r0 * v;
+            t1 += r1 * v;
+            t2 += r2 * v;
+            t3 += r3 * v;
         }
         LANES_SUM(w, s0, s1, s2, s3);
+        LANES_SUM(v, t0, t1, t2, t3);
         memcpy(out + k, &w, sizeof w);
+        memcpy(other_out + k, &v, sizeof v);
     }
 }
 
@@ -113,14 +122,19 @@ static inline void rows_projected(const double *rows, size_t count, size_t lengt
                                   double *split) {
     double *value = split, *slope = value + length, *value_out = slope + length, *slope_out = value_out + count;
     values_and_slopes(weight, length, value, slope);
-    rows_projected_double(rows, count, length, value, value_out);
-    rows_projected_double(rows, count, length, slope, slope_out);
+    rows_projected_twice_double(rows, count, length, value, slope, value_out, slope_out);
     joined(value_out, slope_out, count, out);
+}
+
+static inline void rows_projected_twice(const double *rows, size_t count, size_t length, const real *weight,
+                                        const real *other, real *out, real *other_out, double *split) {
+    rows_projected(rows, count, length, weight, out, split);
+    rows_projected(rows, count, length, other, other_out, split);
 }
 
 #else
 
-/* The same for one set of weights. */
+/* The same for one set of weights, both. */
 FANFOLD_VECTORISED static void rows_combined_double(const double *restrict rows, size_t count, size_t length,
                                                     const double *restrict weight, double *restrict out) {
     for (size_t i = 0; i < length; i++) out[i] = 0.0;
@@ -129,6 +143,28 @@ FANFOLD_VECTORISED static void rows_combined_double(const double *restrict rows,
         double w0 = weight[k], w1 = weight[k + 1], w2 = weight[k + 2], w3 = weight[k + 3];
         for (size_t i = 0; i < length; i++)
             out[i] += w0 * row[i] + w1 * row[length + i] + w2 * row[2 * length + i] + w3 * row[3 * length + i];
+    }
+}
+
+FANFOLD_VECTORISED static void rows_projected_double(const double *restrict rows, size_t count, size_t length,
+                                                     const double *restrict weight, double *restrict out) {
+    Lanes r0, r1, r2, r3, w;
+    for (size_t k = 0; k < count; k += FANFOLD_LANES) {
+        const double *row = rows + k * length;
+        Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0};
+        for (size_t i = 0; i < length; i += FANFOLD_LANES, row += FANFOLD_LANES) {
+            memcpy(&w, weight + i, sizeof w);
+            memcpy(&r0, row, sizeof r0);
+            memcpy(&r1, row + length, sizeof r1);
+            memcpy(&r2, row + 2 * length, sizeof r2);
+            memcpy(&r3, row + 3 * length, sizeof r3);
+            s0 += r0 * w;
+            s1 += r1 * w;
+            s2 += r2 * w;
+            s3 += r3 * w;
+        }
+        LANES_SUM(w, s0, s1, s2, s3);
+        memcpy(out + k, &w, sizeof w);
     }
 }
 
@@ -148,6 +184,12 @@ static inline void rows_projected(const double *rows, size_t count, size_t lengt
                                   double *split) {
     (void)split;
     rows_projected_double(rows, count, length, weight, out);
+}
+
+static inline void rows_projected_twice(const double *rows, size_t count, size_t length, const real *weight,
+                                        const real *other, real *out, real *other_out, double *split) {
+    (void)split;
+    rows_projected_twice_double(rows, count, length, weight, other, out, other_out);
 }
 
 #endif

@@ -66,6 +66,34 @@ FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const
     }
 }
 
+/* What the rate of J - B B^T makes of an angular velocity, at these modal rates and where `scratch` was evaluated,
+   with B's rate, at a level that varies. */
+FANFOLD_VECTORISED static Vector3 growth_of_momentum(const InertiaCoupling *coupling, const real *rate, Vector3 omega,
+                                                     const CouplingScratch *scratch) {
+    static const unsigned char first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
+    size_t n = coupling->modes;
+    real growth[6];
+    for (size_t p = 0; p < 6; p++) {
+        const double *slope = coupling->slope + p * n;
+        const real *quadratic = scratch->quadratic + p * n;
+        const real *b = scratch->b + first[p] * n, *other_b = scratch->b + second[p] * n;
+        const real *b_rate = scratch->b_rate + first[p] * n, *other_rate = scratch->b_rate + second[p] * n;
+        real sum[FANFOLD_LANES] = {0.0, 0.0, 0.0, 0.0};
+        for (size_t j = 0; j < n; j += FANFOLD_LANES)
+            for (size_t lane = 0; lane < FANFOLD_LANES; lane++) {
+                size_t i = j + lane;
+                sum[lane] += slope[i] * rate[i];
+                if (coupling->full) sum[lane] += 2.0 * quadratic[i] * rate[i] + b[i] * other_rate[i] + other_b[i] * b_rate[i];
+            }
+        growth[p] = -((sum[0] + sum[1]) + (sum[2] + sum[3]));
+    }
+    return (Vector3){
+        growth[0] * omega.x + growth[3] * omega.y + growth[4] * omega.z,
+        growth[3] * omega.x + growth[1] * omega.y + growth[5] * omega.z,
+        growth[4] * omega.x + growth[5] * omega.y + growth[2] * omega.z,
+    };
+}
+
 /* Forces on the modes that are quadratic in the velocities, and drag = omega^T B, at a level that varies. */
 FANFOLD_VECTORISED static void coupling_forces(const InertiaCoupling *coupling, Vector3 omega,
                                                const CouplingScratch *scratch, real *restrict force,

@@ -1,5 +1,5 @@
-/* Exact propagation of independent damped oscillators under a held force: the twin of
-   components/numerics/oscillators.py. Each mode obeys eta'' + 2 zeta w eta' + w^2 eta = Q, Q constant over the step.
+/* Exact propagation of independent damped oscillators under a force linear in time: the twin of
+   components/numerics/oscillators.py. Each mode obeys eta'' + 2 zeta w eta' + w^2 eta = Q + S P1, P1 = 2 t / h - 1.
 
    Plain doubles: step size and damping carry no derivative, so both number types share the propagators. */
 
@@ -13,13 +13,16 @@
 
 /* Step sizes remembered, because a run reuses few. */
 #define FANFOLD_STEP_SIZES 32
+#define FANFOLD_PROPAGATOR 14
+#define FANFOLD_SERIES 32
 
 /* Transition over one step size, one number a mode:
-       eta1 = a11 eta0 + a12 v0 + b1 Q,   v1 = a21 eta0 + a22 v0 + a12 Q,
-       dissipated = w11 z^2 + w12 z v0 + w22 v0^2 with z = eta0 - compliance Q. */
+       eta1 = a11 eta0 + a12 v0 + b1 Q + c1 S,   v1 = a21 eta0 + a22 v0 + a12 Q + c2 S,
+       integral of P1 v dt = -c1 (Q - w^2 eta0) - c2 v0 + d S,
+       dissipated = w11 z^2 + w12 z v0 + w22 v0^2 + S (s1 z + s2 v0 + s3 S) with z = eta0 - compliance Q. */
 typedef struct {
     double h;
-    double *a11, *a12, *a21, *a22, *b1, *w11, *w12, *w22;
+    double *a11, *a12, *a21, *a22, *b1, *w11, *w12, *w22, *c1, *c2, *d, *s1, *s2, *s3;
 } Propagator;
 
 typedef struct {
@@ -33,9 +36,28 @@ typedef struct {
 
 #ifndef FANFOLD_COMPLEX
 
+/* A propagator whose arrays of `modes` numbers lie one after the other. */
+static Propagator propagator_at(double *next, size_t modes) {
+    return (Propagator){0.0,
+                        next,
+                        next + modes,
+                        next + 2 * modes,
+                        next + 3 * modes,
+                        next + 4 * modes,
+                        next + 5 * modes,
+                        next + 6 * modes,
+                        next + 7 * modes,
+                        next + 8 * modes,
+                        next + 9 * modes,
+                        next + 10 * modes,
+                        next + 11 * modes,
+                        next + 12 * modes,
+                        next + 13 * modes};
+}
+
 /* Memory for `modes` oscillators; all are undamped of frequency 1 until they are given values. */
 static int oscillators_allocate(Oscillators *all, size_t modes, Memory *memory) {
-    const size_t arrays = 3 + 8 * FANFOLD_STEP_SIZES;
+    const size_t arrays = 3 + FANFOLD_PROPAGATOR * FANFOLD_STEP_SIZES;
     double *next = allocate(memory, arrays * modes * sizeof(double));
     if (!next) return 0;
     all->modes = modes;
@@ -43,16 +65,8 @@ static int oscillators_allocate(Oscillators *all, size_t modes, Memory *memory) 
     all->damping_ratio = next + modes;
     all->compliance = next + 2 * modes;
     next += 3 * modes;
-    for (size_t i = 0; i < FANFOLD_STEP_SIZES; i++, next += 8 * modes)
-        all->propagators[i] = (Propagator){0.0,
-                                           next,
-                                           next + modes,
-                                           next + 2 * modes,
-                                           next + 3 * modes,
-                                           next + 4 * modes,
-                                           next + 5 * modes,
-                                           next + 6 * modes,
-                                           next + 7 * modes};
+    for (size_t i = 0; i < FANFOLD_STEP_SIZES; i++, next += FANFOLD_PROPAGATOR * modes)
+        all->propagators[i] = propagator_at(next, modes);
     for (size_t j = 0; j < modes; j++) all->frequency[j] = all->compliance[j] = 1.0;
     return 1;
 }
@@ -75,6 +89,76 @@ static inline void propagator_dissipation(Propagator *made, size_t j, double w, 
     made->w22[j] = w22;
 }
 
+/* What a slope S adds to the energy dissipated, S (s1 z + s2 v0 + s3 S), of mode j: its work less the energy it brings. */
+static inline void propagator_slope_dissipation(Propagator *made, size_t j, double w, double zeta) {
+    double c1 = made->c1[j], c2 = made->c2[j], s = made->a12[j], square = w * w;
+    made->s1[j] = made->s2[j] = made->s3[j] = 0.0;
+    if (!(zeta > 0.0)) return;
+    made->s1[j] = square * (square * made->b1[j] * c1 + s * c2);
+    made->s2[j] = -(1.0 + made->a22[j]) * c2 - square * s * c1;
+    made->s3[j] = made->d[j] - 0.5 * (c2 * c2 + square * c1 * c1);
+}
+
+/* c1 / h^2, c2 / h and d / h^2 as series of the derivatives of the response to an impulse:
+   y(n+2) = first y(n+1) + second y(n). */
+static inline void slope_series(double first, double second, double found[3]) {
+    double before = 0.0, now = 1.0, factorial = 2.0; /* (n + 2)! */
+    found[0] = found[1] = found[2] = 0.0;
+    for (int n = 0; n < FANFOLD_SERIES; n++) {
+        double term = now / factorial, next = first * now + second * before;
+        found[0] -= term * (n + 1) / (n + 3);
+        found[1] -= term * n;
+        found[2] -= term * n / (n + 4);
+        before = now, now = next, factorial *= n + 3;
+    }
+}
+
+/* The same of a response exp(z t / h), z negative. */
+static inline void slope_of_exponential(double z, double found[3]) {
+    if (z < -1.0) {
+        double phi1 = expm1(z) / z, phi2 = (phi1 - 1.0) / z, phi3 = (phi2 - 0.5) / z;
+        found[0] = 2.0 * phi2 - phi1;
+        found[1] = 2.0 * phi1 - exp(z);
+        found[2] = 4.0 * phi2 - 4.0 * phi3 - phi1;
+        return;
+    }
+    double power = 1.0; /* z^n / (n + 1)! */
+    found[0] = found[1] = found[2] = 0.0;
+    for (int n = 0; n < FANFOLD_SERIES; n++) {
+        found[0] -= power * n / (n + 2);
+        found[1] += power * (1 - n);
+        found[2] -= power * (n * n + n - 2) / ((n + 2) * (n + 3));
+        power *= z / (n + 2);
+    }
+}
+
+/* What a slope does to mode j over a step h. With g(k) the k-fold integral of the response to an impulse, of size
+   one, c1 / h^2 = 2 g2 - g1, c2 / h = 2 g1 - g0, d / h^2 = 4 g2 - 4 g3 - g1: series where these differences are small,
+   the recurrence of g(k) where it is stable, and a difference of both roots far above critical damping. */
+static inline void propagator_slopes(Propagator *made, size_t j, double w, double zeta, double h) {
+    double found[3], angle = w * h;
+    if (fmax(zeta, 1.0) * angle < 2.0) {
+        slope_series(-2.0 * zeta * angle, -angle * angle, found);
+    } else if (zeta >= 2.0) {
+        double root = sqrt((zeta - 1.0) * (zeta + 1.0)), slow = -angle / (zeta + root), fast = -angle * (zeta + root);
+        double other[3];
+        slope_of_exponential(slow, found);
+        slope_of_exponential(fast, other);
+        for (int i = 0; i < 3; i++) found[i] = (found[i] - other[i]) / (slow - fast);
+    } else {
+        double g0 = made->a12[j] / h, g1 = made->b1[j] / (h * h);
+        double g2 = (1.0 - 2.0 * zeta * angle * g1 - g0) / (angle * angle);
+        double g3 = (0.5 - 2.0 * zeta * angle * g2 - g1) / (angle * angle);
+        found[0] = 2.0 * g2 - g1;
+        found[1] = 2.0 * g1 - g0;
+        found[2] = 4.0 * g2 - 4.0 * g3 - g1;
+    }
+    made->c1[j] = found[0] * (h * h);
+    made->c2[j] = found[1] * h;
+    made->d[j] = found[2] * (h * h);
+    propagator_slope_dissipation(made, j, w, zeta);
+}
+
 /* Mode j over a step h: the exponential of a 2x2 companion matrix without differences of nearly equal
    numbers, by the slower root, or by the real part of both where they are complex. Modes far above critical
    damping keep the accuracy of the others. */
@@ -94,6 +178,7 @@ static inline void propagator_mode(Propagator *made, size_t j, double w, double 
     made->a22[j] = second - rate * s;
     made->b1[j] = fmax(zeta, 1.0) * angle < 1e-3 ? series : (loss - rate * s) / (w * w);
     propagator_dissipation(made, j, w, zeta);
+    propagator_slopes(made, j, w, zeta, h);
 }
 
 /* The propagator of step size h > 0; makes it when it is not remembered. */

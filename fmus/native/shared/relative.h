@@ -4,8 +4,6 @@
 #ifndef FANFOLD_RELATIVE_H
 #define FANFOLD_RELATIVE_H
 
-#include <stdio.h>
-
 #include "frames.h"
 #include "kernel.h"
 
@@ -113,6 +111,35 @@ typedef struct Passage {
     Vector3 gap0, gap1;
 } Passage;
 
+/* Centre line between two points over a step: mean and change of the vector, and the scale of its direction. A tension
+   acts along scale x mean, and a slope of the tension also along the change of the direction within the step, so that
+   no angular momentum is left over; moments of the length are taken with the adjoint. */
+typedef struct Line {
+    Vector3 mean, change;
+    real scale;
+} Line;
+
+static inline Line line_between(Vector3 start, Vector3 end, real scale) {
+    return (Line){vector_mean(start, end), vector_subtract(end, start), scale};
+}
+
+/* A sixth of the change of the direction. */
+static inline Vector3 line_turning(const Line *line) {
+    real share = vector_dot(line->mean, line->change) / vector_dot(line->mean, line->mean);
+    return vector_scaled(line->scale / 6.0, vector_subtract(line->change, vector_scaled(share, line->mean)));
+}
+
+/* Moment of the length's rate, from that of the velocity of the second point against the first. */
+static inline real line_moment(const Line *line, Vector3 apart) {
+    return line->scale * vector_dot(line->mean, apart) + vector_dot(line_turning(line), line->change);
+}
+
+/* Mean force on the second point; its slope is along the line alone. */
+static inline Vector3 line_force(const Line *line, real tension, real slope) {
+    Vector3 along = vector_scaled(tension * line->scale, line->mean);
+    return vector_scaled(-1.0, vector_add(along, vector_scaled(slope, line_turning(line))));
+}
+
 /* Twice the tangent of half the angle, along the axis, of the rotation from one frame to another, world axes. */
 static inline Vector3 turn_between(Quaternion start, Quaternion end) {
     Quaternion turn = quaternion_multiply(end, quaternion_conjugate(start));
@@ -203,13 +230,15 @@ static inline int find_place(const Data *data, const char *group, VariableName v
     return 1;
 }
 
-/* Where the first moments of the ports' velocities begin, of the first port's name; none for NULL. */
-static inline int find_moments(const Data *data, const char *port, const Sizes *sizes, size_t *place, Reason *why) {
-    char name[64];
+/* Where the first moments of the velocities of `ports` ports begin, the last inputs; none for no port. `first` is the
+   first port's. */
+static inline int find_moments(const Data *data, const char *first, size_t ports, const Sizes *sizes, size_t *place,
+                               Reason *why) {
     *place = 0;
-    if (!port) return 1;
-    snprintf(name, sizeof name, "%s.velocity_moment", port);
-    return find_place(data, "input", (VariableName){name, 3}, sizes->inputs, place, why);
+    if (ports == 0) return 1;
+    if (!find_place(data, "input", (VariableName){first, 3}, sizes->inputs, place, why)) return 0;
+    if (*place + WRENCH_SIZE * ports == sizes->inputs) return 1;
+    return refuse(why, "the first moments of the ports are not the last inputs");
 }
 
 static inline int find_parameters(const Data *data, const VariableName *variables, size_t count, const Sizes *sizes,

@@ -13,7 +13,7 @@ import numpy as np
 
 from components import REGISTRY, ComponentError, rotation_matrix
 from components.body import Body
-from components.contract.component import Vector
+from components.contract.component import Component, Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
 from components.fixed_base import FixedBase
 
@@ -49,7 +49,7 @@ class PlacedBody:
         elif isinstance(component, FixedBase):
             self.body, self.modes = None, 0
             self.position = np.array(component.structure["reference"], dtype=float)
-            motions = component.outputs(None, state, np.zeros(0)).reshape(-1, 13)
+            motions = _motions(component, None, state)
             self._arms = motions[:, :3] - self.position
             self._shapes = self._turns = np.zeros((len(motions), 3, 0))
         else:
@@ -93,9 +93,7 @@ class PlacedBody:
 
     def motions(self) -> Vector:
         """Poses of the ports with zero rates, (ports, 13)."""
-        inputs = self.component.input_layout.start_values()
-        result: Vector = self.component.outputs(self._constants, self._at_rest(), inputs).reshape(-1, 13)
-        return result
+        return _motions(self.component, self._constants, self._at_rest())
 
     def forces(self, wrenches: Vector) -> Vector:
         """Generalised forces (size,) of wrenches (ports, 6), gravity and the modes' stiffness.
@@ -106,7 +104,9 @@ class PlacedBody:
             reach = self._arms
             moments = np.cross(reach, wrenches[:, :3]) + wrenches[:, 3:]
             return np.concatenate((wrenches[:, :3].sum(0), moments.sum(0)))
-        rates = self.body.rates(self._constants, self._at_rest(), wrenches.ravel())
+        inputs = self.body.input_layout.start_values()
+        inputs[: wrenches.size] = wrenches.ravel()
+        rates = self.body.rates(self._constants, self._at_rest(), inputs)
         return np.concatenate((rates[7:13], rates[14 + self.modes :]))
 
     def port_jacobian(self, port: int) -> Vector:
@@ -165,6 +165,13 @@ class PlacedBody:
             damping[6:] = 2.0 * self._constants.damping_ratio * frequency
             stiffness[6:] = frequency**2
         return np.diag(damping), np.diag(stiffness)
+
+
+def _motions(component: Component, constants: Any, state: Vector) -> Vector:  # noqa: ANN401
+    """Motions (ports, 13) of the ports of a body or fixed base."""
+    outputs = component.outputs(constants, state, component.input_layout.start_values())
+    result: Vector = outputs[: 13 * len(component.ports)].reshape(-1, 13)
+    return result
 
 
 class Pose(NamedTuple):

@@ -65,12 +65,27 @@ def errors(fmu, reference):
         assert fmu.step(0.0, H) == OK
     state = fmu.slave.getFMUstate()
     u = reference.random_inputs(rng)
+    slopes = [q for q in component.input_layout.quantities if q.name.endswith("_slope")]
+    held = u.copy()
+    for quantity in slopes:
+        held[component.input_layout[quantity.name]] = 0.0
+    continuous = [q for q in component.input_layout.quantities if q.variability != "discrete"]
+    return {
+        **errors_at(fmu, component, state, (first, u), outputs, continuous),
+        **{
+            f"{k}, held": v
+            for k, v in errors_at(fmu, component, state, (first, held), outputs, slopes).items()
+        },
+    }
+
+
+def errors_at(fmu, component, state, inputs, outputs, quantities):
+    """The same of a step from a state under inputs."""
+    first, u = inputs
     after = stepped(fmu, state, first, u, outputs)
     references = [list(range(a, a + n)) for a, n in ((first, u.size), outputs)]
     result = {}
-    for quantity in component.input_layout.quantities:
-        if quantity.variability == "discrete":
-            continue
+    for quantity in quantities:
         place = component.input_layout[quantity.name]
         exact, approximate = [], []
         for column in range(place.start, place.stop):

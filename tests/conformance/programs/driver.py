@@ -22,6 +22,8 @@ from tests.conformance.programs.toy import Toy
 KINDS = {**REGISTRY, Toy.kind: Toy}
 TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}
 """Values of a hinge or loop by unit, for parameters that are zero by default."""
+LOADS = {"N": 20.0, "N.m": 5.0}
+"""Random forces and torques, means and slopes."""
 OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 POSE_ROUNDING = 4.0 * np.finfo(float).eps
 """Of a relative pose of order one, whose coordinates are sums of four products."""
@@ -134,7 +136,7 @@ class Reference:
             if quantity.variability == "discrete":
                 noise = np.round(noise)
             else:
-                noise *= 0.01 * (1.0 + np.abs(part))
+                noise *= LOADS.get(quantity.unit, 0.01 * (1.0 + np.abs(part)))
             part += noise
             np.clip(part, quantity.minimum, quantity.maximum, out=part)
             if quantity.name.endswith(".orientation"):
@@ -142,10 +144,14 @@ class Reference:
         return u
 
     def random_parameters(self, rng):
-        """The present parameters with the tunable ones moved a little, and those that are zero made typical."""
-        p = self.p.copy()
+        """The present parameters with the tunable ones moved a little, and those that are zero made typical.
+
+        A weight of the end value is for static solutions, which are of order 2: at order 4 it stays.
+        """
+        p, layout = self.p.copy(), self.component.parameter_layout
+        fourth = "order" in layout and p[layout["order"]][0] == 4.0
         for quantity in self.component.parameter_layout.quantities:
-            if quantity.variability == "tunable":
+            if quantity.variability == "tunable" and not (fourth and quantity.name == "end_weight"):
                 part = p[self.component.parameter_layout[quantity.name]]
                 part[part == 0.0] = TYPICAL.get(quantity.unit, 0.1)
                 part *= 1.0 + 0.01 * rng.random(part.size)

@@ -27,7 +27,8 @@ FAILED = ERROR if NATIVE else FATAL
 REFUSED = ERROR if NATIVE else DISCARD
 AGREEMENT = 1e-11
 CANCELLED = 1e-3
-"""Quantities below it are what is left of sums of terms of order one."""
+"""Quantities below it are what is left of sums of terms of order one; first moments, of terms of steps squared."""
+MOMENT = 1e-6
 
 
 def pair(kind, path, instance="instance"):
@@ -72,7 +73,8 @@ def agree(layout, found, expected, what, noise=lambda unit: 0.0):
     for quantity in layout.quantities:
         place = layout[quantity.name]
         error, size = (np.abs(values).max() for values in (found[place] - expected[place], expected[place]))
-        allowed = max(AGREEMENT * max(size, CANCELLED), noise(quantity.unit))
+        smallest = MOMENT if quantity.name.endswith("_moment") else CANCELLED
+        allowed = max(AGREEMENT * max(size, smallest), noise(quantity.unit))
         assert error <= allowed, f"{what}: {quantity.name} by {error:g}"
 
 

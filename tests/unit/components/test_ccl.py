@@ -212,7 +212,7 @@ def test_endpoint_and_mean_wrench_agree_in_the_limit():
         x = mean.initial(c, at(mean, 0.0))
         y = mean.step(c, x, at(mean, h), h)
         end = endpoint.outputs(d, endpoint.initial(d, at(endpoint, 0.0)), at(endpoint, h))
-        differences.append(np.abs(mean.outputs(c, y, at(mean, h)) - end).max())
+        differences.append(np.abs(mean.outputs(c, y, at(mean, h))[:12] - end).max())
     # first order: half a step times the force's rate of change, at most 2 k v plus the turning of 80 N
     assert differences[0] < 1e-3 * (STIFFNESS * 0.4 + 80.0)
     assert differences[0] / differences[1] == pytest.approx(2.0, rel=0.05)
@@ -238,7 +238,7 @@ def test_hold_adjusts_the_strands_to_their_preload():
     y = component.step(c, x, u, 0.1)
     z = observed(component, c, y, u)
     assert (z["tension_a"], z["tension_b"]) == pytest.approx((PRELOAD, PRELOAD), rel=1e-13)
-    assert component.outputs(c, y, u).reshape(2, 6)[1, :3] == pytest.approx(
+    assert component.outputs(c, y, u)[:12].reshape(2, 6)[1, :3] == pytest.approx(
         (-2 * PRELOAD * FREE / DISTANCE, 0, 0), abs=1e-11
     )
 

@@ -273,7 +273,7 @@ def test_an_impulse_makes_no_torque_of_its_own():
     assert observed(component, c, y, after)["drive_torque"] == pytest.approx(-9.0 - 8.0 * 0.2, rel=1e-9)
     resting = turned(component, 0.03 + 0.002, 0.2)
     z = component.step(c, y, resting, 0.01)
-    mean = component.outputs(c, z, resting).reshape(2, 6)[1, 4]
+    mean = component.outputs(c, z, resting)[:12].reshape(2, 6)[1, 4]
     assert mean == pytest.approx(-300.0 * 0.031 - 8.0 * 0.2, rel=1e-6)
 
 

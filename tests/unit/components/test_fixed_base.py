@@ -30,13 +30,16 @@ def load(u):
 
 
 def test_ports_never_move():
-    """Definition of a fixed base, whatever acts on it."""
+    """Definition of a fixed base, whatever acts on it: poses, rates and first moments of its ports."""
     component = base()
     u = wrench(component, 1.0)
+    u[13:] = np.arange(12.0)
     x = component.step(None, component.initial(None, u), u, 0.1)
-    ports = component.outputs(None, x, u).reshape(2, 13)
+    y = component.outputs(None, x, u)
+    ports = y[:26].reshape(2, 13)
     assert np.array_equal(ports[:, :3], PLACES)
     assert np.array_equal(ports[:, 3:], np.tile([1.0, *[0.0] * 9], (2, 1)))
+    assert np.array_equal(y[26:], np.zeros(12))
 
 
 def test_interface_load_is_the_sum_about_the_reference_point():

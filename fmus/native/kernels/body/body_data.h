@@ -41,7 +41,7 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     body->modes = modes;
     body->padded_modes = padded(modes);
     body->coordinates = padded(arms);
-    if (sizes->inputs != WRENCH * body->ports || sizes->outputs != MOTION * body->ports ||
+    if (sizes->inputs != 2 * WRENCH * body->ports || sizes->outputs != (MOTION + WRENCH) * body->ports ||
         sizes->observations != 16 + modes)
         return refuse(why, "the body's variables do not fit its %lu ports and %lu modes", (unsigned long)body->ports,
                       (unsigned long)modes);
@@ -185,7 +185,7 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
         !read_mass(body, data, why) || !read_coupling(body, data, memory, why) ||
         !read_oscillators(body, data, why) || !read_ports(body, data, why) || !find_parameters(body, data, sizes, why))
         return NULL;
-    *states = MODES + 2 * body->modes;
+    *states = MODES + 2 * body->modes + WRENCH * body->ports;
     return body;
 }
 

@@ -77,8 +77,8 @@ int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, 
     Vector3 weight = vector_scaled(body->mass, constant_vector(body->gravity));
     vector_store(vector_scaled(1.0 / body->mass, vector_of(x + MOMENTUM)), rates + POSITION);
     quaternion_store(exchange_turning(quaternion_of(raw + ORIENTATION), vector_of(x + OMEGA)), rates + ORIENTATION);
-    vector_store(vector_add(load.force, weight), rates + MOMENTUM);
-    vector_store(vector_add(moment_of(body, &load, work.arms, a), load.torque), rates + SPIN);
+    vector_store(vector_add(load.mean.force, weight), rates + MOMENTUM);
+    vector_store(vector_add(moment_of(body, load.wrenches, work.arms, a), load.mean.torque), rates + SPIN);
     return 1;
 }
 

@@ -40,15 +40,18 @@ typedef struct {
 typedef struct {
     real *eta_start, *pi_start, *eta_mean, *rate_mean, *rate_start;
     real *eta, *pi, *pi_mean, *force, *port_force, *drag;
-    real *wrenches;   /* 2 coordinates: forces and torques conjugate to the modes, body axes */
-    real *deflection; /* 2 coordinates: of the ports, and their turns */
-    real *rates;      /* 2 coordinates: the same for the modal rates */
-    real *arms;       /* coordinates */
+    real *slope, *moment;   /* slope of the modal forces; first moment of the modal rates */
+    real *wrenches;         /* 2 coordinates: forces and torques conjugate to the modes, body axes */
+    real *slope_wrenches;   /* 2 coordinates: their slopes */
+    real *deflection;       /* 2 coordinates: of the ports, and their turns */
+    real *deflection_start; /* 2 coordinates: the same at the start of a step */
+    real *rates;            /* 2 coordinates: the same for the modal rates */
+    real *arms;             /* coordinates */
     CouplingScratch coupling;
 } Work;
 
-#define WORK_BY_MODE 11
-#define WORK_BY_PORT 7
+#define WORK_BY_MODE 13
+#define WORK_BY_PORT 11
 #define WORK_OF_COUPLING 12
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
@@ -85,11 +88,15 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.force = next + 8 * n;
     work.port_force = next + 9 * n;
     work.drag = next + 10 * n;
+    work.slope = next + 11 * n;
+    work.moment = next + 12 * n;
     next += WORK_BY_MODE * n;
     work.wrenches = next;
-    work.deflection = next + 2 * l;
-    work.rates = next + 4 * l;
-    work.arms = next + 6 * l;
+    work.slope_wrenches = next + 2 * l;
+    work.deflection = next + 4 * l;
+    work.deflection_start = next + 6 * l;
+    work.rates = next + 8 * l;
+    work.arms = next + 10 * l;
     next += WORK_BY_PORT * l;
     work.coupling.quadratic = next;
     work.coupling.b = next + 6 * n;
@@ -98,28 +105,63 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     return work;
 }
 
-/* Held wrenches of all ports, world axes, and their sums. */
+/* Forces and torques of wrenches, summed up, or their moments. */
 typedef struct {
-    const real *wrenches;
     Vector3 force, torque;
+} Sums;
+
+static inline Sums sums_of(const Body *body, const real *wrenches) {
+    Sums sums = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    for (size_t k = 0; k < body->ports; k++) {
+        sums.force = vector_add(sums.force, vector_of(wrenches + WRENCH * k));
+        sums.torque = vector_add(sums.torque, vector_of(wrenches + WRENCH * k + 3));
+    }
+    return sums;
+}
+
+/* Wrenches of all ports, world axes, linear in time over a step: means and slopes, and their sums. Without any slope,
+   in value and in derivative, `sloped` is 0 and everything they do is left out. */
+typedef struct {
+    const real *wrenches, *slopes;
+    Sums mean, slope;
+    int sloped;
 } Load;
 
 static inline Load load_of(const Body *body, const real *u) {
-    Load load = {u, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
-    for (size_t k = 0; k < body->ports; k++) {
-        load.force = vector_add(load.force, vector_of(u + WRENCH * k));
-        load.torque = vector_add(load.torque, vector_of(u + WRENCH * k + 3));
-    }
+    Load load = {u, u + WRENCH * body->ports, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
+    for (size_t i = 0; i < WRENCH * body->ports; i++) load.sloped |= load.slopes[i] != 0.0;
+    if (load.sloped) load.slope = sums_of(body, load.slopes);
     return load;
 }
 
 /* Sum of the moments of the ports' forces on arms in the axes of rotation a. */
-static inline Vector3 moment_of(const Body *body, const Load *load, const real *arms, const real a[9]) {
+static inline Vector3 moment_of(const Body *body, const real *wrenches, const real *arms, const real a[9]) {
     Vector3 sum = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < body->ports; k++)
-        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)),
-                                           vector_of(load->wrenches + WRENCH * k)));
+        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)), vector_of(wrenches + WRENCH * k)));
     return sum;
+}
+
+/* A vector linear in time over a step. */
+typedef struct {
+    Vector3 mean, slope;
+} Course;
+
+/* Sums of the moments that means and slopes of the forces have on arms of one instant. */
+static inline Course moments_at(const Body *body, const Load *load, const real *arms, const real a[9]) {
+    Course found = {moment_of(body, load->wrenches, arms, a), {0.0, 0.0, 0.0}};
+    if (load->sloped) found.slope = moment_of(body, load->slopes, arms, a);
+    return found;
+}
+
+/* Moment over a step, from the moments on the arms of both its ends. A changing force on an arm that moves on has a
+   mean moment as well. */
+static inline Course moment_over(const Load *load, const Course *start, const Course *end) {
+    Course found = {vector_add(vector_mean(start->mean, end->mean), load->mean.torque), {0.0, 0.0, 0.0}};
+    if (!load->sloped) return found;
+    found.mean = vector_add(found.mean, vector_scaled(1.0 / 6.0, vector_subtract(end->slope, start->slope)));
+    found.slope = vector_add(vector_mean(start->slope, end->slope), load->slope.torque);
+    return found;
 }
 
 #endif

@@ -17,21 +17,59 @@ static inline void undeformed_arms(const Body *body, const Work *work) {
     for (size_t i = 0; i < 3 * body->ports; i++) work->arms[i] = body->arms[i];
 }
 
-/* Generalised forces of the load: Phi^T A^T f + Psi^T Jl(turn)^T A^T tau; `turns` are those of the ports. */
+/* Jl(turn) rate: angular velocity of a port that turned by a rotation vector, from the rate of this. */
+static inline Vector3 twist_of(Vector3 turn, Vector3 rate) {
+    Vector3 once = vector_cross(turn, rate), twice = vector_cross(turn, once);
+    return vector_add(rate, vector_add(vector_scaled(0.5, once), vector_scaled(1.0 / 6.0, twice)));
+}
+
+/* Jl(turn)^T torque: what does work on the modal rates. */
+static inline Vector3 conjugate_torque(Vector3 turn, Vector3 torque) {
+    Vector3 once = vector_cross(turn, torque), twice = vector_cross(turn, once);
+    return vector_add(vector_subtract(torque, vector_scaled(0.5, once)), vector_scaled(1.0 / 6.0, twice));
+}
+
+/* Generalised forces of the mean load: Phi^T A^T f + Psi^T Jl(turn)^T A^T tau; `turns` are those of the ports. */
 static inline void modal_force(const Body *body, const Load *load, const real a_force[9],
                                const real a_torque[9], const real *turns, const Work *work) {
     size_t l = body->coordinates;
     for (size_t k = 0; k < body->ports; k++) {
         const real *wrench = load->wrenches + WRENCH * k;
-        Vector3 torque = transposed_times(a_torque, vector_of(wrench + 3)), turn = vector_of(turns + 3 * k);
-        Vector3 once = vector_cross(turn, torque), twice = vector_cross(turn, once);
-        Vector3 conjugate = vector_add(vector_subtract(torque, vector_scaled(0.5, once)),
-                                       vector_scaled(1.0 / 6.0, twice));
+        Vector3 torque = transposed_times(a_torque, vector_of(wrench + 3));
         vector_store(transposed_times(a_force, vector_of(wrench)), work->wrenches + 3 * k);
-        vector_store(conjugate, work->wrenches + l + 3 * k);
+        vector_store(conjugate_torque(vector_of(turns + 3 * k), torque), work->wrenches + l + 3 * k);
     }
     for (size_t i = 3 * body->ports; i < l; i++) work->wrenches[i] = work->wrenches[l + i] = 0.0;
     rows_projected(body->shapes, body->padded_modes, 2 * l, work->wrenches, work->port_force, work->coupling.split);
+}
+
+/* Means and slopes of the generalised forces over a step, at the turns of its middle. A changing wrench on a shape that
+   turns on has a mean as well. */
+static inline void modal_forces(const Body *body, const Load *load, const real a_start[9], const real a_mid[9],
+                                const real a_end[9], const real *turns, const Work *work) {
+    size_t l = body->coordinates;
+    real a_mean[9], turned[9], *wrenches = work->wrenches, *slopes = work->slope_wrenches;
+    for (size_t e = 0; e < 9; e++) a_mean[e] = 0.5 * (a_start[e] + a_end[e]);
+    if (!load->sloped) {
+        modal_force(body, load, a_mean, a_mid, turns, work);
+        return;
+    }
+    for (size_t e = 0; e < 9; e++) turned[e] = (1.0 / 6.0) * (a_end[e] - a_start[e]);
+    for (size_t k = 0; k < body->ports; k++) {
+        const real *wrench = load->wrenches + WRENCH * k, *slope = load->slopes + WRENCH * k;
+        Vector3 force_slope = vector_of(slope), torque_slope = vector_of(slope + 3), turn = vector_of(turns + 3 * k);
+        Vector3 force = vector_add(transposed_times(a_mean, vector_of(wrench)), transposed_times(turned, force_slope));
+        Vector3 torque =
+            vector_add(transposed_times(a_mid, vector_of(wrench + 3)), transposed_times(turned, torque_slope));
+        vector_store(force, wrenches + 3 * k);
+        vector_store(conjugate_torque(turn, torque), wrenches + l + 3 * k);
+        vector_store(transposed_times(a_mean, force_slope), slopes + 3 * k);
+        vector_store(conjugate_torque(turn, transposed_times(a_mid, torque_slope)), slopes + l + 3 * k);
+    }
+    for (size_t i = 3 * body->ports; i < l; i++)
+        wrenches[i] = wrenches[l + i] = slopes[i] = slopes[l + i] = 0.0;
+    rows_projected_twice(body->shapes, body->padded_modes, 2 * l, wrenches, slopes, work->port_force, work->slope,
+                         work->coupling.split);
 }
 
 static inline int recalled(const Remembered *remembered, const real *eta, size_t modes) {
@@ -91,12 +129,13 @@ static inline void store_modes(const Body *body, const real *eta, const real *pi
     }
 }
 
-/* The modes at the start of a step: coordinates, momenta, rates. No derivative enters here. */
+/* The modes at the start of a step: coordinates, momenta, rates, no slope. No derivative enters here. */
 static inline void start_modes(Body *body, const double *x, const Work *work) {
     size_t m = body->modes, n = body->padded_modes;
     for (size_t j = 0; j < n; j++) {
         work->eta_mean[j] = work->eta_start[j] = j < m ? x[MODES + body->order[j]] : 0.0;
         work->rate_mean[j] = work->pi_start[j] = j < m ? x[MODES + m + body->order[j]] : 0.0;
+        work->slope[j] = 0.0;
     }
     if (!body->coupling.full) return;
 #ifdef FANFOLD_COMPLEX
@@ -132,6 +171,22 @@ FANFOLD_VECTORISED static void propagate(const Propagator *prop, size_t n, const
     }
 }
 
+/* What slopes of the forces, which `propagate` held, add to that: of mean rates it is their travel over the step. */
+FANFOLD_VECTORISED static void propagate_slopes(const Propagator *prop, size_t n, const Work *work) {
+    const real *restrict slope = work->slope;
+    real *restrict eta = work->eta, *restrict pi = work->pi, *restrict pi_mean = work->pi_mean;
+    real *restrict eta_mean = work->eta_mean, *restrict rate_mean = work->rate_mean;
+    const double *restrict c1 = prop->c1, *restrict c2 = prop->c2, rate = 1.0 / prop->h;
+    for (size_t j = 0; j < n; j++) {
+        real travel = c1[j] * slope[j];
+        eta[j] += travel;
+        eta_mean[j] += 0.5 * travel;
+        pi[j] += c2[j] * slope[j];
+        pi_mean[j] += rate * travel;
+        rate_mean[j] += rate * travel;
+    }
+}
+
 /* Energy turned into heat over the step. */
 FANFOLD_VECTORISED static real dissipated(const Propagator *prop, const double *compliance, size_t n,
                                           const Work *work) {
@@ -141,6 +196,40 @@ FANFOLD_VECTORISED static real dissipated(const Propagator *prop, const double *
         heat += prop->w11[j] * (z * z) + prop->w12[j] * (z * v) + prop->w22[j] * (v * v);
     }
     return heat;
+}
+
+/* What slopes add to that. */
+FANFOLD_VECTORISED static real dissipated_by_slopes(const Propagator *prop, const double *compliance, size_t n,
+                                                    const Work *work) {
+    real heat = 0.0;
+    for (size_t j = 0; j < n; j++) {
+        real z = work->eta_start[j] - compliance[j] * work->force[j], s = work->slope[j];
+        heat += s * (prop->s1[j] * z + prop->s2[j] * work->rate_start[j] + prop->s3[j] * s);
+    }
+    return heat;
+}
+
+/* First moments of the modal momenta over the step; mean rates and momenta from where it led. */
+FANFOLD_VECTORISED static void moments_of_momenta(const Oscillators *oscillators, const Propagator *prop, size_t n,
+                                                  const Work *work) {
+    const real *restrict eta_start = work->eta_start, *restrict eta = work->eta, *restrict drag = work->drag;
+    const real *restrict force = work->force, *restrict rate_start = work->rate_start, *restrict slope = work->slope;
+    const double *restrict w = oscillators->frequency, *restrict c1 = prop->c1, *restrict c2 = prop->c2;
+    real *restrict moment = work->moment, *restrict rate_mean = work->rate_mean, *restrict pi_mean = work->pi_mean;
+    for (size_t j = 0; j < n; j++) {
+        moment[j] = c1[j] * (w[j] * w[j] * eta_start[j] - force[j]) - c2[j] * rate_start[j] + prop->d[j] * slope[j];
+        rate_mean[j] = (1.0 / prop->h) * (eta[j] - eta_start[j]);
+        pi_mean[j] = rate_mean[j] + drag[j];
+    }
+}
+
+/* First moments of rates from those of momenta: less B^T of the angular velocity's, and what B grows by. */
+FANFOLD_VECTORISED static void moments_of_rates(size_t n, Vector3 rate_moment, const real *restrict b, Vector3 growth,
+                                                const real *restrict b_rate, real *restrict moment) {
+    for (size_t j = 0; j < n; j++) {
+        moment[j] -= rate_moment.x * b[j] + rate_moment.y * b[n + j] + rate_moment.z * b[2 * n + j];
+        moment[j] -= growth.x * b_rate[j] + growth.y * b_rate[n + j] + growth.z * b_rate[2 * n + j];
+    }
 }
 
 /* B, J - B B^T and the quadratic forces at mid-step, as far as the level keeps them. */
@@ -172,6 +261,27 @@ static inline Vector3 solved(const Body *body, const real inertia[6], Vector3 mo
         momentum.z -= dot_product(b + 2 * n, pi, n);
     }
     return solve_symmetric(inertia, momentum);
+}
+
+/* First moments over the step just propagated: of the angular velocity (rad), which it returns, and of the modal rates;
+   torque: what turns the body in its own axes. */
+static inline Vector3 moments_over(const Body *body, const Propagator *prop, Vector3 torque, Vector3 omega,
+                                   const real inertia[6], const Work *work) {
+    const InertiaCoupling *coupling = &body->coupling;
+    size_t n = body->padded_modes;
+    double scale = prop->h * prop->h / 6.0;
+    const real *b = work->coupling.b, *b_rate = work->coupling.b_rate, *pi = work->pi_mean;
+    moments_of_momenta(&body->oscillators, prop, n, work);
+    if (coupling->full) {
+        gyroscopic_of(coupling, work->rate_mean, work->coupling.b_rate, &work->coupling);
+        torque.x -= dot_product(b_rate, pi, n);
+        torque.y -= dot_product(b_rate + n, pi, n);
+        torque.z -= dot_product(b_rate + 2 * n, pi, n);
+    }
+    if (coupling->varies) torque = vector_subtract(torque, growth_of_momentum(coupling, work->rate_mean, omega, &work->coupling));
+    Vector3 rate_moment = solved(body, inertia, vector_scaled(scale, torque), work->moment, work);
+    if (coupling->full) moments_of_rates(n, rate_moment, b, vector_scaled(scale, omega), b_rate, work->moment);
+    return rate_moment;
 }
 
 /* Angular velocity at the end of a step, from the momentum in body axes and the modes there. */

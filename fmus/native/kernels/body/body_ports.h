@@ -41,9 +41,7 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
         const double *own = body->port_orientation + 4 * k;
         Vector3 turn = vector_of(work.deflection + l + 3 * k), twist = vector_of(work.rates + l + 3 * k);
         Vector3 arm = vector_add(constant_vector(body->arms + 3 * k), vector_of(work.deflection + 3 * k));
-        Vector3 once = vector_cross(turn, twist), twice = vector_cross(turn, once);
-        Vector3 rate_of_turn = vector_add(vector_add(omega, twist),
-                                          vector_add(vector_scaled(0.5, once), vector_scaled(1.0 / 6.0, twice)));
+        Vector3 rate_of_turn = vector_add(omega, twist_of(turn, twist));
         Vector3 relative = vector_add(vector_cross(omega, arm), vector_of(work.rates + 3 * k));
         Quaternion local = {own[0], own[1], own[2], own[3]};
         if (body->modes) local = quaternion_multiply(quaternion_exponential(turn), local);
@@ -52,6 +50,8 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
         vector_store(vector_add(velocity, matrix_times(a, relative)), y + 7);
         vector_store(matrix_times(a, rate_of_turn), y + 10);
     }
+    const real *moments = x + MODES + 2 * body->modes;
+    for (size_t i = 0; i < WRENCH * body->ports; i++) y[i] = moments[i];
 }
 
 #endif

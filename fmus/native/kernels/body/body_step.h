@@ -12,9 +12,11 @@
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
 
-/* Outcome of a step's iteration: angular velocity of mid-step, moment of the forces at the start, heat. */
+/* Outcome of a step's iteration: mean angular velocity and its first moment (rad), axes of mid-step; moments on the
+   arms of the start; heat. */
 typedef struct {
-    Vector3 omega, moment_start;
+    Vector3 omega, rate_moment;
+    Course moments_start;
     real heat;
 } Turned;
 
@@ -59,27 +61,36 @@ static inline void turn_on(const real a_start[9], Vector3 omega, double h, real 
     matrix_product(a_mid, half, a_end);
 }
 
-/* Angular momentum of mid-step, body axes. */
-static inline Vector3 momentum_of_mid_step(const double *x, const Load *load, Vector3 moment_start,
-                                           Vector3 moment_end, double h, const real a_mid[9]) {
-    Vector3 moment = vector_add(vector_mean(moment_start, moment_end), load->torque);
-    return transposed_times(a_mid, vector_add(constant_vector(x + SPIN), vector_scaled(0.5 * h, moment)));
+/* Mean angular momentum of a step, body axes of its middle. */
+static inline Vector3 mean_momentum(const double *x, const Course *moment, double h, const real a_mid[9]) {
+    Vector3 momentum = vector_add(constant_vector(x + SPIN), vector_scaled(0.5 * h, moment->mean));
+    return transposed_times(a_mid, vector_subtract(momentum, vector_scaled(h / 6.0, moment->slope)));
 }
 
-/* Angular velocity of mid-step, iterated on the moments of the forces at both ends. */
+/* What turns a body in its own axes, those of mid-step. */
+static inline Vector3 turning_torque(const Course *moment, Vector3 omega, Vector3 momentum, const real a_mid[9]) {
+    return vector_subtract(transposed_times(a_mid, moment->mean), vector_cross(omega, momentum));
+}
+
+/* Mean angular velocity, iterated on the moments of the forces at both ends. */
 static inline Turned turned_rigid(const Body *body, const double *x, const Load *load, double h,
                                   const real a_start[9], const Work *work) {
     real a_mid[9], a_end[9];
+    Course moment;
+    Vector3 momentum;
     undeformed_arms(body, work);
-    Turned turned = {constant_vector(x + OMEGA), moment_of(body, load, work->arms, a_start), 0.0};
+    Turned turned = {constant_vector(x + OMEGA), {0.0, 0.0, 0.0}, moments_at(body, load, work->arms, a_start), 0.0};
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
         turn_on(a_start, turned.omega, h, a_mid, a_end);
-        Vector3 moment_end = moment_of(body, load, work->arms, a_end);
-        Vector3 momentum = momentum_of_mid_step(x, load, turned.moment_start, moment_end, h, a_mid);
+        Course moments_end = moments_at(body, load, work->arms, a_end);
+        moment = moment_over(load, &turned.moments_start, &moments_end);
+        momentum = mean_momentum(x, &moment, h, a_mid);
         Vector3 next = constant_times(body->coupling.inverse, momentum);
         done = converged(turned.omega, next, h);
         turned.omega = next;
     }
+    Vector3 torque = turning_torque(&moment, turned.omega, momentum, a_mid);
+    turned.rate_moment = constant_times(body->coupling.inverse, vector_scaled(h * h / 6.0, torque));
     return turned;
 }
 
@@ -88,55 +99,103 @@ static inline Turned turned_flexible(Body *body, const double *x, const Load *lo
                                      const real a_start[9], const Work *work) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
-    real a_mid[9], a_end[9], a_mean[9], inertia[6] = {0.0};
-    real *turns_start = work->rates + l, *turns = work->rates;
+    real a_mid[9], a_end[9], inertia[6] = {0.0}, *turns = work->rates;
+    Course moment;
+    Vector3 momentum;
     start_modes(body, x, work);
     deformed_arms(body, work->eta_start, work);
-    for (size_t i = 0; i < l; i++) turns[i] = turns_start[i] = work->deflection[l + i];
-    Turned turned = {constant_vector(x + OMEGA), moment_of(body, load, work->arms, a_start), 0.0};
+    memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
+    memcpy(turns, work->deflection + l, l * sizeof(real));
+    Turned turned = {constant_vector(x + OMEGA), {0.0, 0.0, 0.0}, moments_at(body, load, work->arms, a_start), 0.0};
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
         turn_on(a_start, turned.omega, h, a_mid, a_end);
-        for (size_t e = 0; e < 9; e++) a_mean[e] = 0.5 * (a_start[e] + a_end[e]);
         couple(body, turned.omega, work, inertia);
-        modal_force(body, load, a_mean, a_mid, turns, work);
+        modal_forces(body, load, a_start, a_mid, a_end, turns, work);
         propagate(prop, n, work);
+        if (load->sloped) propagate_slopes(prop, n, work);
         deformed_arms(body, work->eta, work);
-        for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (turns_start[e] + work->deflection[l + e]);
-        Vector3 moment_end = moment_of(body, load, work->arms, a_end);
-        Vector3 momentum = momentum_of_mid_step(x, load, turned.moment_start, moment_end, h, a_mid);
+        for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
+        Course moments_end = moments_at(body, load, work->arms, a_end);
+        moment = moment_over(load, &turned.moments_start, &moments_end);
+        momentum = mean_momentum(x, &moment, h, a_mid);
         Vector3 next = solved(body, inertia, momentum, work->pi_mean, work);
         done = converged(turned.omega, next, h);
         turned.omega = next;
     }
     turned.heat = dissipated(prop, body->oscillators.compliance, n, work);
+    if (load->sloped) turned.heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
+    Vector3 torque = turning_torque(&moment, turned.omega, momentum, a_mid);
+    turned.rate_moment = moments_over(body, prop, torque, turned.omega, inertia, work);
     return turned;
 }
 
-/* One step under wrenches held in world axes. */
+/* First moments of velocity and angular velocity of every port, from that of the velocity of the centre of mass: the
+   transpose of what slopes do in a step. */
+static inline void store_moments(const Body *body, const Turned *turned, Vector3 center, double h,
+                                 const real a_start[9], const real a_mid[9], const real a_end[9], const Work *work,
+                                 real *moments) {
+    size_t l = body->coordinates;
+    real a_mean[9], change[9], *moved = work->wrenches;
+    Vector3 rate_moment = matrix_times(a_mid, turned->rate_moment);
+    Vector3 turn = vector_scaled(h / 6.0, matrix_times(a_mid, turned->omega));
+    for (size_t e = 0; e < 9; e++) {
+        a_mean[e] = 0.5 * (a_start[e] + a_end[e]);
+        change[e] = a_end[e] - a_start[e];
+    }
+    if (body->modes)
+        rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
+    for (size_t k = 0; k < body->ports; k++, moments += WRENCH) {
+        Vector3 arm_start = constant_vector(body->arms + 3 * k), end = matrix_times(a_end, vector_of(work->arms + 3 * k));
+        if (body->modes) arm_start = vector_add(arm_start, vector_of(work->deflection_start + 3 * k));
+        Vector3 start = matrix_times(a_start, arm_start), velocity = center, spin = rate_moment;
+        velocity = vector_add(velocity, vector_cross(rate_moment, vector_mean(start, end)));
+        velocity = vector_add(velocity, vector_cross(turn, vector_subtract(end, start)));
+        if (body->modes) {
+            Vector3 own[2], mean_turn = vector_of(work->rates + 3 * k);
+            for (size_t i = 0; i < 2; i++) {
+                const real *at = work->deflection + l * i + 3 * k, *at_start = work->deflection_start + l * i + 3 * k;
+                own[i] = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(at), vector_of(at_start)));
+            }
+            Vector3 twist = twist_of(mean_turn, vector_of(moved + l + 3 * k)), twisted = twist_of(mean_turn, own[1]);
+            velocity = vector_add(velocity, matrix_times(a_mean, vector_of(moved + 3 * k)));
+            velocity = vector_add(velocity, matrix_times(change, own[0]));
+            spin = vector_add(spin, vector_add(matrix_times(a_mid, twist), matrix_times(change, twisted)));
+        }
+        vector_store(velocity, moments);
+        vector_store(spin, moments + 3);
+    }
+}
+
+/* One step under wrenches in world axes, linear in time. */
 static inline void dynamic_step(Body *body, const double *x, const real *u, double h, real *x_next) {
     LocalWork stack;
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     Quaternion q = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
-    real a_start[9], a_end[9];
+    real a_start[9], a_mid[9], a_end[9];
     rotation_matrix(q, a_start);
     Turned turned = body->modes ? turned_flexible(body, x, &load, h, a_start, &work)
                                 : turned_rigid(body, x, &load, h, a_start, &work);
     Vector3 weight = constant_vector(body->gravity);
-    Vector3 pull = vector_add(load.force, vector_scaled(body->mass, weight));
-    Vector3 momentum = vector_add(constant_vector(x + MOMENTUM), vector_scaled(h, pull));
+    Vector3 push = vector_scaled(h, vector_add(load.mean.force, vector_scaled(body->mass, weight)));
+    Vector3 momentum = vector_add(constant_vector(x + MOMENTUM), push);
     Vector3 travel = vector_scaled(0.5 * h / body->mass, vector_add(constant_vector(x + MOMENTUM), momentum));
+    travel = vector_subtract(travel, vector_scaled(h * h / (6.0 * body->mass), load.slope.force));
     Quaternion half_turn = quaternion_exponential(vector_scaled(0.5 * h, turned.omega));
+    rotation_matrix(quaternion_multiply(q, half_turn), a_mid);
     q = quaternion_normalized(quaternion_multiply(q, quaternion_multiply(half_turn, half_turn)));
     rotation_matrix(q, a_end);
-    Vector3 moment = vector_mean(turned.moment_start, moment_of(body, &load, work.arms, a_end));
-    Vector3 spin = vector_add(constant_vector(x + SPIN), vector_scaled(h, vector_add(moment, load.torque)));
+    Course moments_end = moments_at(body, &load, work.arms, a_end);
+    Course moment = moment_over(&load, &turned.moments_start, &moments_end);
+    Vector3 spin = vector_add(constant_vector(x + SPIN), vector_scaled(h, moment.mean));
     vector_store(momentum, x_next + MOMENTUM);
     vector_store(vector_add(constant_vector(x + POSITION), travel), x_next + POSITION);
     quaternion_store(q, x_next + ORIENTATION);
     vector_store(spin, x_next + SPIN);
     x_next[HEAT] = x[HEAT] + turned.heat;
     store_modes(body, work.eta, work.pi, x_next);
+    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), h, a_start, a_mid, a_end, &work,
+                  x_next + MODES + 2 * body->modes);
     vector_store(angular_velocity(body, transposed_times(a_end, spin), &work), x_next + OMEGA);
 }
 
@@ -159,17 +218,18 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
             for (size_t j = 0; j < n; j++) work.eta[j] = body->oscillators.compliance[j] * work.port_force[j];
             deformed_arms(body, work.eta, &work);
         }
-        Vector3 moment = vector_add(moment_of(body, &load, work.arms, a), load.torque);
+        Vector3 moment = vector_add(moment_of(body, load.wrenches, work.arms, a), load.mean.torque);
         Vector3 turn = constant_times(body->coupling.inverse, transposed_times(a, moment));
         q = quaternion_normalized(quaternion_multiply(start, quaternion_exponential(vector_scaled(h * h, turn))));
         rotation_matrix(q, a);
     }
     for (size_t i = 0; i < MODES; i++) x_next[i] = 0.0;
     quaternion_store(q, x_next + ORIENTATION);
-    Vector3 pull = vector_add(vector_scaled(1.0 / body->mass, load.force), constant_vector(body->gravity));
+    Vector3 pull = vector_add(vector_scaled(1.0 / body->mass, load.mean.force), constant_vector(body->gravity));
     vector_store(vector_add(constant_vector(x + POSITION), vector_scaled(h * h, pull)), x_next + POSITION);
     x_next[HEAT] = x[HEAT];
     store_modes(body, work.eta, work.pi, x_next);
+    for (size_t i = 0; i < WRENCH * body->ports; i++) x_next[MODES + 2 * body->modes + i] = 0.0;
 }
 
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);

@@ -46,7 +46,7 @@ static int find_commands(Hinge *hinge, const Data *data, const Sizes *sizes, Rea
     return find_place(data, "input", (VariableName){"latch_command", 1}, sizes->inputs, &hinge->latch_command, why) &&
            find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &hinge->impulse, why) &&
            find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &hinge->hold, why) &&
-           find_moments(data, hinge->endpoint ? NULL : "inboard", sizes, &hinge->moments, why);
+           find_moments(data, "inboard.velocity_moment", hinge->endpoint ? 0 : 2, sizes, &hinge->moments, why);
 }
 
 static void *hinge_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {

@@ -78,8 +78,8 @@ def loads(torque: float = 1.0) -> list[nodal.PortLoad]:
 
 
 def wrenches(torque: float = 1.0) -> Vector:
-    """The same loads as inputs (12,) of the body."""
-    return np.concatenate([(*load.force, *load.torque) for load in loads(torque)])
+    """The same loads as inputs (24,) of the body, held over a step."""
+    return np.concatenate([*((*load.force, *load.torque) for load in loads(torque)), np.zeros(12)])
 
 
 def no_wrench(body: Body) -> Vector:
@@ -102,7 +102,8 @@ def moving_state(
     x[0:3] = 0.0
     x[7:10], x[10:13] = momenta[:3], momenta[3:6]
     x[13:16] = spin
-    x[-2 * m : -m], x[-m:] = eta, momenta[6:]
+    for part, values in zip(modal(x, m), (eta, momenta[6:]), strict=True):
+        part[:] = values
     return x, motion
 
 
@@ -115,12 +116,22 @@ def stepped(body: Body, c: Any, x: Vector, u: Vector, h: float, steps: int) -> V
 
 def coordinates(x: Vector, modes: int = 4) -> Vector:
     """Position, orientation and modal coordinates of a state."""
-    return np.concatenate((x[:7], x[-2 * modes : -modes]))
+    return np.concatenate((x[:7], modal(x, modes)[0]))
+
+
+def modal(x: Vector, modes: int = 4) -> tuple[Vector, Vector]:
+    """Modal coordinates and momenta (modes,) of a state, views of it."""
+    return x[17 : 17 + modes], x[17 + modes : 17 + 2 * modes]
+
+
+def moments(body: Body, c: Any, x: Vector) -> Vector:
+    """First moments of velocity and angular velocity of every port over the last step (ports, 6)."""
+    return body.outputs(c, x, no_wrench(body))[13 * len(body.ports) :].reshape(-1, 6)
 
 
 def motions(body: Body, c: Any, x: Vector) -> Vector:
     """Position, orientation, velocity and angular velocity of every port (ports, 13)."""
-    return body.outputs(c, x, no_wrench(body)).reshape(-1, 13)
+    return body.outputs(c, x, no_wrench(body))[: 13 * len(body.ports)].reshape(-1, 13)
 
 
 def observed(body: Body, c: Any, x: Vector, name: str) -> Any:

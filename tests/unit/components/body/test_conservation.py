@@ -43,7 +43,7 @@ def test_momenta_change_by_the_impulse_of_the_wrenches():
     """Conservation law: P by h sum f, H by h (mean place x f + torque), to round-off at every step size."""
     body, c = flexible(initial_velocity=VELOCITY)
     u = wrenches()
-    force, torque = u.reshape(2, 2, 3)[:, 0], u.reshape(2, 2, 3)[:, 1]
+    force, torque = u[:12].reshape(2, 2, 3)[:, 0], u[:12].reshape(2, 2, 3)[:, 1]
     for h in (1e-4, 3e-3, 2e-2):
         x, _ = moving_state(body, c)
         for _ in range(20):
@@ -105,15 +105,20 @@ def test_energy_of_torque_free_flexible_body_is_bounded_and_second_order():
 def test_undamped_motion_retraces_itself_with_momenta_reversed(h):
     """Reversibility of mechanics: the step is time-symmetric at any size, which the even error expansion needs.
 
-    The turn of a step is iterated to 1e-12 rad, which twenty steps leave below 1e-10 of the largest state.
+    Backwards, slopes are the other way round and moments the same. The turn of a step is iterated to 1e-12 rad,
+    which twenty steps leave below 1e-10 of the largest state.
     """
     body, c = flexible(modal_data(damping=0.0))
     start, _ = moving_state(body, c)
     sign = np.ones(start.size)
-    sign[7:16], sign[-4:] = -1.0, -1.0
-    there = stepped(body, c, start, wrenches(), h, 10)
-    back = sign * stepped(body, c, sign * there, wrenches(), h, 10)
+    sign[7:16], sign[21:25] = -1.0, -1.0
+    u, reverse = wrenches(), np.repeat((1.0, -1.0), 12)
+    u[12:] = np.roll(u[:12], 5)
+    first = body.step(c, start, u, h)
+    there = stepped(body, c, first, u, h, 9)
+    back = sign * stepped(body, c, sign * there, reverse * u, h, 10)
     assert np.abs(there - start).max() > 0.1
+    start[25:] = first[25:]
     assert np.abs(back - start).max() < 1e-10 * np.abs(start).max()
 
 

@@ -68,7 +68,7 @@ def test_port_mobility_at_rest():
     h, amplitude = 0.02, 1e-4
     columns = []
     for k in range(12):
-        u = np.zeros(12)
+        u = np.zeros(24)
         u[k] = amplitude
         up, down = (motions(body, c, body.step(c, x, s * u, h)) for s in (1, -1))
         difference = (up - down) / (2 * amplitude)

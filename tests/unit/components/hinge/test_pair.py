@@ -177,10 +177,9 @@ def wrench_errors(h, structure):
             wrench = instant.outputs(d, now, moving(instant, (k + 0.5 + 0.5 * node) * h, 0.0))[6:12]
             exact[0] += 0.5 * weight * wrench
             exact[1] += 1.5 * weight * node * wrench
-        if k > 1:  # a start knows the true rate and not that of a path: its roughness is of order two
-            force, torque = slopes(component, y, 2)
-            found = np.array((y[6:12], np.concatenate((force[1], torque[1]))))
-            errors = np.maximum(errors, np.abs(found - exact).reshape(2, 2, 3).max(2))
+        force, torque = slopes(component, y, 2)
+        found = np.array((y[6:12], np.concatenate((force[1], torque[1]))))
+        errors = np.maximum(errors, np.abs(found - exact).reshape(2, 2, 3).max(2))
     return errors
 
 
