@@ -157,4 +157,4 @@ def _warn(sentence: str) -> None:
     level, frame = 2, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
         level, frame = level + 1, frame.f_back
-    warnings.warn(sentence, FanfoldWarning, stacklevel=level - 1)
+    warnings.warn(sentence, FanfoldWarning, stacklevel=level)

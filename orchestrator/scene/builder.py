@@ -143,7 +143,10 @@ class Scene:
         return self._add("hinge_line", HingeLine, entry)
 
     def ccl(self, name: str, **keys: object) -> str:
-        """Add a closed cable loop, [[ccl]]: preload, strand_stiffness, strand_damping, pulley_1, pulley_2, guide."""
+        """Add a closed cable loop, [[ccl]]: preload, strand_stiffness, pulley_1, pulley_2, and guide where it has one.
+
+        Further keys: axis, strand_damping.
+        """
         return self._add("ccl", Ccl, {"name": name, **keys})
 
     def damper(self, name: str, hinge: str, **keys: object) -> str:
@@ -197,11 +200,14 @@ class Scene:
         return self.check()
 
     def to_toml(self) -> str:
-        """The text of its scene file, variants and settings laid over it; other variants follow as such."""
+        """The text of its scene file, with its variants.
+
+        Where variants or settings are laid over it, the outcome alone: variants and phases would lie over another scene.
+        """
         tree = self.tree
-        if set(tree["scene"].get("phases", [])) & set(self._variants):
-            del tree["scene"]["phases"]  # of a phase there are none
-        if self.variants:
+        if self._variants or self._settings:
+            tree["scene"].pop("phases", None)
+        elif self.variants:
             tree["variant"] = deepcopy(dict(self._layers.variants))
         return tomli_w.dumps(tree)
 
