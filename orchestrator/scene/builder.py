@@ -202,7 +202,7 @@ class Scene:
     def to_toml(self) -> str:
         """The text of its scene file, with its variants.
 
-        Where variants or settings are laid over it, the outcome alone: variants and phases would lie over another scene.
+        Where variants or settings are laid over it, the outcome alone: others were meant for the scene below.
         """
         tree = self.tree
         if self._variants or self._settings:
