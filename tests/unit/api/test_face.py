@@ -26,7 +26,7 @@ BUILD_HOOK = "CompileError"
 def typed_names():
     """Names that type checkers see, by the module they come from."""
     tree = ast.parse(Path(fanfold.__file__).read_text(encoding="utf-8"))
-    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
     found = {}
     for node in block.body:
         module = f"orchestrator.{node.module}" if node.level else node.module
