@@ -113,8 +113,7 @@ class EddyCurrentDamper(Component):
             load = MeanLoad(torque, -torque * change, 0.0)
             if inputs[_IMPULSE] < 0.5:
                 rate = MidStepRate(*v[_RATE]).after(change / h, h)
-        torques = (conjugate_torque(t, (0.0, 0.0), swing) for t in (load.force, load.slope))
-        wrench, slopes = (passage.wrench(_NOWHERE, torque) for torque in torques)
+        wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
         heat = v[_HEAT] + load.heat
         return np.array((angle, *pose.frame, *pose.gap, heat, *wrench, *rate, *pose.swing, *slopes))
 

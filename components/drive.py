@@ -215,10 +215,7 @@ class Drive(Component):
             load = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
             memory = Memory(rate, rate) if impulse else remembered(motion, rate)
             slide = slide if impulse else MidStepRate(*v[_SLIDE]).after(mean_rate, h)
-        wrench, slopes = (
-            passage.wrench(_NOWHERE, conjugate_torque(torque, (0.0, 0.0), swing))
-            for torque in (load.force, load.slope)
-        )
+        wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
         work = load.force * (now.commanded - commanded) + load.slope * driven
         energies = (v[_HEAT] + load.heat, v[_WORK] + work)
         motions = (now.angle, *pose.frame, *pose.swing, memory.mean_rate, memory.end_rate, clock)

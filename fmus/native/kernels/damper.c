@@ -77,7 +77,10 @@ int NAME(damper_step)(void *self, const double *x, const real *u, double h, real
     damper_store_pose(&pose, angle, x_next);
     x_next[HEAT] = x[HEAT] + load.heat;
     store_mean_torque(&passage, load.force, swing, x_next + WRENCH);
-    store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
+    if (damper->paired && !impulse)
+        store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
+    else
+        for (int i = 0; i < PAIR_SIZE; i++) x_next[SLOPES + i] = 0.0;
     return 1;
 }
 

@@ -149,9 +149,9 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     x_next[NUMERICAL] = x[NUMERICAL] + load.numerical;
     x_next[WORK] = x[WORK] + load.force * (now.commanded - commanded) + load.slope * driven;
     store_mean_torque(&passage, load.force, swing, x_next + WRENCH);
-    store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
-    x_next[ROUGHNESS] = 0.0;
+    for (int i = ROUGHNESS; i < STATES; i++) x_next[i] = 0.0;
     if (fourth) {
+        store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
         remember_path(&motion, x_next + MEMORY, x_next + MEMORY + 1, x_next + ROUGHNESS);
         store_starting_rate(x_next[MEMORY + 1], x_next + SLIDE);
     } else if (impulse) {
