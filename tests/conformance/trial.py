@@ -28,7 +28,7 @@ REFUSED = ERROR if NATIVE else DISCARD
 AGREEMENT = 1e-11
 CANCELLED = 1e-3
 """Quantities below it are what is left of sums of terms of order one; first moments, of terms of steps squared."""
-MOMENT = 1e-6
+MOMENT = 1e-5
 
 
 def pair(kind, path, instance="instance"):
