@@ -1,9 +1,13 @@
-"""Mechanics of deployable structures: one file per component, NumPy and SciPy only."""
+"""Mechanics of deployable structures: one file per component kind beside this one, NumPy and SciPy only.
+
+What kinds share stands in folders, which are not looked through for kinds: `contract`, `numerics`, parts of one kind
+under its name, `flexible` bodies and the `catalogue` of wings with its `data`.
+"""
 
 from importlib import import_module
 from pkgutil import iter_modules
 
-from ._component import (
+from .contract.component import (
     DISSIPATED_ENERGY,
     KINETIC_ENERGY,
     NUMERICAL_DISSIPATION,
@@ -18,10 +22,11 @@ from ._component import (
     Quantity,
     port_layout,
 )
-from ._frames import left_product, rotation_matrix
+from .contract.frames import left_product, rotation_matrix
 
 for _module in iter_modules(__path__):
-    import_module(f".{_module.name}", __name__)
+    if not _module.ispkg:
+        import_module(f".{_module.name}", __name__)
 
 __all__ = [
     "DISSIPATED_ENERGY",

@@ -20,12 +20,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._body_load import Load
-from ._body_ports import BodyPorts
-from ._body_variables import continuous_states, observations, parameters
-from ._component import Component, ComponentError, Port, Vector
-from ._example_modes import example_modal_data
-from ._frames import (
+from .body_parts.example_modes import example_modal_data
+from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
+from .body_parts.inertia_coupling import InertiaCoupling, solve_symmetric
+from .body_parts.load import Load
+from .body_parts.ports import BodyPorts
+from .body_parts.variables import continuous_states, observations, parameters
+from .contract.component import Component, ComponentError, Port, Vector
+from .contract.frames import (
     Quaternion,
     exponential,
     left_product,
@@ -35,10 +37,8 @@ from ._frames import (
     skew,
     sum_of_moments,
 )
-from ._inertia import CouplingLevel as CouplingLevel
-from ._inertia import InertiaCoupling, solve_symmetric
-from ._oscillators import Propagator, propagator
-from .modal import ModalData
+from .flexible.modal import ModalData
+from .numerics.oscillators import Propagator, propagator
 
 _R, _Q, _P, _L, _W, _D, _ETA = (
     slice(0, 3),
@@ -414,7 +414,7 @@ class Body(Component):
         )
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Arrays that `fmus/native/body.c` reads."""
+        """Arrays that `fmus/native/kernels/body.c` reads."""
         return {
             "mass": self.data.mass,
             "center_of_mass": self.data.center_of_mass,

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import (
+from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.frames import (
     Quaternion,
     Vector3,
     add,
@@ -33,8 +33,19 @@ from ._frames import (
     subtract,
     swing_twist,
 )
-from ._relative import as_floats, axis_frame, dissipated_energies, gives_end_point
-from .laws import SlackSpring, mean_force
+from .numerics.laws import SlackSpring, mean_force
+from .numerics.relative_motion import (
+    Line,
+    as_floats,
+    axis_frame,
+    dissipated_energies,
+    gives_end_point,
+    is_of_order_four,
+    order_parameter,
+    turn_between,
+)
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
+from .numerics.workless_pair import workless_law
 
 
 class _Geometry(NamedTuple):
@@ -68,9 +79,11 @@ class _Constants:
     strand: SlackSpring
     damping: float
     end_weight: float
+    paired: bool
 
 
 _ANGLES, _WORKS, _SPAN, _START, _HEAT, _WRENCH = slice(0, 2), slice(2, 8), slice(8, 11), slice(11, 14), 14, 15
+_FRAMES_SIZE = 8
 
 
 class CableLoop(Component):
@@ -92,10 +105,15 @@ class CableLoop(Component):
         self._endpoint = gives_end_point(wrench_mode)
         self._axis_frame = axis_frame(axis, "the pulley axes")
         self._guided = bool(guided)
+        ports = 3 if guided else 2
+        self._hold = 13 * ports
+        self._wrench = slice(_WRENCH, _WRENCH + 6 * ports)
+        self._frames = slice(self._wrench.stop, self._wrench.stop + _FRAMES_SIZE)
+        self._slopes = slice(self._frames.stop, self._frames.stop + 6 * ports)
         names = ("pulley_1", "pulley_2", "guide") if guided else ("pulley_1", "pulley_2")
         self._declare(
             {"axis": tuple(axis), "guided": self._guided, "wrench_mode": wrench_mode},
-            ports=[Port(name, "connection") for name in names],
+            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in names],
             parameters=_parameters(),
             inputs=[
                 Quantity(
@@ -121,6 +139,7 @@ class CableLoop(Component):
             SlackSpring(one["strand_stiffness"], one["preload"]),
             one["strand_damping"],
             one["end_weight"],
+            is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint,
         )
 
     def _geometry(self, u: list[float], reference: tuple[float, float]) -> _Geometry:
@@ -162,10 +181,15 @@ class CableLoop(Component):
             raise ComponentError(
                 f"the pulleys are {norm(g.span):g} m apart, less than the difference of their radii; check the ports"
             )
-        x = np.zeros(_WRENCH + 6 * len(self.ports))
-        x[_ANGLES], x[_WORKS], x[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
+        x = np.zeros(self._slopes.stop)
+        self._store(x, g, u)
         x[_START] = (*g.angles, self._length(c, norm(g.span)))
         return x
+
+    def _store(self, x: Vector, g: _Geometry, u: Vector) -> None:
+        """Put a geometry and the orientations of both pulleys into a state."""
+        x[_ANGLES], x[_WORKS], x[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
+        x[self._frames] = (*u[3:7], *u[16:20])
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step; mean tensions from the strands' elongations at both ends."""
@@ -173,30 +197,83 @@ class CableLoop(Component):
         start = (v[11], v[12], v[13])
         old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]), (v[8], v[9], v[10]))
         new = self._geometry(as_floats(u), old.angles)
-        if u[-1] > 0.5:
-            return self._adjusted(c, x, new)
+        result = x.copy()
+        self._store(result, new, u)
+        if u[self._hold] > 0.5:
+            return self._adjusted(c, result, new)
         before, after = self._elongations(c, old, start), self._elongations(c, new, start)
+        works = mean(old.works_1, new.works_1), mean(old.works_2, new.works_2)
+        middle = _Geometry(new.angles, *works, mean(old.span, new.span))
+        if c.paired:
+            line = Line(middle.span, subtract(new.span, old.span), 1.0 / norm(middle.span))
+            moments = self._moments(c, v, as_floats(u), middle, line)
+            loads = [
+                workless_law(c.strand, c.damping, StepMotion(a, b, h, Memory(0.0, 0.0), moment))
+                for a, b, moment in zip(before, after, moments, strict=True)
+            ]
+            result[_HEAT] += sum(load.heat for load in loads)
+            result[self._wrench], result[self._slopes] = self._pairs(c, middle, line, loads)
+            return result
         rates = [(b - a) / h for a, b in zip(before, after, strict=True)]
         tension = [
             -mean_force(c.strand, a, b, c.end_weight) + c.damping * rate
             for a, b, rate in zip(before, after, rates, strict=True)
         ]
-        works = mean(old.works_1, new.works_1), mean(old.works_2, new.works_2)
-        middle = _Geometry(new.angles, *works, mean(old.span, new.span))
-        result = x.copy()
-        result[_ANGLES], result[_WORKS], result[_SPAN] = new.angles, (*new.works_1, *new.works_2), new.span
         result[_HEAT] += self._heat(c, before, after, rates, h)
-        result[_WRENCH:] = self._wrenches(c, middle, tension[0], tension[1])
+        result[self._wrench] = self._wrenches(c, middle, tension[0], tension[1])
+        result[self._slopes] = 0.0
         return result
 
-    def _adjusted(self, c: _Constants, x: Vector, g: _Geometry) -> Vector:
+    def _adjusted(self, c: _Constants, result: Vector, g: _Geometry) -> Vector:
         """The state with both strands at their preload in the given geometry."""
         tension = -c.strand.value(0.0)
-        result = x.copy()
-        result[_ANGLES], result[_WORKS], result[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
         result[_START] = (*g.angles, self._length(c, norm(g.span)))
-        result[_WRENCH:] = self._wrenches(c, g, tension, tension)
+        result[self._wrench] = self._wrenches(c, g, tension, tension)
+        result[self._slopes] = 0.0
         return result
+
+    def _moments(
+        self, c: _Constants, x: list[float], u: list[float], g: _Geometry, line: Line
+    ) -> tuple[float, float]:
+        """Moments of both elongations' rates; the adjoint of `_pairs`."""
+        first = self._hold + 1
+        parts = [(u[i], u[i + 1], u[i + 2]) for i in range(first, len(u), 3)]
+        apart, spins = subtract(parts[2], parts[0]), (parts[1], parts[3])
+        if self._guided:
+            relative = [subtract(parts[5], spin) for spin in spins]
+        else:
+            now = (u[3:7], u[16:20])
+            frames = [x[i : i + 4] for i in range(self._frames.start, self._frames.stop, 4)]
+            change = scaled(1.0 / 6.0, line.change)
+            relative = [
+                subtract(subtract(apart, cross(spin, g.span)), cross(_turn(before, after), change))
+                for spin, before, after in zip(spins, frames, now, strict=True)
+            ]
+        return self._elongation_rates(c, g, relative, line.moment(apart))
+
+    def _pairs(
+        self, c: _Constants, g: _Geometry, line: Line, loads: list[MeanLoad]
+    ) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Mean wrenches of all ports and their slopes, which give no angular momentum as the centre line moves."""
+        (a, b), (slope_a, slope_b) = (
+            [-load.force for load in loads],
+            [-load.slope for load in loads],
+        )
+        means, slopes = self._wrenches(c, g, a, b), self._wrenches(c, g, slope_a, slope_b)
+        axial = self._axial(c, norm(g.span)) * (slope_a + slope_b)
+        force = line.forces(0.0, axial)[0]
+        added = [scaled(-1.0, force), (0.0, 0.0, 0.0), force, (0.0, 0.0, 0.0)]
+        if not self._guided:
+            change = scaled((slope_a - slope_b) / 6.0, line.change)
+            added[1] = scaled(c.radius_1, cross(change, g.works_1))
+            added[3] = scaled(-c.radius_2, cross(change, g.works_2))
+        more = [value for vector in added for value in vector]
+        return (*(p + q for p, q in zip(means[:12], more, strict=True)), *means[12:]), slopes
+
+    def _axial(self, c: _Constants, distance: float) -> float:
+        """Force along the centre line for a tension of one: free strands cross it."""
+        step = 0.0 if self._guided else c.radius_1 - c.radius_2
+        return sqrt(distance * distance - step * step) / distance
 
     @staticmethod
     def _heat(
@@ -233,34 +310,36 @@ class CableLoop(Component):
         v, inputs = as_floats(x), as_floats(u)
         g = self._geometry(inputs, (v[0], v[1]))
         elongations = rates = (0.0, 0.0)
-        if not (self._endpoint and inputs[-1] > 0.5):
+        if not (self._endpoint and inputs[self._hold] > 0.5):
             elongations = self._elongations(c, g, (v[11], v[12], v[13]))
-            rates = self._elongation_rates(c, inputs, g) if c.damping > 0.0 else rates
+            rates = self._port_rates(c, inputs, g) if c.damping > 0.0 else rates
         a, b = (-c.strand.value(s) + c.damping * rate for s, rate in zip(elongations, rates, strict=True))
         return _Instant(g, elongations, a, b, c.damping * sum(rate * rate for rate in rates))
 
-    def _elongation_rates(self, c: _Constants, u: list[float], g: _Geometry) -> tuple[float, float]:
+    def _port_rates(self, c: _Constants, u: list[float], g: _Geometry) -> tuple[float, float]:
         """Elongation rates of both strands from the ports' velocities."""
-        distance = norm(g.span)
-        direction = scaled(1.0 / distance, g.span)
         velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
-        spin_1, spin_2 = (u[10], u[11], u[12]), (u[23], u[24], u[25])
+        spins = (u[10], u[11], u[12]), (u[23], u[24], u[25])
         if self._guided:
-            spin = (u[36], u[37], u[38])
-            rate_1, rate_2 = dot(subtract(spin, spin_1), g.works_1), dot(subtract(spin, spin_2), g.works_2)
-            stretch = dot(velocity, direction)
+            relative = [subtract((u[36], u[37], u[38]), spin) for spin in spins]
         else:
-            rate_1 = dot(subtract(velocity, cross(spin_1, g.span)), g.works_1)
-            rate_2 = dot(subtract(velocity, cross(spin_2, g.span)), g.works_2)
-            step = c.radius_1 - c.radius_2
-            stretch = dot(velocity, direction) * sqrt(1.0 - (step / distance) ** 2)
+            relative = [subtract(velocity, cross(spin, g.span)) for spin in spins]
+        along = dot(velocity, scaled(1.0 / norm(g.span), g.span))
+        return self._elongation_rates(c, g, relative, along)
+
+    def _elongation_rates(
+        self, c: _Constants, g: _Geometry, relative: Sequence[Vector3], along: float
+    ) -> tuple[float, float]:
+        """Elongation rates from that of the centre line, and from what moves against each pulley."""
+        rate_1, rate_2 = dot(relative[0], g.works_1), dot(relative[1], g.works_2)
+        stretch = along if self._guided else along * self._axial(c, norm(g.span))
         turn = c.radius_1 * rate_1 - c.radius_2 * rate_2
         return stretch + turn, stretch - turn
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on all ports."""
+        """Wrenches on all ports, slopes of mean wrenches."""
         if not self._endpoint:
-            return x[_WRENCH:].copy()
+            return np.concatenate((x[self._wrench], x[self._slopes]))
         now = self._now(c, x, u)
         return np.array(self._wrenches(c, now.geometry, now.tension_a, now.tension_b))
 
@@ -293,7 +372,7 @@ class CableLoop(Component):
         g = self._geometry(as_floats(u), (float(x[0]), float(x[1])))
         result = x.copy()
         result[_ANGLES] = g.angles
-        if u[-1] > 0.5:
+        if u[self._hold] > 0.5:
             result[_START] = (*g.angles, self._length(c, norm(g.span)))
         return result
 
@@ -311,6 +390,13 @@ def _shared(frame: Quaternion, axis: Vector3) -> Vector3:
     """Direction (a + b) / (1 + a.b) of a frame's x axis a and an axis b, along which a torque works on their twist."""
     own = rotate(frame, (1.0, 0.0, 0.0))
     return scaled(1.0 / (1.0 + dot(own, axis)), add(own, axis))
+
+
+def _turn(before: Sequence[float], after: Sequence[float]) -> Vector3:
+    """Turn of a port between two quaternions."""
+    return turn_between(
+        (before[0], before[1], before[2], before[3]), (after[0], after[1], after[2], after[3])
+    )
 
 
 def _angle_of(span: Vector3, frame: Quaternion) -> tuple[float, Vector3]:
@@ -331,6 +417,7 @@ def _parameters() -> list[Quantity]:
         tunable("strand_stiffness", "N/m", "Stiffness of one strand", 5000.0, 1e-9),
         tunable("strand_damping", "N.s/m", "Damping of one strand", 0.0, 0.0),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+        order_parameter(),
     ]
 
 

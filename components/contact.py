@@ -13,10 +13,10 @@ from math import pow
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, Port, Quantity, Vector
-from ._frames import Vector3, cross, dot, mean, rotate, scaled, subtract
-from ._midstep import MidStepRate
-from ._relative import as_floats, dissipated_energies, gives_end_point, pair, unit_direction
+from .contract.component import Component, Port, Quantity, Vector
+from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point, pair, unit_direction
 
 _NORMAL, _ARM, _HEAT, _WRENCH, _RATE = slice(0, 3), slice(3, 6), 6, slice(7, 19), slice(19, 23)
 _NARROW = 1e-3

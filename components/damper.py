@@ -8,29 +8,36 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, Port, Quantity, Vector
-from ._frames import mean, nearest_turn, rotate
-from ._midstep import MidStepRate
-from ._relative import (
+from .contract.component import Component, Port, Quantity, Vector
+from .contract.frames import nearest_turn, rotate
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
+    Passage,
     Pose,
     as_floats,
     axis_frame,
     conjugate_torque,
     dissipated_energies,
     gives_end_point,
-    mean_direction,
+    is_of_order_four,
+    order_parameter,
     pair,
     relative_pose,
     relative_rates,
 )
+from .numerics.stiff_coordinate import MeanLoad
+from .numerics.workless_pair import viscous_load
 
-_ANGLE, _HEAT, _WRENCH, _RATE = 0, 8, slice(9, 21), slice(21, 25)
+_ANGLE, _HEAT, _WRENCH, _RATE, _SLOPES = 0, 8, slice(9, 21), slice(21, 25), slice(27, 39)
+_IMPULSE, _MOMENTS = 26, slice(27, 39)
+_NOWHERE = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
 class _Constants:
     coefficient: float
     peak_rate: float
+    paired: bool
 
     def torque(self, rate: float) -> float:
         """Torque against the rate: c w / (1 + (w / w_peak)^2), linear where no peak rate is given."""
@@ -53,7 +60,9 @@ class EddyCurrentDamper(Component):
         self._axis_frame = axis_frame(axis, "the damper's axis")
         self._declare(
             {"axis": tuple(axis), "wrench_mode": wrench_mode},
-            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            ports=[
+                Port(name, "connection", 2 if self._endpoint else 4) for name in ("inboard", "outboard")
+            ],
             parameters=[
                 Quantity(
                     "damping_coefficient", "N.m.s/rad", "Torque per rate at low rate", 1, 1.0, 0.0, None, "tunable"
@@ -62,6 +71,7 @@ class EddyCurrentDamper(Component):
                     "peak_rate", "rad/s", "Rate of the largest torque; 0 for a linear damper", 1, 0.0, 0.0,
                     variability="tunable",
                 ),
+                order_parameter(),
             ],
             inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
             observations=[
@@ -77,42 +87,47 @@ class EddyCurrentDamper(Component):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         self.check_ranges(p)
-        return _Constants(float(p[0]), float(p[1]))
+        return _Constants(float(p[0]), float(p[1]), is_of_order_four(float(p[2])) and not self._endpoint)
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs."""
         pose, rate = self._rate(as_floats(u))
-        return np.array(
-            (pose.twist, *pose.frame, *pose.gap, 0.0, *(0.0,) * 12, *MidStepRate.starting(rate), *pose.swing)
-        )
+        slide = MidStepRate.starting(rate)
+        return np.array((pose.twist, *pose.frame, *pose.gap, *(0.0,) * 13, *slide, *pose.swing, *(0.0,) * 12))
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step: the torque of the mean rate, and the heat it makes."""
-        v = as_floats(x)
-        pose, end_rate = self._rate(as_floats(u))
+        """One step: the torque of the mean rate, at order 4 that along the path, and the heat it makes."""
+        v, inputs = as_floats(x), as_floats(u)
+        pose, end_rate = self._rate(inputs)
         angle = nearest_turn(pose.twist, v[_ANGLE])
         change = angle - v[_ANGLE]
-        torque = c.torque(change / h)
         swing = (0.5 * (v[25] + pose.swing[0]), 0.5 * (v[26] + pose.swing[1]))
-        conjugate = conjugate_torque(torque, (0.0, 0.0), swing)
-        world = mean_direction((v[1], v[2], v[3], v[4]), pose.frame, conjugate)
-        gap = mean((v[5], v[6], v[7]), pose.gap)
-        wrench = pair((0.0, 0.0, 0.0), world, gap)
-        rate = MidStepRate(*v[_RATE]).after(change / h, h) if u[-1] < 0.5 else MidStepRate.starting(end_rate)
-        heat = v[_HEAT] - torque * change
-        return np.array((angle, *pose.frame, *pose.gap, heat, *wrench, *rate, *pose.swing))
+        passage = Passage((v[1], v[2], v[3], v[4]), pose.frame, (v[5], v[6], v[7]), pose.gap)
+        rate = MidStepRate.starting(end_rate)
+        if c.paired and inputs[_IMPULSE] < 0.5:
+            moment = passage.rate_moments(inputs[_MOMENTS], swing).twist
+            load = viscous_load(c.torque, change, moment, h)
+            rate = MidStepRate.starting((change + 3.0 * moment) / h)
+        else:
+            torque = c.torque(change / h)
+            load = MeanLoad(torque, -torque * change, 0.0)
+            if inputs[_IMPULSE] < 0.5:
+                rate = MidStepRate(*v[_RATE]).after(change / h, h)
+        wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
+        heat = v[_HEAT] + load.heat
+        return np.array((angle, *pose.frame, *pose.gap, heat, *wrench, *rate, *pose.swing, *slopes))
 
     def _rate(self, u: list[float]) -> tuple[Pose, float]:
         pose = relative_pose(u, self._axis_frame)
         return pose, relative_rates(u, pose).twist
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports."""
+        """Wrenches on both ports, slopes of mean wrenches."""
         if not self._endpoint:
-            return x[_WRENCH].copy()
+            return np.concatenate((x[_WRENCH], x[_SLOPES]))
         pose, rate = self._rate(as_floats(u))
         torque = conjugate_torque(c.torque(rate), (0.0, 0.0), pose.swing)
-        return np.array(pair((0.0, 0.0, 0.0), rotate(pose.frame, torque), pose.gap))
+        return np.array(pair(_NOWHERE, rotate(pose.frame, torque), pose.gap))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Rate and torque at the communication point, energy dissipated."""

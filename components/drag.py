@@ -14,8 +14,8 @@ from math import atan2, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import (
+from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.frames import (
     Quaternion,
     Vector3,
     conjugate,
@@ -26,8 +26,8 @@ from ._frames import (
     scaled,
     subtract,
 )
-from ._midstep import MidStepRate
-from ._relative import as_floats, dissipated_energies, gives_end_point
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point
 
 _POSITION, _ORIENTATION, _HEAT, _WRENCH = slice(0, 3), slice(3, 7), 7, slice(8, 14)
 _NORMAL_RATE, _TURN_RATE = slice(14, 18), slice(18, 22)

@@ -9,26 +9,32 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_load, remembered
-from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
-from ._frames import nearest_turn, rotate
-from ._midstep import MidStepRate
-from ._relative import (
+from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import nearest_turn, rotate
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
+    Passage,
     Pose,
     as_floats,
     axis_frame,
     conjugate_torque,
     gives_end_point,
-    mean_direction,
+    is_of_order_four,
     numerical_dissipation,
+    order_parameter,
     pair,
     relative_pose,
     relative_rates,
 )
+from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
+from .numerics.workless_pair import remembered_path, workless_spring
 
 _PROFILES = ("step", "step5")
-_ANGLE, _SWING, _MEMORY, _CLOCK, _HEAT, _WORK = 0, 5, slice(7, 9), 9, 10, 11
+_ANGLE, _SWING, _MEAN_RATE, _CLOCK, _HEAT, _WORK = 0, 5, 7, 9, 10, 11
 _SLIDE, _WRENCH, _NUMERICAL = slice(12, 16), slice(16, 28), 28
+_ROUGHNESS, _SLOPES = 29, slice(30, 42)
+_IMPULSE, _HOLD, _MOMENTS = 26, 27, slice(28, 40)
+_GAUSS = 0.6**0.5
 _NOWHERE = (0.0, 0.0, 0.0)
 
 
@@ -61,6 +67,12 @@ class MotionLaw:
         rest = s * (1.0 - s)
         return self.change / self.duration * (30.0 * rest * rest if self.quintic else 6.0 * rest)
 
+    def rate_moment(self, start: float, end: float) -> float:
+        """First moment (rad) of the rate between two times, by Gauss' rule: exact but where it begins or ends."""
+        middle, half = 0.5 * (start + end), 0.5 * (end - start)
+        change = self.rate(middle + _GAUSS * half) - self.rate(middle - _GAUSS * half)
+        return 5.0 / 9.0 * _GAUSS * half * change
+
 
 @dataclass(frozen=True, slots=True)
 class _Constants:
@@ -69,6 +81,7 @@ class _Constants:
     aligned_angle: float
     motion: MotionLaw
     end_weight: float
+    paired: bool
 
     def torque(self, deflection: float, rate: float) -> float:
         """Torque of an instant."""
@@ -116,7 +129,7 @@ class Drive(Component):
         self._quintic = profile == "step5"
         self._declare(
             {"axis": tuple(axis), "profile": profile, "wrench_mode": wrench_mode},
-            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("inboard", "outboard")],
             parameters=_parameters(),
             inputs=[
                 Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete"),
@@ -146,7 +159,14 @@ class Drive(Component):
         one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
         start = one["start_angle"]
         motion = MotionLaw(self._quintic, start, one["end_angle"] - start, one["start_time"], one["duration"])
-        return _Constants(one["stiffness"], one["damping"], one["aligned_angle"], motion, one["end_weight"])
+        return _Constants(
+            one["stiffness"],
+            one["damping"],
+            one["aligned_angle"],
+            motion,
+            one["end_weight"],
+            is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint,
+        )
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs; the angle is the one nearest the start angle."""
@@ -154,14 +174,14 @@ class Drive(Component):
         rate = now.deflection_rate
         slide = MidStepRate.starting(rate)
         return np.array(
-            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 13)
+            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 26)
         )
 
     def _instant(self, c: _Constants, u: list[float], clock: float, reference: float) -> _Instant:
         """The instant of the inputs; the angle is the one nearest the reference."""
         pose = relative_pose(u, self._axis_frame)
         angle = nearest_turn(c.aligned_angle + pose.twist, reference)
-        commanded_rate = 0.0 if u[-1] > 0.5 else c.motion.rate(clock)
+        commanded_rate = 0.0 if u[_HOLD] > 0.5 else c.motion.rate(clock)
         return _Instant(pose, angle, relative_rates(u, pose).twist, c.motion.angle(clock), commanded_rate)
 
     def _now(self, c: _Constants, x: Vector, u: Vector) -> _Instant:
@@ -170,34 +190,42 @@ class Drive(Component):
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step: the mean torque of the deflections at both ends, and the motor's work."""
         v, inputs = as_floats(x), as_floats(u)
-        clock = v[_CLOCK] if inputs[-1] > 0.5 else v[_CLOCK] + h
+        impulse = inputs[_IMPULSE] > 0.5
+        clock = v[_CLOCK] if inputs[_HOLD] > 0.5 else v[_CLOCK] + h
         now = self._instant(c, inputs, clock, v[_ANGLE])
         commanded = c.motion.angle(v[_CLOCK])
-        start = v[_ANGLE] - commanded
-        mean_rate = (now.deflection - start) / h
-        # inertial terms tame held torques, which an end-point torque is not
-        memory = Memory(mean_rate, mean_rate) if self._endpoint else Memory(*v[_MEMORY])
-        motion = StepMotion(start, now.deflection, h, memory)
-        torque, heat, lost = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
-        pose = now.pose
+        start, pose, fourth = v[_ANGLE] - commanded, now.pose, c.paired and not impulse
+        mean_rate, rate = (now.deflection - start) / h, now.deflection_rate
         swing = (0.5 * (v[_SWING] + pose.swing[0]), 0.5 * (v[_SWING + 1] + pose.swing[1]))
-        world = mean_direction(
-            (v[1], v[2], v[3], v[4]), pose.frame, conjugate_torque(torque, (0.0, 0.0), swing)
-        )
-        rate = now.deflection_rate
-        if inputs[-2] > 0.5:
-            memory, slide = Memory(rate, rate), MidStepRate.starting(rate)
+        passage = Passage((v[1], v[2], v[3], v[4]), pose.frame, _NOWHERE, _NOWHERE)
+        turned = driven = 0.0
+        if fourth:
+            turned = passage.rate_moments(inputs[_MOMENTS], swing).twist
+            driven = c.motion.rate_moment(v[_CLOCK], clock)
+        # inertial terms tame held torques, which an end-point torque is not
+        memory = Memory(mean_rate, mean_rate)
+        if not self._endpoint:
+            memory = Memory(v[_MEAN_RATE], v[_MEAN_RATE + 1], v[_ROUGHNESS])
+        motion = StepMotion(start, now.deflection, h, memory, turned - driven)
+        slide = MidStepRate.starting(rate)
+        if fourth:
+            load, memory = workless_spring(c.stiffness, c.damping, motion), remembered_path(motion)
+            slide = MidStepRate.starting(memory.end_rate)
         else:
-            memory, slide = remembered(motion, rate), MidStepRate(*v[_SLIDE]).after(mean_rate, h)
-        energies = (v[_HEAT] + heat, v[_WORK] + torque * (now.commanded - commanded))
-        wrench, numerical = pair(_NOWHERE, world, _NOWHERE), v[_NUMERICAL] + lost
-        motions = (now.angle, *pose.frame, *pose.swing, *memory, clock)
-        return np.array((*motions, *energies, *slide, *wrench, numerical))
+            load = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
+            memory = Memory(rate, rate) if impulse else remembered(motion, rate)
+            slide = slide if impulse else MidStepRate(*v[_SLIDE]).after(mean_rate, h)
+        wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
+        work = load.force * (now.commanded - commanded) + load.slope * driven
+        energies = (v[_HEAT] + load.heat, v[_WORK] + work)
+        motions = (now.angle, *pose.frame, *pose.swing, memory.mean_rate, memory.end_rate, clock)
+        losses = (v[_NUMERICAL] + load.numerical, memory.roughness)
+        return np.array((*motions, *energies, *slide, *wrench, *losses, *slopes))
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports."""
+        """Wrenches on both ports, slopes of mean wrenches."""
         if not self._endpoint:
-            return x[_WRENCH].copy()
+            return np.concatenate((x[_WRENCH], x[_SLOPES]))
         now = self._now(c, x, u)
         torque = c.torque(now.deflection, now.deflection_rate)
         conjugate = conjugate_torque(torque, (0.0, 0.0), now.pose.swing)
@@ -225,7 +253,7 @@ class Drive(Component):
         """Rate of the clock, heat (W) of the end-point torque and power (W) of the motor."""
         now = self._now(c, x, u)
         rate = now.deflection_rate
-        clock = 0.0 if u[-1] > 0.5 else 1.0
+        clock = 0.0 if u[_HOLD] > 0.5 else 1.0
         return np.array((clock, c.damping * rate * rate, c.torque(now.deflection, rate) * now.commanded_rate))
 
     def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
@@ -259,6 +287,7 @@ def _parameters() -> list[Quantity]:
         tunable("start_time", "s", "Time when the motion starts", 0.0, 0.0),
         tunable("duration", "s", "Duration of the motion", 1.0, 1e-6),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+        order_parameter(),
     ]
 
 

@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ContinuousStates, Port, Quantity, Vector
-from ._frames import normalized, sum_of_moments
-from ._midstep import extrapolated
+from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import normalized, sum_of_moments
+from .numerics.mid_step import StepMean, extrapolated
 
-_HISTORY = 6
+_STEP = 13  # load, slope and size of a step
 _STOPPED = -1.0
+
+
+def _step_mean(memory: Vector) -> StepMean[Vector]:
+    return StepMean(memory[:6], memory[6:12], float(memory[12]))
 
 
 class FixedBase(Component):
@@ -52,18 +56,21 @@ class FixedBase(Component):
         """Nothing to prepare."""
 
     def initial(self, c: None, u: Vector) -> Vector:
-        """Last two mean loads and their step sizes, 0 where there is none yet, _STOPPED after an impulse."""
-        return np.zeros(2 * _HISTORY + 2)
+        """Mean load, slope, size of the last two steps; size 0 where there is none yet, _STOPPED after an impulse."""
+        return np.zeros(2 * _STEP)
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
         if u[self._impulse] > 0.5:
-            return np.concatenate((np.zeros(2 * _HISTORY), (_STOPPED, 0.0)))
-        return np.concatenate((self._load(u), x[:_HISTORY], (h, x[-2])))
+            stopped = np.zeros(2 * _STEP)
+            stopped[_STEP - 1] = _STOPPED
+            return stopped
+        slope = self._sum(u[self._impulse + 1 :])
+        return np.concatenate((self._sum(u[: self._impulse]), slope, (h,), x[:_STEP]))
 
-    def _load(self, u: Vector) -> Vector:
-        """Sum of the mean wrenches about the reference, shape (6,)."""
-        wrench = u[: self._impulse].reshape(-1, 6)
+    def _sum(self, wrenches: Vector) -> Vector:
+        """Sum of the wrenches of all ports about the reference, shape (6,)."""
+        wrench = wrenches.reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         return np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
 
@@ -72,20 +79,20 @@ class FixedBase(Component):
         return np.concatenate((self._y.ravel(), np.zeros(self._impulse)))
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Loads at the communication point, extrapolated from the last two means, which belong to mid-step.
+        """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
 
         Without a step before, as at the start and in model exchange, those of the present inputs.
         """
-        if x[-2] == 0.0:
-            return self._load(u)
-        return extrapolated(x[:_HISTORY], x[_HISTORY : 2 * _HISTORY], float(x[-2]), float(x[-1])).copy()
+        if x[_STEP - 1] == 0.0:
+            return self._sum(u[: self._impulse])
+        return extrapolated(_step_mean(x[:_STEP]), _step_mean(x[_STEP:]))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""
         return np.zeros(0)
 
     def native_data(self) -> Mapping[str, ArrayLike]:
-        """Arrays that `fmus/native/fixed_base.c` reads."""
+        """Arrays that `fmus/native/kernels/fixed_base.c` reads."""
         return {"positions": self._positions, "arms": self._arms, "orientations": self._y[:, 3:7]}
 
     @classmethod

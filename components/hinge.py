@@ -2,7 +2,8 @@
 
 Spherical, revolute, cylindrical, fixed and bushing joints are settings of the six stiffnesses. The wrench
 is the mean over the communication step, from the poses at its two ends ("mean"), or the end-point wrench
-of the current inputs for hosts that step explicitly ("endpoint").
+of the current inputs for hosts that step explicitly ("endpoint"). Of order 4 a mean wrench has a slope, linear in
+the moments of the ports' velocities.
 """
 
 from __future__ import annotations
@@ -14,36 +15,40 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import remembered
-from ._component import Component, ComponentError, Port, Vector
-from ._frames import mean, nearest_turn, rotate
-from ._hinge_loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
-from ._hinge_state import (
+from .contract.component import Component, ComponentError, Port, Vector
+from .contract.frames import nearest_turn, rotate
+from .hinge_parts.loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
+from .hinge_parts.state import (
     ANGLE,
     HEAT,
     HEATS,
     HOLDING,
     LATCHED,
+    SLOPES,
     WRENCH,
     Constants,
     State,
     coordinates_of,
-    motion_of,
+    mean_swing,
+    motions_of,
+    passage_of,
     rates_of,
 )
-from ._hinge_variables import inputs, observations, outputs, parameters
-from ._midstep import MidStepRate
-from ._relative import (
+from .hinge_parts.variables import inputs, observations, outputs, parameters
+from .numerics.laws import Law, Linear, Table
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
     as_floats,
     axis_frame,
     dissipated_energies,
     gives_end_point,
-    mean_direction,
+    is_of_order_four,
     pair,
     relative_pose,
     relative_rates,
 )
-from .laws import Law, Linear, Table
+from .numerics.stiff_coordinate import Memory, StepMotion, remembered
+from .numerics.workless_pair import remembered_path
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
@@ -93,7 +98,7 @@ class Hinge(Component):
                 "latch_torque": tuple(latch_torque),
                 "wrench_mode": wrench_mode,
             },
-            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("inboard", "outboard")],
             parameters=parameters(),
             inputs=inputs(),
             outputs=outputs(),
@@ -138,6 +143,7 @@ class Hinge(Component):
             lock_inertia=one["lock_inertia"],
             hold_stiffness=one["hold_stiffness"],
             end_weight=one["end_weight"],
+            paired=is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint,
         )
 
     def initial(self, c: Constants, u: Vector) -> Vector:
@@ -170,22 +176,44 @@ class Hinge(Component):
         if self._endpoint:
             return self._endpoint_step(c, old, moved, h).pack()
         impulse = values[27] > 0.5
-        motions = [motion_of(old, moved, i, h) for i in range(6)]
+        passage = passage_of(old, moved)
+        moments = (0.0,) * 6
+        if c.paired:
+            moments = rates_of(passage.rate_moments(values[29:41], mean_swing(old, moved)))
+        motions = motions_of(old, moved, moments, h)
         loads = impulse_loads(c, old, moved, h) if impulse else mean_loads(c, old, moved, motions, h)
-        force = mean_direction(old.frame, pose.frame, loads.force)
-        torque = mean_direction(old.frame, pose.frame, loads.torque)
-        memories = [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
+        slopes: tuple[float, ...] = (0.0,) * 12
+        if c.paired:
+            wrench, slopes = passage.wrenches(
+                loads.force, loads.torque, loads.force_slope, loads.torque_slope
+            )
+        else:
+            wrench = passage.wrench(loads.force, loads.torque)
+        memories = self._memories(c, motions, rates, impulse)
         return moved._replace(
-            mean_rates=rates if impulse else tuple(m.mean_rate for m in memories),
-            end_rates=rates if impulse else tuple(m.end_rate for m in memories),
+            mean_rates=tuple(m.mean_rate for m in memories),
+            end_rates=tuple(m.end_rate for m in memories),
+            roughness=tuple(m.roughness for m in memories),
             slide=MidStepRate.starting(rates[3]) if impulse else old.slide.after(memories[3].mean_rate, h),
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
-            wrench=pair(force, torque, mean(old.gap, pose.gap)),
+            wrench=wrench,
+            slopes=slopes,
             friction_energy=old.friction_energy + loads.heat[0],
             latch_energy=old.latch_energy + loads.heat[1],
             damping_energy=old.damping_energy + loads.heat[2],
             numerical_dissipation=old.numerical_dissipation + loads.numerical,
         ).pack()
+
+    @staticmethod
+    def _memories(
+        c: Constants, motions: list[StepMotion], rates: tuple[float, ...], impulse: bool
+    ) -> list[Memory]:
+        """What the six coordinates remember of a step; after an impulse only the rates of its end are known."""
+        if impulse:
+            return [Memory(rate, rate) for rate in rates]
+        if c.paired:
+            return [remembered_path(m) for m in motions]
+        return [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
@@ -225,9 +253,9 @@ class Hinge(Component):
         )
 
     def outputs(self, c: Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports, distance to the latch angle, latched or not."""
+        """Wrenches on both ports, distance to the latch angle, latched or not, slopes of mean wrenches."""
         if not self._endpoint:
-            return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED])))
+            return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED]), x[SLOPES]))
         s = self._now(c, x, u)
         loads = endpoint_loads(c, s)
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
@@ -241,7 +269,8 @@ class Hinge(Component):
             # a command acts from the next step's start, which is this instant
             old = State.unpack(x).commanded(float(u[26]), float(u[28]))
             s = s._replace(latched=old.latched, latched_angle=old.latched_angle, hold_angle=old.hold_angle)
-            s = s._replace(rates=(*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:]))
+            felt = s.end_rates if c.paired else (*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:])
+            s = s._replace(rates=felt)
         loads = endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)
         return np.array(

@@ -9,25 +9,39 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import MeanLoad, Memory, StepMotion, bushing_load, remembered
-from ._component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
-from ._frames import Quaternion, Vector3, cross, mean, rotate, rotate_back, subtract
-from ._relative import as_floats, gives_end_point, mean_direction, numerical_dissipation, pair, unit_direction
+from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
+from .contract.frames import Quaternion, Vector3, cross, rotate, rotate_back, subtract
+from .numerics.relative_motion import (
+    Passage,
+    as_floats,
+    gives_end_point,
+    is_of_order_four,
+    numerical_dissipation,
+    order_parameter,
+    pair,
+    unit_direction,
+)
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
+from .numerics.workless_pair import remembered_path, workless_spring
 
 _START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
 _CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH, _NUMERICAL = 16, 17, 18, 19, slice(20, 32), 32
+_ROUGHNESS, _SLOPES = 33, slice(36, 48)
+_COMMANDS, _MOMENTS = 26, slice(29, 41)
+_NOWHERE = (0.0, 0.0, 0.0)
 _REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave
 
 
 @dataclass(frozen=True, slots=True)
 class _Constants:
-    """Stiffness, damping and where the spring is free, along the three inboard axes."""
+    """Stiffness, damping and where the spring is free, along the three inboard axes; `paired`: of order 4."""
 
     stiffness: Vector3
     damping: Vector3
     free: Vector3
     release_time: float
     end_weight: float
+    paired: bool
 
     def potential(self, displacement: Vector3) -> float:
         """Elastic energy."""
@@ -75,7 +89,7 @@ class HoldDown(Component):
         self._direction = unit_direction(axis, "axis", "the hold-down's preload")
         self._declare(
             {"axis": tuple(axis), "wrench_mode": wrench_mode},
-            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
+            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("inboard", "outboard")],
             parameters=_parameters(),
             inputs=_inputs(),
             observations=[
@@ -122,14 +136,15 @@ class HoldDown(Component):
             (free[0], free[1], free[2]),
             value["release_time"][0],
             value["end_weight"][0],
+            is_of_order_four(value["order"][0]) and value["end_weight"][0] == 0.5 and not self._endpoint,
         )
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """Held, without displacement in the pose of the inputs."""
         inputs = as_floats(u)
-        now = self._instant(inputs, (0.0, 0.0, 0.0))
+        now = self._instant(inputs, _NOWHERE)
         rates = (*now.rate, *now.rate)
-        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 13))
+        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 28))
 
     @staticmethod
     def _instant(u: list[float], start: Vector3) -> _Instant:
@@ -148,50 +163,63 @@ class HoldDown(Component):
         start = (v[7], v[8], v[9])
         frame, gap = (v[0], v[1], v[2], v[3]), (v[4], v[5], v[6])
         before, now = subtract(rotate_back(frame, gap), start), self._instant(inputs, start)
-        clock = v[_CLOCK] if inputs[-1] > 0.5 else v[_CLOCK] + h
+        released_by_command, impulse, hold = (value > 0.5 for value in inputs[_COMMANDS : _COMMANDS + 3])
+        clock = v[_CLOCK] if hold else v[_CLOCK] + h
         released, heat, bolt, numerical = v[_RELEASED], v[_HEAT], v[_RELEASE_HEAT], v[_NUMERICAL]
-        if not released and inputs[-3] > 0.5:
+        if not released and released_by_command:
             released, bolt = 1.0, c.potential(before)
-        rates: tuple[float, ...] = (*now.rate, *now.rate)
+        memories = [Memory(rate, rate) for rate in now.rate]
         wrench: tuple[float, ...] = (0.0,) * 12
+        slopes = wrench
         if not released:
-            motions = [self._motion(v, i, before[i], now.displacement[i], h) for i in range(3)]
-            loads = [self._load(c, i, motion) for i, motion in enumerate(motions)]
-            force = (loads[0].force, loads[1].force, loads[2].force)
+            passage, fourth = Passage(frame, now.frame, gap, now.gap), c.paired and not impulse
+            moments = passage.moments(inputs[_MOMENTS])[0] if fourth else _NOWHERE
+            motions = [self._motion(v, i, before[i], now.displacement[i], moments[i], h) for i in range(3)]
+            loads = [self._load(c, i, motion, fourth) for i, motion in enumerate(motions)]
             heat += sum(load.heat for load in loads)
             numerical += sum(load.numerical for load in loads)
-            wrench = pair(mean_direction(frame, now.frame, force), (0.0, 0.0, 0.0), mean(gap, now.gap))
-            if inputs[-2] < 0.5:
-                memories = [remembered(m, rate) for m, rate in zip(motions, now.rate, strict=True)]
-                rates = (*(m.mean_rate for m in memories), *(m.end_rate for m in memories))
+            force = (loads[0].force, loads[1].force, loads[2].force)
+            if fourth:
+                slope = (loads[0].slope, loads[1].slope, loads[2].slope)
+                wrench, slopes = passage.wrenches(force, _NOWHERE, slope, _NOWHERE)
+                memories = [remembered_path(m) for m in motions]
+            else:
+                wrench = passage.wrench(force, _NOWHERE)
+                if not impulse:
+                    memories = [remembered(m, rate) for m, rate in zip(motions, now.rate, strict=True)]
             if c.is_due(clock):
                 released, bolt = 1.0, c.potential(now.displacement)
-        moved = (*now.frame, *now.gap, *start, *rates, clock, released)
-        return np.array((*moved, heat, bolt, *wrench, numerical))
+        mean_rates, end_rates, roughness = zip(*memories, strict=True)
+        moved = (*now.frame, *now.gap, *start, *mean_rates, *end_rates, clock, released)
+        return np.array((*moved, heat, bolt, *wrench, numerical, *roughness, *slopes))
 
-    def _motion(self, v: list[float], i: int, before: float, after: float, h: float) -> StepMotion:
+    def _motion(
+        self, v: list[float], i: int, before: float, after: float, moment: float, h: float
+    ) -> StepMotion:
         """Motion of a displacement; inertial terms tame held forces, which an end-point force is not."""
         mean_rate = (after - before) / h
         memory = Memory(mean_rate, mean_rate)
         if not self._endpoint:
-            memory = Memory(v[_MEAN_RATES + i], v[_END_RATES + i])
-        return StepMotion(before, after, h, memory)
+            memory = Memory(v[_MEAN_RATES + i], v[_END_RATES + i], v[_ROUGHNESS + i])
+        return StepMotion(before, after, h, memory, moment)
 
     @staticmethod
-    def _load(c: _Constants, i: int, motion: StepMotion) -> MeanLoad:
-        """Mean load along an axis."""
+    def _load(c: _Constants, i: int, motion: StepMotion, fourth: bool) -> MeanLoad:
+        """Load along an axis over a step."""
         moved = motion._replace(start=motion.start - c.free[i], end=motion.end - c.free[i])
+        if fourth:
+            return workless_spring(c.stiffness[i], c.damping[i], moved)
         return bushing_load(c.stiffness[i], c.damping[i], moved, c.end_weight)
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports."""
+        """Wrenches on both ports, slopes of mean wrenches."""
         if not self._endpoint:
-            return x[_WRENCH].copy()
+            return np.concatenate((x[_WRENCH], x[_SLOPES]))
         if x[_RELEASED]:
             return np.zeros(12)
         now = self._now(x, u)
         force = rotate(now.frame, c.force(now.displacement, now.rate))
-        return np.array(pair(force, (0.0, 0.0, 0.0), now.gap))
+        return np.array(pair(force, _NOWHERE, now.gap))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Force at the communication point, and energies."""
@@ -201,7 +229,8 @@ class HoldDown(Component):
         now = self._now(x, u)
         rate = now.rate
         if not self._endpoint:
-            rate = (float(x[_MEAN_RATES]), float(x[_MEAN_RATES + 1]), float(x[_MEAN_RATES + 2]))
+            first = _END_RATES if c.paired else _MEAN_RATES
+            rate = (float(x[first]), float(x[first + 1]), float(x[first + 2]))
         return np.array((*c.force(now.displacement, rate), 0.0, c.potential(now.displacement), *losses))
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
@@ -209,7 +238,7 @@ class HoldDown(Component):
         heat = 0.0
         if not x[_RELEASED]:
             heat = sum(d * w * w for d, w in zip(c.damping, self._now(x, u).rate, strict=True))
-        return np.array((0.0 if u[-1] > 0.5 else 1.0, heat))
+        return np.array((0.0 if u[_COMMANDS + 2] > 0.5 else 1.0, heat))
 
     def indicators(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Time left to the release; one where none is coming."""
@@ -219,7 +248,7 @@ class HoldDown(Component):
     def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
         """At an event, the release that is commanded or due."""
         result = x.copy()
-        if at_event and not x[_RELEASED] and (u[-3] > 0.5 or c.is_due(float(x[_CLOCK]))):
+        if at_event and not x[_RELEASED] and (u[_COMMANDS] > 0.5 or c.is_due(float(x[_CLOCK]))):
             result[_RELEASED] = 1.0
             result[_RELEASE_HEAT] = c.potential(self._now(x, u).displacement)
         return result
@@ -244,6 +273,7 @@ def _parameters() -> list[Quantity]:
         tunable("preload", "N", "Force at the start that pulls the outboard port against the axis"),
         tunable("release_time", "s", "Time of the release; 0 for one by command only"),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+        order_parameter(),
     ]
 
 

@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._bushing import Memory, StepMotion, bushing_load, remembered
-from ._component import Component, Port, Quantity, Vector
-from ._frames import conjugate, multiply, nearest_turn, rotate
-from ._midstep import MidStepRate
-from ._relative import (
+from .contract.component import Component, Port, Quantity, Vector
+from .contract.frames import conjugate, multiply, nearest_turn, rotate
+from .numerics.laws import stiction_factors
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
     Pose,
     as_floats,
     axis_frame,
@@ -25,7 +25,7 @@ from ._relative import (
     relative_pose,
     relative_rates,
 )
-from .laws import stiction_factors
+from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
 
 Four = tuple[float, float, float, float]
 
@@ -148,7 +148,7 @@ class Rail(Component):
             motion = StepMotion(starts[i], now.stiff[i], h, memory)
             loads.append(bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight))
             if inputs[-1] < 0.5:
-                mean_rates[i], end_rates[i] = remembered(motion, now.rates[i])
+                mean_rates[i], end_rates[i], _ = remembered(motion, now.rates[i])
         load, offset = [mean.force for mean in loads], now.pose.offset
         slip_y, slip_z = (offset[1] - v[_OFFSET + 1]) / h, (offset[2] - v[_OFFSET + 2]) / h
         speed = sqrt(slip_y * slip_y + slip_z * slip_z)

@@ -9,13 +9,23 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._component import Component, ComponentError, Port, Quantity, Vector
-from ._frames import Vector3, add, dot, norm, scaled, subtract
-from ._midstep import MidStepRate
-from ._relative import as_floats, dissipated_energies, gives_end_point
-from .laws import SlackSpring, mean_force
+from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
+from .numerics.laws import SlackSpring, mean_force
+from .numerics.mid_step import MidStepRate
+from .numerics.relative_motion import (
+    Line,
+    as_floats,
+    dissipated_energies,
+    gives_end_point,
+    is_of_order_four,
+    order_parameter,
+)
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
+from .numerics.workless_pair import workless_law
 
-_HEAT, _SLIDE, _WRENCH = 3, slice(4, 8), slice(8, 20)
+_HEAT, _SLIDE, _WRENCH, _SLOPES = 3, slice(4, 8), slice(8, 20), slice(20, 32)
+_IMPULSE, _MOMENTS = 26, 27
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,19 +34,11 @@ class _Constants:
     preload_length: float
     damping: float
     end_weight: float
+    paired: bool
 
     def elongation(self, length: float) -> float:
         """Elongation from the length of the preload."""
         return length - self.preload_length
-
-    def taut_share(self, before: float, after: float) -> float:
-        """Share of a step between two elongations in which the spring is taut."""
-        slack = -self.spring.preload_elongation
-        if before > slack and after > slack:
-            return 1.0
-        if before <= slack and after <= slack:
-            return 0.0
-        return (max(after, slack) - max(before, slack)) / (after - before)
 
     def tension(self, elongation: float, rate: float) -> float:
         """Tension of an instant; damping never pushes, and a slack spring has none."""
@@ -66,7 +68,7 @@ class Suspension(Component):
         self._endpoint = gives_end_point(wrench_mode)
         self._declare(
             {"wrench_mode": wrench_mode},
-            ports=[Port("upper", "connection"), Port("lower", "connection")],
+            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("upper", "lower")],
             parameters=_parameters(),
             inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
             observations=[
@@ -85,7 +87,8 @@ class Suspension(Component):
         self.check_ranges(p)
         one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
         spring = SlackSpring(one["stiffness"], one["preload"])
-        return _Constants(spring, one["preload_length"], one["damping"], one["end_weight"])
+        paired = is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint
+        return _Constants(spring, one["preload_length"], one["damping"], one["end_weight"], paired)
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the place of the inputs."""
@@ -94,7 +97,7 @@ class Suspension(Component):
         if norm(span) == 0.0:
             raise ComponentError("the ports of the suspension are at one point; it hangs along no line")
         rate = self._instant(inputs).rate
-        return np.array((*span, 0.0, *MidStepRate.starting(rate), *(0.0,) * 12))
+        return np.array((*span, 0.0, *MidStepRate.starting(rate), *(0.0,) * 24))
 
     @staticmethod
     def _instant(u: list[float]) -> _Instant:
@@ -110,20 +113,37 @@ class Suspension(Component):
         length = norm(old)
         before, after = c.elongation(length), c.elongation(now.length)
         rate = (now.length - length) / h
+        if c.paired and inputs[_IMPULSE] < 0.5:
+            line = Line(mean(old, now.span), subtract(now.span, old), 2.0 / (length + now.length))
+            a, b = (inputs[i : i + 3] for i in (_MOMENTS, _MOMENTS + 6))
+            moment = line.moment((b[0] - a[0], b[1] - a[1], b[2] - a[2]))
+            load = self._pair(c, StepMotion(before, after, h, Memory(0.0, 0.0), moment))
+            force, slope = line.forces(-load.force, -load.slope)
+            slide = MidStepRate.starting(rate + 3.0 * moment / h)
+            return np.array((*now.span, v[_HEAT] + load.heat, *slide, *_wrenches(force), *_wrenches(slope)))
         elastic = -mean_force(c.spring, before, after)
         tension = -mean_force(c.spring, before, after, c.end_weight)
-        tension = max(tension + c.damping * c.taut_share(before, after) * rate, 0.0)
+        tension = max(tension + c.damping * c.spring.taut_share(before, after) * rate, 0.0)
         heat = v[_HEAT] + (tension - elastic) * (now.length - length)
         force = scaled(-tension / (length + now.length), add(old, now.span))
         slide = MidStepRate(*v[_SLIDE]).after(rate, h)
-        if inputs[-1] > 0.5:
+        if inputs[_IMPULSE] > 0.5:
             slide = MidStepRate.starting(now.rate)
-        return np.array((*now.span, heat, *slide, *_wrenches(force)))
+        return np.array((*now.span, heat, *slide, *_wrenches(force), *(0.0,) * 12))
+
+    @staticmethod
+    def _pair(c: _Constants, motion: StepMotion) -> MeanLoad:
+        """Load on the length at order 4; damping never turns the mean tension into a push."""
+        elastic, change = workless_law(c.spring, 0.0, motion), motion.end - motion.start
+        damping = c.damping * c.spring.taut_share(motion.start, motion.end)
+        if change < 0.0 and -elastic.force * motion.h < -damping * change:
+            damping = max(-elastic.force, 0.0) * motion.h / -change
+        return workless_law(c.spring, damping, motion)
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports."""
+        """Wrenches on both ports, slopes of mean wrenches."""
         if not self._endpoint:
-            return x[_WRENCH].copy()
+            return np.concatenate((x[_WRENCH], x[_SLOPES]))
         now = self._instant(as_floats(u))
         tension = c.tension(c.elongation(now.length), now.rate)
         return np.array(_wrenches(scaled(-tension / now.length, now.span)))
@@ -172,4 +192,5 @@ def _parameters() -> list[Quantity]:
         tunable("preload_length", "m", "Distance of the ports at which the tension is the preload", 0.5, 0.0),
         tunable("damping", "N.s/m", "Damping along the line while the spring is taut", 0.0, 0.0),
         Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
+        order_parameter(),
     ]

@@ -1,11 +1,11 @@
 """FMI: any component as an FMU, and a list of everything wrong with an FMU."""
 
 from .build import build_fmu, cache_directory, native_backend
-from .check import check_fmu
-from .description import NATIVE_TOOL, Backend, FmiVersion, model_description
-from .description3 import model_description3
+from .check.check import check_fmu
+from .description.fmi2 import NATIVE_TOOL, Backend, FmiVersion, model_description
+from .description.fmi3 import model_description3
+from .description.variables import start_values, value_references
 from .native import library as native_library
-from .variables import start_values, value_references
 
 __all__ = [
     "NATIVE_TOOL",

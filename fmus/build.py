@@ -1,68 +1,32 @@
-"""Write a component as an FMU, native or with Python inside.
+"""Write a component as an FMU, native or with Python inside, by way of the cache.
 
 A native FMU is the compiled library of all components and the data of one; it needs nothing else. A PythonFMU
-is PythonFMU's binaries around the adapter and the component's own modules, and needs Python, NumPy and SciPy,
-but no Fanfold. PythonFMUs in one process share every module of the same name, so the code goes into a package
-whose name carries the digest of that code: equal code is shared on purpose, different code never meets. Only
-modules that the component reaches by its imports are copied, with the imports between our packages made
-relative.
+is the component's own modules around PythonFMU (`python/bundle.py`).
 """
 
 from __future__ import annotations
 
-import ast
-import hashlib
-import inspect
-import io
-import json
 import os
-import re
 import shutil
 import tempfile
 import uuid
-import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pythonfmu
 from fmpy import platform, platform_tuple
-from numpy.typing import NDArray
 
-import components
 from components import Component, ComponentError
 
-from . import slave
-from .description import Backend, FmiVersion, model_description
-from .description3 import model_description3, terminals
+from .archive import digest_of, zip_bytes
+from .description.fmi2 import Backend, FmiVersion, model_description
+from .description.fmi3 import model_description3, terminals
+from .description.variables import StartValue, start_values
 from .native import library
-from .native_data import component_bytes
-from .slave import ARRAY_KEY, ARRAYS_FILE, COMPONENT_FILE, TUPLE_KEY
-from .sources import source_files
-from .variables import StartValue, start_values
-
-_COMPONENTS = Path(components.__file__).parent
-_PYTHONFMU = Path(pythonfmu.__file__).parent
-_CONTRACT = "_component"
-_IMPORT = re.compile(r"^(\s*from\s+)components(\.\w+)?(\s+import\b)", re.MULTILINE)
-_EPOCH = (1980, 1, 1, 0, 0, 0)
-
-_ENTRY = '''"""Entry point of an FMU of the component {kind!r}, run by PythonFMU for every instance."""
-
-from {package}.adapter.slave import ComponentSlave, own_once_more
-from {package}.{module} import {name} as component
-
-own_once_more(globals())  # PythonFMU gives up a reference to them whenever it makes an instance
-
-
-class Slave(ComponentSlave):
-    """Slave of {name}."""
-
-    component_class = component
-'''
+from .native.binary_data import component_bytes
+from .native.source_files import source_files
+from .python.bundle import python_files
 
 
 def native_backend(component: Component) -> bool:
@@ -107,10 +71,10 @@ def build_fmu(
             if backend == "native":
                 files = _native_files(component, name, starts, guid, platform, code)
             else:
-                files = _python_files(component, name, starts)
+                files = python_files(component, name, starts)
         return {**files, "modelDescription.xml": description}
 
-    digest = _digest(contents("", datetime.fromtimestamp(0, UTC)))
+    digest = digest_of(contents("", datetime.fromtimestamp(0, UTC)))
     cached = cache_directory() / digest / f"{name}.fmu"
     if not cached.exists():
         component.prepare(np.array(starts[: component.parameter_layout.size]))
@@ -143,162 +107,11 @@ def _native_files(
     return {**binaries, **code, "resources/component.bin": component_bytes(component, starts, guid)}
 
 
-def _python_files(component: Component, name: str, starts: Sequence[float]) -> dict[str, bytes]:
-    """Code, data and PythonFMU's own files of a PythonFMU, by their path in it."""
-    package, code = bundle(type(component))
-    resources = {**_resources(component, starts), **code, "slavemodule.txt": f"{package}_entry".encode()}
-    return {**{f"resources/{path}": data for path, data in resources.items()}, **_binaries(name)}
-
-
 def cache_directory() -> Path:
     """FANFOLD_CACHE, else fanfold in XDG_CACHE_HOME, else ~/.cache/fanfold; FMUs stand there by content."""
     if own := os.environ.get("FANFOLD_CACHE"):
         return Path(own)
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fanfold"
-
-
-def _resources(component: Component, starts: Sequence[float]) -> dict[str, bytes]:
-    """What the adapter builds the component from."""
-    arrays: dict[str, NDArray[Any]] = {}
-    structure = pack_value(dict(component.structure), arrays)
-    content = {"kind": component.kind, "structure": structure, "start": list(starts)}
-    resources = {COMPONENT_FILE: (json.dumps(content, indent=1) + "\n").encode()}
-    if arrays:
-        stored = {}
-        for key, array in arrays.items():
-            buffer = io.BytesIO()
-            np.lib.format.write_array(buffer, array, allow_pickle=False)
-            stored[f"{key}.npy"] = buffer.getvalue()
-        resources[ARRAYS_FILE] = zip_bytes(stored)
-    return resources
-
-
-def pack_value(value: Any, arrays: dict[str, NDArray[Any]]) -> Any:  # noqa: ANN401 - any structure value
-    """A structure value as JSON data; NumPy arrays go to `arrays` and leave their key behind."""
-    if isinstance(value, np.ndarray) and value.dtype != object:
-        key = f"a{len(arrays)}"
-        arrays[key] = value
-        return {ARRAY_KEY: key}
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, dict):
-        for key in value:
-            if not isinstance(key, str) or key in (ARRAY_KEY, TUPLE_KEY):
-                raise ComponentError(f"a dictionary key of the structure is {key!r}; it must be a string")
-        return {key: pack_value(item, arrays) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        packed = [pack_value(item, arrays) for item in value]
-        return {TUPLE_KEY: packed} if isinstance(value, tuple) else packed
-    if value is None or isinstance(value, bool | int | float | str):
-        return value
-    raise ComponentError(
-        f"the structure holds a {type(value).__name__}; it must be a number, a string, a tuple, list or "
-        "dictionary of those, or a NumPy array"
-    )
-
-
-@cache
-def bundle(component_class: type[Component]) -> tuple[str, Mapping[str, bytes]]:
-    """Name of the package that holds the code of an FMU, and its files with the entry module beside it."""
-    source = Path(inspect.getfile(component_class)).resolve()
-    inside = source.parent == _COMPONENTS.resolve()
-    module = f"{'components' if inside else 'extra'}.{source.stem}"
-    sources = {"adapter/slave.py": Path(slave.__file__).read_text(encoding="utf-8")}
-    if not inside:
-        sources[f"extra/{source.stem}.py"] = source.read_text(encoding="utf-8")
-    wanted = [_CONTRACT, *([source.stem] if inside else _imported_components(source))]
-    for path in _reachable(wanted):
-        sources[f"components/{path.name}"] = path.read_text(encoding="utf-8")
-    for folder in {path.partition("/")[0] for path in sources}:
-        sources[f"{folder}/__init__.py"] = ""
-    sources["__init__.py"] = ""
-    files = {path: _relative(text).encode() for path, text in sources.items()}
-    names = {"kind": component_class.kind, "module": module, "name": component_class.__name__}
-    entry = _ENTRY.format(package="{package}", **names).encode()
-    package = f"fanfold_{_digest({**files, 'entry': entry})[:16]}"
-    code = {f"{package}/{path}": data for path, data in files.items()}
-    code[f"{package}_entry.py"] = entry.replace(b"{package}", package.encode())
-    return package, code
-
-
-def _reachable(names: Iterable[str]) -> list[Path]:
-    """Modules of the package `components` that the named ones import, directly or not, and these."""
-    found: dict[str, Path] = {}
-    waiting = list(names)
-    while waiting:
-        stem = waiting.pop()
-        if stem not in found:
-            found[stem] = _COMPONENTS / f"{stem}.py"
-            waiting.extend(_imported_components(found[stem]))
-    return [found[stem] for stem in sorted(found)]
-
-
-def _imported_components(source: Path) -> list[str]:
-    """Names of the modules of `components` that a file imports; an error for forms that cannot be moved."""
-    names: list[str] = []
-    inside = source.parent.resolve() == _COMPONENTS.resolve()
-    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import) and any(a.name.partition(".")[0] == "components" for a in node.names):
-            raise ComponentError(
-                f"{source.name}: write 'from components import ...', not 'import components'"
-            )
-        if not isinstance(node, ast.ImportFrom):
-            continue
-        top, _, rest = (node.module or "").partition(".")
-        if node.level and (not inside or node.level > 1):
-            raise ComponentError(f"{source.name} imports from its own package; it must be one file")
-        if node.level and node.module is None:
-            names.extend(alias.name for alias in node.names)
-        elif node.level:
-            names.append(top)
-        elif top == "components":
-            names.append(rest or _CONTRACT)
-    return names
-
-
-def _relative(source: str) -> str:
-    """Source with imports from `components` as they are within the package that an FMU carries."""
-    return _IMPORT.sub(lambda m: f"{m[1]}..components{m[2] or '.' + _CONTRACT}{m[3]}", source)
-
-
-@cache
-def _wrapper() -> dict[str, bytes]:
-    """PythonFMU itself: its Python files, and its binaries by platform folder."""
-    files = {f"pythonfmu/{path.name}": path for path in sorted(_PYTHONFMU.glob("*.py"))}
-    binaries = _PYTHONFMU / "resources" / "binaries"
-    for path in sorted(binaries.rglob("*")):
-        if path.suffix in (".so", ".dll", ".dylib"):
-            files[f"binaries/{path.relative_to(binaries).parent.as_posix()}/*{path.suffix}"] = path
-    return {name: path.read_bytes() for name, path in files.items()}
-
-
-def _binaries(model_identifier: str) -> dict[str, bytes]:
-    """PythonFMU's files by their path in an FMU."""
-    return {
-        path.replace("*", model_identifier) if path.startswith("binaries/") else f"resources/{path}": data
-        for path, data in _wrapper().items()
-    }
-
-
-def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """A zip archive whose bytes depend on names and contents only."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
-        for name, data in sorted(files.items()):
-            entry = zipfile.ZipInfo(name, _EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.create_system = 3
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, data)
-    return buffer.getvalue()
-
-
-def _digest(files: Mapping[str, bytes]) -> str:
-    digest = hashlib.sha256()
-    for name, data in sorted(files.items()):
-        digest.update(f"{name}\0{len(data)}\0".encode())
-        digest.update(data)
-    return digest.hexdigest()
 
 
 def _now() -> datetime:

@@ -1,6 +1,6 @@
 """Compile the native core and all equations files into the one binary that every native FMU carries.
 
-Every `NAME.c` beside this file is the equations of one component and defines `NAME_kernel`. It is compiled
+Every `kernels/NAME.c` is the equations of one component and defines `NAME_kernel`. It is compiled
 twice, for plain numbers and for numbers that carry a derivative (`real.h`); the second unit and the list of
 kernels are written here, so a new component needs its own file only. Imports nothing of the project, because
 the build hook runs before anything is installed.
@@ -36,14 +36,16 @@ class CompileError(Exception):
 
 def equations() -> list[str]:
     """Names of the components that have a native kernel."""
-    return sorted(path.stem for path in HERE.glob("*.c"))
+    return sorted(path.stem for path in (HERE / "kernels").glob("*.c"))
 
 
 def sources() -> dict[str, str]:
-    """Every source and header by its file name, the generated ones included; compiling every .c makes the library."""
-    files = {
-        p.name: p for folder in (HERE, HERE / "core") for p in folder.iterdir() if p.suffix in (".c", ".h")
-    }
+    """Every source and header by its file name, the generated ones included; compiling every .c makes the library.
+
+    They include each other by file name only, which is unique over all folders here, so that an FMU can carry them
+    in one folder.
+    """
+    files = {path.name: path for path in HERE.rglob("*.[ch]")}
     texts = {name: path.read_text(encoding="utf-8") for name, path in sorted(files.items())}
     names = equations()
     for name in names:

@@ -21,8 +21,8 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
         build = _module(root / "fmus" / "native" / "compile.py")
         libraries = {
             "fmus/native/lib/fanfold": build.compile_library,
-            "orchestrator/native/_coupling": lambda target: build.compile_files(
-                [root / "orchestrator" / "native" / "coupling.c"], target
+            "orchestrator/cosim/native/_coupling": lambda target: build.compile_files(
+                [root / "orchestrator" / "cosim" / "native" / "coupling.c"], target
             ),
         }
         for name, make in libraries.items():

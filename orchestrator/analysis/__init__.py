@@ -1,1 +1,1 @@
-"""Analyses of scenes and results; each module is one analysis with its command."""
+"""Analyses of scenes and results: functions that take one and give records; no terminal, no pictures."""

@@ -6,49 +6,30 @@ is what a drive or a hold-down would have to give.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, pi
 from typing import NamedTuple
 
-import click
 import numpy as np
 
-from components._component import Vector
-from components._frames import exponential, multiply, rotate
-from components._hinge_state import State
+from components.contract.component import Vector
+from components.contract.frames import exponential, multiply, rotate
+from components.hinge_parts.state import State
 
-from ..cli_options import SceneChoice, ordered_names, refuse_idle, scene_choice
-from ..cli_types import Count
 from ..scene import Scene, SceneError
-from ..scene_pieces import joined
-from ._configuration import (
-    Configuration,
-    ConfigurationChoice,
-    angle_of,
-    configuration_choice,
-    hinges_of,
-    lines_given,
-    lines_named,
-    placed,
-)
-from ._equilibrium_tables import Equilibrium, print_loads, print_sweep
-from ._mechanism import Mechanism
-from ._statics import settle
-from ._tables import degrees_text
+from ..scene.locked_groups import joined
+from ..scene.units import degrees_text
+from .statics.configuration import Configuration, hinges_of, placed
+from .statics.equilibrium_search import settle
+from .statics.mechanism import Mechanism
 
 _LARGEST_STEP = pi / 36.0
 """rad that a swept line turns between two equilibria"""
 _SMALLEST_STEP = _LARGEST_STEP / 100.0
 """rad; a cable that goes slack needs smaller steps, but what fails at these has no equilibrium"""
 _LOAD_UNITS = ("N", "N.m")
-_EXAMPLES = """\b
-Examples:
-  fanfold analyse equilibrium amos3 --rigid all --preload
-  fanfold analyse equilibrium amos3 --rigid all --steps 6 \\
-    --sweep HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:180deg
-"""
 
 
 class Sweep(NamedTuple):
@@ -57,6 +38,36 @@ class Sweep(NamedTuple):
     line: str
     start: float
     end: float
+
+
+@dataclass(frozen=True, slots=True)
+class Equilibrium:
+    """One equilibrium: angles (rad) and holding torques (N.m, opening) of lines, loads of connections, base load."""
+
+    angles: Mapping[str, float]
+    holding_torques: Mapping[str, float]
+    loads: Mapping[str, Mapping[str, tuple[float, str]]]
+    """value and unit by connection and name"""
+    base_load: tuple[float, ...]
+    """force (N) and torque (N.m) of the structure on the base about its reference point, world axes"""
+    reach: float
+    """m, largest distance between ports and centres of mass"""
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        loads = {
+            connection: {
+                f"{name}_{'nm' if unit == 'N.m' else 'n'}": value for name, (value, unit) in found.items()
+            }
+            for connection, found in self.loads.items()
+        }
+        return {
+            "angles_rad": dict(self.angles),
+            "holding_torques_nm": dict(self.holding_torques),
+            "loads": loads,
+            "base_force_n": list(self.base_load[:3]),
+            "base_torque_nm": list(self.base_load[3:]),
+        }
 
 
 def equilibrium(
@@ -83,7 +94,7 @@ def equilibrium(
 
 def _advice(scene: Scene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
     """What to do where there is no equilibrium."""
-    free = _free_lines(scene, target, held)
+    free = free_lines(scene, target, held)
     if not free:
         loops = " that stretch no cable loop" if scene.loops else ""
         return (
@@ -93,7 +104,8 @@ def _advice(scene: Scene, target: Configuration, held: Collection[str], swept: C
     return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} with --hold {kept}"
 
 
-def _free_lines(scene: Scene, target: Configuration, held: Collection[str]) -> list[str]:
+def free_lines(scene: Scene, target: Configuration, held: Collection[str]) -> list[str]:
+    """Hinge lines that nothing keeps: neither latched in the configuration, nor held."""
     bound = {*target.latched, *held}
     return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
@@ -234,70 +246,3 @@ def _base_load(mechanism: Mechanism) -> Vector:
     start = mechanism.rows[mechanism.base].start
     result: Vector = mechanism.forces()[start : start + 6]
     return result
-
-
-def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Sweep, ...]:
-    """Sweeps such as HL1=0deg:90deg,HL2=0deg:180deg."""
-    found = []
-    for entry in ordered_names(_, __, value):
-        name, equals, angles = entry.partition("=")
-        start, colon, end = angles.partition(":")
-        if not (equals and colon and name.strip()):
-            raise click.BadParameter(f"{entry!r} is not of the form HL1=0deg:90deg")
-        line = name.strip()
-        found.append(Sweep(line, angle_of(line, start), angle_of(line, end)))
-        if found[-1].start == found[-1].end:
-            raise click.BadParameter(f"{entry!r}: the two angles are the same")
-        if found[-1].line in {sweep.line for sweep in found[:-1]}:
-            raise click.BadParameter(f"{entry!r}: {found[-1].line} is swept already")
-    return tuple(found)
-
-
-@click.command("equilibrium", epilog=_EXAMPLES)
-@scene_choice
-@configuration_choice
-@click.option(
-    "--hold", metavar="LINES", callback=lines_given,
-    help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
-)  # fmt: skip
-@click.option("--preload", is_flag=True, help="Cable loops have exactly their preload, as when a run begins.")
-@click.option(
-    "--sweep", "sweeps", default="", callback=sweeps_given, metavar="LINE=FROM:TO,...",
-    help="Turn lines together through angles, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
-)  # fmt: skip
-@click.option(
-    "--steps", type=Count(min=1, max=10_000), default=12, show_default=True, help="Steps of a sweep."
-)
-@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
-def command(
-    choice: SceneChoice,
-    wanted: ConfigurationChoice,
-    hold: str | None,
-    preload: bool,
-    sweeps: tuple[Sweep, ...],
-    steps: int,
-    as_json: bool,
-) -> None:
-    """Static equilibrium of SCENE and the loads of its connections, at one configuration or over a sweep."""
-    refuse_idle("--steps", "--sweep")
-    if preload and sweeps:
-        raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
-    scene = choice.load_one_run()
-    target = wanted.of(scene)
-    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
-    default = "none" if sweeps else ",".join(_free_lines(scene, target, ()))
-    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
-    both = sorted({*swept, *held} & set(target.latched))
-    if both:
-        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
-    if sweeps:
-        found = quasi_static(scene, choice.rigid, choice.flexible, target, held, sweeps, steps)
-    else:
-        found = [equilibrium(scene, choice.rigid, choice.flexible, target, held, preload)[1]]
-    if as_json:
-        content = {"scene": scene.header.name, "equilibria": [one.as_dict() for one in found]}
-        click.echo(json.dumps(content))
-    elif sweeps:
-        print_sweep(found)
-    else:
-        print_loads(found[0])

@@ -3,7 +3,7 @@
     python -m tests.benchmark.ablation [--repeats N] [--plot FILE]
 
 Three tables: AMOS-3 flexible, 12 s, every row one change of the first; bodies that are held, joined or not
-(`ablation_pieces`); hinges that have latched, joined or not (`ablation_latched`). Errors are against tight runs of
+(`ablations.pieces`); hinges that have latched, joined or not (`ablations.latched`). Errors are against tight runs of
 the full models, so that those of a reduced model are its modelling error. Repeats are interleaved, medians count.
 
 Fewer fixed-interface modes make steps cheaper but more: a kinematic latch is a lock of 1e8 N.m/rad, which no step
@@ -26,14 +26,15 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
-from orchestrator.fmu import FmuParticipant
-from orchestrator.participant import Participant
-from orchestrator.run import Outcome, as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene
-from tests.benchmark import ablation_latched, ablation_pieces
-from tests.benchmark.ablation_rows import Row, draw, measure_all, print_table
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.participant import Participant
+from orchestrator.run.run import Outcome, as_fmus
+from orchestrator.scene import find_scene, load_scene
+from tests.benchmark.ablations import latched, pieces
+from tests.benchmark.ablations.rows import Row, draw, measure_all, print_table
 
 UNTIL, TOLERANCE, TIGHT = 12.0, 3e-3, 1e-5
 BODIES = ("yoke", "panel1", "panel2")
@@ -137,7 +138,7 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--plot", type=Path)
     chosen = parser.parse_args()
-    modelled, held = rows(), ablation_pieces.rows()
+    modelled, held = rows(), pieces.rows()
     with TemporaryDirectory() as name:
         folder = Path(name)
         true = _reference(modelled[0], folder, UNTIL)
@@ -145,13 +146,13 @@ def main() -> None:
         print(f"amos3 flexible, {UNTIL:g} s, tolerance {TOLERANCE:g}; errors against tolerance {TIGHT:g}")
         print_table(modelled, true, modelled[0])
         print_mobilities()
-        held_true = _reference(held[2], folder, ablation_pieces.UNTIL)
-        measure_all(held, folder, TOLERANCE, ablation_pieces.UNTIL, chosen.repeats)
-        print(f"\narabsat phase 1, {ablation_pieces.UNTIL:g} s; errors against locked hinges, rigid stack")
+        held_true = _reference(held[2], folder, pieces.UNTIL)
+        measure_all(held, folder, TOLERANCE, pieces.UNTIL, chosen.repeats)
+        print(f"\narabsat phase 1, {pieces.UNTIL:g} s; errors against locked hinges, rigid stack")
         print_table(held, held_true, held[1])
-        ablation_pieces.print_ratio(held)
+        pieces.print_ratio(held)
     print("\namos3 from the last but one latch-up on; errors against latched hinges")
-    ablation_latched.print_table(TOLERANCE, TIGHT, chosen.repeats)
+    latched.print_table(TOLERANCE, TIGHT, chosen.repeats)
     if chosen.plot:
         draw({"AMOS-3 flexible": (modelled, true), "ARABSAT phase 1": (held, held_true)}, chosen.plot)
 

@@ -18,7 +18,8 @@ from components import REGISTRY
 from fmus import build_fmu
 from fmus.native import FLAGS, compiler, sources
 from orchestrator.assembly import Part
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import find_scene, load_scene
 
 PROGRAM = Path(__file__).with_name("call_times.c")
 ROUNDS, CALLS = 20, 2000

@@ -27,11 +27,11 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 from orchestrator.assembly import Assembly
-from orchestrator.companion import with_estimates
-from orchestrator.master import Settings
-from orchestrator.run import Outcome, RunError, run
-from orchestrator.scene import assemble
-from orchestrator.scene_connections import line_latch
+from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.hinges import line_latch
+from orchestrator.cosim.master import Settings
+from orchestrator.run.companion import with_estimates
+from orchestrator.run.run import Outcome, RunError, run
 from tests.benchmark.campaign_errors import (
     GROUPS,
     LOCK,

@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterator, Mapping
 from math import inf
 from typing import NamedTuple
 
-from orchestrator.noise import noise_floor
-from orchestrator.summary import Headline
+from orchestrator.results.key_figures import Headline
+from orchestrator.results.round_off import noise_floor
 
 Key = tuple[str, str]
 """Quantity and what it is of, as in `Number`."""

@@ -17,12 +17,14 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from orchestrator import coupling, engine, result
 from orchestrator.assembly import Assembly
-from orchestrator.engine import Engine
-from orchestrator.master import Settings
-from orchestrator.run import Costs, run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.implicit import coupling, engine
+from orchestrator.cosim.implicit.engine import Engine
+from orchestrator.cosim.master import Settings
+from orchestrator.results import result
+from orchestrator.run.run import Costs, run
+from orchestrator.scene import find_scene, load_scene
 from tests.benchmark.call_times import Times, build, measure
 
 UNTIL, TOLERANCE, REPEATS = 12.0, 3e-3, 5

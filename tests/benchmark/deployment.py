@@ -16,9 +16,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from fmus import Backend
-from orchestrator.master import Settings
-from orchestrator.run import Outcome, as_fmus, run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.run.run import Outcome, as_fmus, run
+from orchestrator.scene import find_scene, load_scene
 
 UNTIL = 12.0
 TOLERANCES = {"rigid": (1e-3, 1e-4), "flexible": (4e-3, 2e-3, 1e-3, 1e-4)}

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from orchestrator.master import Settings
-from orchestrator.result import Result
-from orchestrator.run import RunError, run
-from orchestrator.scene import assemble
-from orchestrator.scene_reader import read_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result
+from orchestrator.run.run import RunError, run
+from orchestrator.scene.reader import read_scene
 
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9)
 TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.master import Settings
-from orchestrator.run import as_fmus
-from tests.benchmark.exudyn_model import (
+from orchestrator.cosim.master import Settings
+from orchestrator.run.run import as_fmus
+from tests.benchmark.models.exudyn_model import (
     JOINT,
     WORLD,
     Steps,
@@ -29,7 +29,7 @@ from tests.benchmark.exudyn_model import (
     item,
     quiet_settings,
 )
-from tests.benchmark.one_panel import SIDES, UNTIL, Subject, Trial, couple, crest, subjects
+from tests.benchmark.models.one_panel import SIDES, UNTIL, Subject, Trial, couple, crest, subjects
 from tests.benchmark.stability import MOTOR_STIFFNESS, MOTOR_WIND_UP
 
 POINTS = tuple(f"hl_{side}" for side in SIDES)

@@ -23,13 +23,14 @@ import numpy as np
 
 from fmus import Backend
 from orchestrator.assembly import Assembly
-from orchestrator.master import Settings
-from orchestrator.network import MOTION, WRENCH
-from orchestrator.run import as_fmus, export
-from orchestrator.scene import assemble, find_scene, load_scene
-from orchestrator.scene_connections import WrenchMode
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.cosim.network import MOTION, WRENCH
+from orchestrator.run.run import as_fmus, export
+from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.component_connections import WrenchMode
 from tests.benchmark.error_plot import Point, error_texts, plot
-from tests.benchmark.one_panel import Trial, couple, crest, line_torque
+from tests.benchmark.models.one_panel import Trial, couple, crest, line_torque
 
 try:
     from libcosimpy.CosimEnums import CosimVariableType

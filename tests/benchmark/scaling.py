@@ -23,10 +23,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fmus import Backend, native_library
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from tests.benchmark.chain import Chain, as_instances, panel
-from tests.benchmark.exudyn_chain import Outcome, bushings, tree
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from tests.benchmark.models.chain import Chain, as_instances, panel
+from tests.benchmark.models.exudyn_chain import Outcome, bushings, tree
 from tests.benchmark.stability import Record
 
 STEP, TOLERANCE = 5e-3, 1e-6

@@ -22,14 +22,14 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from components import catalogue, rotation_matrix
-from components._oscillators import propagator
-from components.modal import ModalData
+from components.flexible.modal import ModalData
+from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.explicit import ExplicitMaster
-from orchestrator.master import SCENE_CHANNELS, Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import ParticipantError, in_process
-from orchestrator.stepping import StepError
+from orchestrator.cosim.explicit import ExplicitMaster
+from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import ParticipantError, in_process
+from orchestrator.cosim.stepping import StepError
 
 Start = dict[str, float | tuple[float, ...]]
 MasterName = Literal["implicit", "jacobi", "gauss-seidel"]

@@ -29,9 +29,10 @@ import json, sys, tempfile
 from pathlib import Path
 from time import perf_counter
 marks = [perf_counter()]
-from orchestrator.fmu import FmuParticipant
-from orchestrator.run import export
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.run.run import export
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import find_scene, load_scene
 marks.append(perf_counter())
 scene = load_scene(find_scene("amos3"))
 everything = {"all"}

@@ -5,7 +5,7 @@ from math import pi
 
 import pytest
 
-from orchestrator.master import Settings
+from orchestrator.cosim.master import Settings
 from tests.benchmark.stability import (
     STEPS,
     judge,

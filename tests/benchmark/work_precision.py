@@ -19,8 +19,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from orchestrator.assembly import Assembly
-from orchestrator.master import Settings
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.scene import find_scene, load_scene
 from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.stability import MasterName, Run, run
 from tests.regression.test_order import ONE_PANEL

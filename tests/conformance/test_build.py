@@ -10,10 +10,10 @@ from fmpy import read_model_description
 
 from components import Component, ComponentError
 from fmus import build_fmu, value_references
-from fmus.build import bundle, pack_value
-from fmus.slave import unpack_value
-from tests.conformance.driver import KINDS
-from tests.conformance.toy import Toy
+from fmus.python.bundle import bundle, pack_value
+from fmus.python.slave import unpack_value
+from tests.conformance.programs.driver import KINDS
+from tests.conformance.programs.toy import Toy
 
 
 @pytest.fixture(autouse=True)
@@ -110,7 +110,7 @@ def test_dependencies_follow_feedthrough():
 def test_only_reachable_modules_are_carried(kind):
     package, files = bundle(KINDS[kind])
     carried = {path for path in files if path.startswith(f"{package}/components/")}
-    assert f"{package}/components/_component.py" in carried
+    assert f"{package}/components/contract/component.py" in carried
     assert f"{package}/components/{KINDS[kind].__module__.rpartition('.')[2]}.py" in carried
     assert not any(b"from components" in source for source in files.values())
 

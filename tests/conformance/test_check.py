@@ -9,9 +9,9 @@ import pytest
 
 from components import ComponentError
 from fmus import build_fmu, check_fmu
-from fmus.build import zip_bytes
-from fmus.units import base_unit
-from tests.conformance.toy import Toy
+from fmus.archive import zip_bytes
+from fmus.description.units import base_unit
+from tests.conformance.programs.toy import Toy
 
 
 @pytest.fixture(scope="module")

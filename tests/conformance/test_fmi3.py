@@ -20,15 +20,15 @@ from fmpy.validation import validate_fmu
 
 from components import ComponentError
 from fmus import build_fmu, check_fmu, native_backend, native_library
-from fmus.build import zip_bytes
-from tests.conformance.driver import KINDS, start_of
-from tests.conformance.latching import CHECKS as LATCHING
-from tests.conformance.latching import START, hinge
+from fmus.archive import zip_bytes
+from tests.conformance.programs.driver import KINDS, start_of
+from tests.conformance.programs.latching import CHECKS as LATCHING
+from tests.conformance.programs.latching import START, hinge
+from tests.conformance.programs.toy import Toy
 from tests.conformance.test_fmus import ALONE
-from tests.conformance.toy import Toy
 
 ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).parent
+HERE = Path(__file__).with_name("programs")
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
 CHECKS = (
     "equal", "serialization", "reset", "instances", "order", "values", "parameter", "access", "derivative",

@@ -11,12 +11,12 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import build_fmu, native_library
-from tests.conformance.driver import KINDS, start_of
-from tests.conformance.latching import START, hinge
-from tests.conformance.sanitized import program
+from tests.conformance.programs.driver import KINDS, start_of
+from tests.conformance.programs.latching import START, hinge
+from tests.conformance.programs.sanitized import program
 from tests.conformance.test_native_robustness import NATIVE, damaged
 
-HOST = Path(__file__).with_name("host3.c")
+HOST = Path(__file__).with_name("programs") / "host3.c"
 DAMAGED = 200
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")

@@ -16,11 +16,11 @@ import pytest
 
 from fmus import build_fmu, check_fmu, native_backend, native_library
 from fmus.native import compiler
-from tests.conformance.driver import KINDS, Reference, start_of
-from tests.conformance.trial import CHECKS
+from tests.conformance.programs.driver import KINDS, Reference, start_of
+from tests.conformance.programs.trial import CHECKS
 
 ROOT = Path(__file__).resolve().parents[2]
-TRIAL = Path(__file__).with_name("trial.py")
+TRIAL = Path(__file__).with_name("programs") / "trial.py"
 
 ALONE = """
 import sys

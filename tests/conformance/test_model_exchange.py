@@ -21,14 +21,14 @@ from fmpy.validation import validate_fmu
 from components import REGISTRY
 from components.hinge import Hinge
 from fmus import build_fmu, native_backend, native_library
-from tests.conformance import exchange, exchange_runs
-from tests.conformance.driver import start_of
-from tests.conformance.exchange import SUBJECTS
-from tests.conformance.sanitized import program
+from tests.conformance.programs import exchange, exchange_runs
+from tests.conformance.programs.driver import start_of
+from tests.conformance.programs.exchange import SUBJECTS
+from tests.conformance.programs.sanitized import program
 from tests.conformance.test_native_robustness import damaged
 
 ROOT = Path(__file__).resolve().parents[2]
-HOST = Path(__file__).with_name("host_model_exchange.c")
+HOST = Path(__file__).with_name("programs") / "host_model_exchange.c"
 DAMAGED = 200
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
@@ -41,7 +41,7 @@ def path_of(subject):
 
 
 def findings(script, *arguments):
-    command = [sys.executable, str(Path(__file__).with_name(script)), *arguments]
+    command = [sys.executable, str(Path(__file__).with_name("programs") / script), *arguments]
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
     run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
     if run.returncode:

@@ -16,10 +16,10 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import build_fmu, native_backend
-from tests.conformance.driver import KINDS, start_of
-from tests.conformance.sanitized import program
+from tests.conformance.programs.driver import KINDS, start_of
+from tests.conformance.programs.sanitized import program
 
-HOST = Path(__file__).with_name("host.c")
+HOST = Path(__file__).with_name("programs") / "host.c"
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
 DAMAGED = 300
 

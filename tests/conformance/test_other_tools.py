@@ -16,8 +16,8 @@ from fmpy import read_model_description
 
 from components import REGISTRY
 from fmus import build_fmu, native_library
-from tests.conformance.driver import start_of
-from tests.conformance.exchange_pair import SUBJECTS
+from tests.conformance.programs.driver import start_of
+from tests.conformance.programs.exchange_pair import SUBJECTS
 
 STOP = 0.5
 SUBJECT_OF = {make().kind: subject for subject, make in reversed(SUBJECTS.items())}

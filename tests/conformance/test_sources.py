@@ -14,7 +14,7 @@ import fmus.build
 from components import REGISTRY, ComponentError
 from fmus import build_fmu, check_fmu
 from fmus.native import compiler
-from tests.conformance.driver import start_of
+from tests.conformance.programs.driver import start_of
 
 needs_compiler = pytest.mark.skipif(
     compiler() is None or shutil.which("cmake") is None, reason="needs a C compiler and cmake"

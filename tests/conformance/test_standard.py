@@ -12,7 +12,7 @@ import pytest
 from fmus import native_library
 from fmus.native import compiler
 from fmus.native.compile import FLAGS, compile_library
-from tests.conformance.driver import ERROR, KINDS, OK, Fmu, Reference
+from tests.conformance.programs.driver import ERROR, KINDS, OK, Fmu, Reference
 from tests.conformance.test_fmus import BACKENDS, path_of
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="no native library was built")

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from components.body import Body
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import Settings
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Settings
 from tests.references.coupled import between, completed, rigid, turned
 
 PI = np.pi

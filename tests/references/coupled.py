@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.master import SCENE_CHANNELS, Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
 
 Vector = NDArray[np.float64]
 
@@ -81,9 +81,10 @@ def prepared(
     `iteration` replaces the tolerance to which wrenches are iterated, in which the conservation of angular
     momentum is to be seen.
     """
-    network = Network(in_process(parts), links)
+    settings = settings or Settings()
+    network = Network(in_process(parts), links, settings.order or 2)
     recording = Recording()
-    master = Master(network, lines, recording, settings or Settings())
+    master = Master(network, lines, recording, settings)
     if iteration is not None:
         master._coupling.tolerance = iteration
     run = Run(master, [p.name for p in (*network.bodies, *network.connections)])

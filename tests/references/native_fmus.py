@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from fmus import native_library
-from orchestrator import engine
 from orchestrator.assembly import Link, Part
-from orchestrator.coupling import Tolerance
-from orchestrator.interface import probe_stiffness, stiffness_of
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.run import as_fmus
+from orchestrator.cosim.implicit import engine
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.interface_jacobian import probe_stiffness, stiffness_of
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.run.run import as_fmus
 from tests.references.coupled import Recording, Run, completed
 
 needs_native = pytest.mark.skipif(
@@ -48,8 +48,8 @@ def native_errors(
             found, expected = run.signal(name, quantity.name), reference.signal(name, quantity.name)
             differences.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
         master._coupling.sweep(until, h)
-        ports = len(network.connection_ports[network.connections.index(connection)])
-        exact = stiffness_of(connection, ports, until, h).matrix
-        probed = probe_stiffness(connection, ports, until, h).matrix
+        places = network.connection_places[network.connections.index(connection)]
+        exact = stiffness_of(connection, places, network.width, until, h).matrix
+        probed = probe_stiffness(connection, places, network.width, until, h).matrix
         size = max(float(np.abs(probed).max()), 1e-3)
         return float(max(differences)), float(np.abs(exact - probed).max()) / size

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from components._frames import Vector3
-from orchestrator.scene_bodies import body_model, body_points
-from orchestrator.scene_body_tables import Body
+from components.contract.frames import Vector3
+from orchestrator.scene.bodies import body_model, body_points
+from orchestrator.scene.body_tables import Body
 
 Table = dict[str, Any]
 

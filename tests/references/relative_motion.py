@@ -55,3 +55,35 @@ def work(outputs: Vector, before: Vector, after: Vector, ports: int) -> float:
         for p, q in zip(a[:, 3:7], b[:, 3:7], strict=True)
     ]
     return float(np.sum(force * (b - a)[:, :3]) + np.sum(torque * np.array(turns)))
+
+
+def slopes(component: object, outputs: Vector, ports: int) -> tuple[Vector, Vector]:
+    """Slopes of forces (ports, 3) and of torques (ports, 3), the last of a connection's outputs."""
+    size = component.output_layout.size  # type: ignore[attr-defined]
+    table = outputs[size - 6 * ports :].reshape(ports, 6)
+    return table[:, :3], table[:, 3:]
+
+
+def slope_work(component: object, outputs: Vector, u: Vector, ports: int) -> float:
+    """Work of the slopes of wrenches on the first moments of the ports' velocities, the last inputs."""
+    force, torque = slopes(component, outputs, ports)
+    moments = u[u.size - 6 * ports :].reshape(ports, 6)
+    return float(np.sum(force * moments[:, :3]) + np.sum(torque * moments[:, 3:]))
+
+
+def angular_momentum(
+    component: object, outputs: Vector, before: Vector, after: Vector, ports: int, about: Sequence[float]
+) -> Vector:
+    """Resultant (6,) about a point over a step, with what slopes of forces do as the ports move."""
+    force, _ = slopes(component, outputs, ports)
+    moved = (after - before)[: 13 * ports].reshape(ports, 13)[:, :3]
+    result = resultant(outputs, before, after, ports, about)
+    result[3:] += np.cross(moved / 6.0, force).sum(0)
+    return result
+
+
+def with_moments(component: object, u: Vector, moments: Vector) -> Vector:
+    """The inputs with first moments of velocity and angular velocity of the ports, (ports, 6)."""
+    result = u.copy()
+    result[result.size - moments.size :] = moments.ravel()
+    return result

@@ -9,15 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis._configuration import configuration, with_angles
-from orchestrator.analysis._linear import linearise, normal_modes
-from orchestrator.analysis._mechanism import Mechanism, PlacedBody
+from orchestrator.analysis.statics.configuration import configuration, with_angles
+from orchestrator.analysis.statics.linear_model import linearise, normal_modes
+from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Assembly, Part
-from orchestrator.fmu import FmuParticipant
-from orchestrator.master import SCENE_CHANNELS, Master, Settings
-from orchestrator.network import Network
-from orchestrator.run import as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.run.run import as_fmus
+from orchestrator.scene import find_scene, load_scene
 
 Vector = NDArray[np.float64]
 

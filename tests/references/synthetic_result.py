@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.assembly import Geometry, HingeLine
-from orchestrator.result import ResultWriter, SignalGroup
+from orchestrator.results.result import ResultWriter, SignalGroup
 
 Vector = NDArray[np.float64]
 LATCH_DAMPING = 2.0

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import mkdtemp
 
-from orchestrator.master import Settings
-from orchestrator.result import Result
-from orchestrator.run import Outcome, run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result
+from orchestrator.run.run import Outcome, run
+from orchestrator.scene import find_scene, load_scene
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.master import Settings
-from orchestrator.result import Result
-from orchestrator.run import run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result
+from orchestrator.run.run import run
+from orchestrator.scene import find_scene, load_scene
 
 pytestmark = pytest.mark.slow
 

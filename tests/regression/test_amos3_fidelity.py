@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestrator.summary import latch_times, line_latch_torque
+from orchestrator.results.key_figures import latch_times, line_latch_torque
 
 from .scene_runs import RUNS
 

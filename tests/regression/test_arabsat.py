@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import find_scene, load_scene
 
 from .scene_runs import RUNS
 

@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 from fmus import native_library
-from orchestrator.master import Settings
-from orchestrator.run import run
-from orchestrator.scene import assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.run.run import run
+from orchestrator.scene import load_scene
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
 SCENES = Path(__file__).parents[1] / "scenes"

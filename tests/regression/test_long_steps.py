@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from components.beam_frame import BeamSection, Member, beam_frame
-from components.reduction import craig_bampton
+from components.flexible.beam_frame import BeamSection, Member, beam_frame
+from components.flexible.reduction import craig_bampton
 from fmus import native_library
 from orchestrator.assembly import Part
-from orchestrator.balance import Energies
-from orchestrator.guard import EnergyGuard
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from tests.benchmark.chain import as_instances
+from orchestrator.cosim.energy_balance import Energies
+from orchestrator.cosim.energy_guard import EnergyGuard
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from tests.benchmark.models.chain import as_instances
 from tests.references.coupled import Recording, Run, base, between
 
 LENGTH, BENDING, LINE_MASS, GRAVITY = 10.0, 1.4e4, 1.2, 10.0
@@ -53,7 +53,9 @@ def followed(participants, links, until, step):
 
 @pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
 def test_slender_cantilever_at_a_fixed_long_step():
-    """Conservation: of 26 J in motion a thousandth of a joule is lost at most; without the guard it gains 1e4 J.
+    """Conservation: no step opens the balance by more than the guard's share of what moves; without it it gains 1e4 J.
+
+    That share of 26 J in a hundred steps is 1 %.
 
     Closed form: under a load that comes at once the first mode's kinetic energy is at most (its share of the load)^2
     over 2 m w1^2, shares and frequency of a clamped-free beam; the other modes have less than 2 % of it.
@@ -62,11 +64,14 @@ def test_slender_cantilever_at_a_fixed_long_step():
     with as_instances(parts, "native") as participants:
         assert [p.constant_mobility for p in participants] == [True, False, False]
         run = followed(participants, links, 2.0, 0.02)
-    assert np.abs(run.scene("energy_residual")).max() < 1e-3
+    residual, share = run.scene("energy_residual"), 1e-4
+    in_motion = run.signal("beam", "kinetic_energy").max()
+    assert np.abs(np.diff(residual)).max() <= share * in_motion
+    assert np.abs(residual).max() < 0.01 * in_motion
     mass, first = LINE_MASS * LENGTH, 1.875104**2 * np.sqrt(BENDING / LINE_MASS) / LENGTH**2
-    share = 4.0 * (0.734096 / 1.875104) ** 2
-    kinetic = (mass * GRAVITY) ** 2 * share / (2.0 * mass * first**2)
-    assert run.signal("beam", "kinetic_energy").max() == pytest.approx(kinetic, rel=0.02)
+    of_load = 4.0 * (0.734096 / 1.875104) ** 2
+    kinetic = (mass * GRAVITY) ** 2 * of_load / (2.0 * mass * first**2)
+    assert in_motion == pytest.approx(kinetic, rel=0.02)
 
 
 def test_guard_rejects_what_smaller_steps_cure():

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from orchestrator.master import Settings
-from orchestrator.scene import assemble, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.scene import load_scene
 from tests.benchmark.stability import run
 
 TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")

@@ -7,13 +7,14 @@ import pytest
 
 from fmus import native_library
 from orchestrator.assembly import Part
-from orchestrator.master import Master, Settings
-from orchestrator.network import Network
-from orchestrator.participant import in_process
-from orchestrator.run import as_fmus
-from orchestrator.scene import assemble, find_scene, load_scene
-from orchestrator.static_search import _described, _motion
-from orchestrator.stepping import StepError
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.static_search import _described, _motion
+from orchestrator.cosim.stepping import StepError
+from orchestrator.run.run import as_fmus
+from orchestrator.scene import find_scene, load_scene
 from tests.references.coupled import base, between, rigid, turned
 
 PRELOAD = 80.0

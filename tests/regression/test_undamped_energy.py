@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from orchestrator.master import Settings
-from orchestrator.result import Result
-from orchestrator.run import run
-from orchestrator.scene import assemble, find_scene, load_scene
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.results.result import Result
+from orchestrator.run.run import run
+from orchestrator.scene import find_scene, load_scene
 from tests.regression.test_order import ONE_PANEL, two_panels_with_latches
 
 AMOS3 = Path(find_scene("amos3")).read_text(encoding="utf-8")

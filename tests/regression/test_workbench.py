@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from components.catalogue import BODIES, finite_elements
-from components.reduction import fixed_interface_frequencies
+from components.flexible.reduction import fixed_interface_frequencies
 
 from .scene_runs import RUNS
 

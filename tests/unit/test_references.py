@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from components.modal import ModalData
+from components.flexible.modal import ModalData
 from orchestrator.assembly import Part
-from orchestrator.master import Settings
+from orchestrator.cosim.master import Settings
 from tests.references import closed_forms, relative_motion
 from tests.references import nodal_flexible_body as nodal
 from tests.references.coupled import base, between, completed, rigid, turned

@@ -1,4 +1,4 @@
-/* The content of resources/component.bin, as fmus/native_data.py writes it.
+/* The content of resources/component.bin, as fmus/native/binary_data.py writes it.
 
    After eight bytes of magic come entries until the end of the file, all numbers little-endian:
 

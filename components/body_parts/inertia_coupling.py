@@ -1,0 +1,133 @@
+"""How a body's inertia varies with its deformation: the nine inertia invariants, evaluated in one product.
+
+    J(eta) = I7 - (I8_j + I8_j^T) eta_j - I9_jk eta_j eta_k        B(eta) = I5_j eta_j
+
+(Bagnoli 2007, Table 1-1 and equation 1.36, with the sign of I5 that its definitions give; I3 = I4 = 0.)
+Symmetric matrices are held as (xx, yy, zz, xy, xz, yz).
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..contract.component import ComponentError, Vector
+from ..flexible.modal import ModalData
+
+CouplingLevel = Literal["rigid", "constant", "partial", "full"]
+
+# what is left, from a reduction, of the interactions that a body's symmetry forbids
+_ROUNDING = 1e-10
+
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+class Coupling(NamedTuple):
+    """B (3, M), J - B B^T (6,), and the forces (M,) that are quadratic in the velocities."""
+
+    b: Vector
+    inertia: Vector
+    forces: Vector
+
+
+class Growth(NamedTuple):
+    """Rate of B (3, M), and what the rate of J - B B^T makes of an angular velocity (3,)."""
+
+    b: Vector
+    momentum: Vector
+
+
+class InertiaCoupling:
+    """The invariants that a coupling level keeps, laid out for one matrix product per evaluation.
+
+    "rigid" and "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5
+    and I9, "full" keeps all.
+    """
+
+    def __init__(self, data: ModalData, level: CouplingLevel) -> None:
+        if level not in ("rigid", "constant", "partial", "full"):
+            raise ComponentError(
+                f"inertia_coupling is {level!r}; it must be rigid, constant, partial or full"
+            )
+        m = self._modes = data.frequency.size
+        self.full = m > 0 and level == "full"
+        self.varies = m > 0 and level in ("partial", "full")
+        self.inverse = np.linalg.inv(data.inertia)
+        self._inertia = np.array([data.inertia[i, j] for i, j in _PAIRS])
+        i8 = data.invariant8 + data.invariant8.transpose(0, 2, 1)
+        self._slope = np.array([i8[:, i, j] for i, j in _PAIRS])
+        self._none = Coupling(np.zeros((3, m)), self._inertia, np.zeros(m))
+        self._tensors = np.zeros((0, m))
+        if not self.full:
+            return
+        i9 = data.invariant9 + data.invariant9.transpose(0, 1, 3, 2)
+        i9 = 0.25 * (i9 + i9.transpose(1, 0, 2, 3))
+        quadratic = np.array([i9[:, :, i, j] for i, j in _PAIRS]).reshape(6 * m, m)
+        i5 = 0.5 * (data.invariant5 - data.invariant5.transpose(2, 1, 0))
+        tensors = np.vstack([quadratic, i5.transpose(1, 2, 0).reshape(3 * m, m)])
+        tensors[abs(tensors) < _ROUNDING * abs(tensors).max()] = 0.0
+        self._tensors, self._gyroscopic = tensors, tensors[6 * m :]
+
+    def native_data(self) -> dict[str, ArrayLike]:
+        """What the kernel of `fmus/native/shared/inertia.h` reads; of the tensors, the triangles."""
+        return {
+            "inertia_varies": self.varies,
+            "full_coupling": self.full,
+            "inertia": self._inertia,
+            "inverse_inertia": self.inverse,
+            "slope": self._slope,
+            "tensors": self._tensors,
+        }
+
+    def at(self, omega: Vector, eta: Vector, rate: Vector) -> Coupling:
+        """Coupling at angular velocity omega (3,), modal coordinates and rates (M,)."""
+        if not self.varies:
+            return self._none
+        x, y, z = omega.tolist()
+        products = np.array((x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z))
+        if not self.full:
+            return Coupling(self._none.b, self._inertia - self._slope @ eta, -0.5 * (products @ self._slope))
+        m = self._modes
+        stacked = self._tensors @ np.array((eta, rate)).T
+        quadratic = stacked[: 6 * m, 0].reshape(6, m)
+        b = stacked[6 * m :, 0].reshape(3, m)
+        bb = b @ b.T
+        inertia = self._inertia - (self._slope + quadratic) @ eta - bb.ravel()[[0, 4, 8, 1, 2, 5]]
+        forces = -0.5 * (products @ self._slope) - products @ quadratic
+        return Coupling(b, inertia, forces - omega @ stacked[6 * m :, 1].reshape(3, m))
+
+    def growth(self, omega: Vector, start: Vector, end: Vector, h: float) -> Growth:
+        """Mean rates over a step h of B and of the inertia, from the modal coordinates (M,) at both ends."""
+        zero = np.zeros_like(start)
+        before, after = (self.at(np.zeros(3), eta, zero) for eta in (start, end))
+        inertia = (after.inertia - before.inertia)[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
+        return Growth((after.b - before.b) / h, inertia @ omega / h)
+
+    def modal_rate(self, omega: Vector, eta: Vector, pi: Vector) -> Vector:
+        """Rates eta' = pi - B^T omega from modal momenta."""
+        return pi - omega @ (self._gyroscopic @ eta).reshape(3, self._modes) if self.full else pi
+
+    def angular_velocity(self, momentum: Vector, eta: Vector, pi: Vector) -> Vector:
+        """Angular velocity (3,) from the angular momentum, both in body axes."""
+        if not self.varies:
+            return self.inverse @ momentum
+        b, inertia, _ = self.at(np.zeros(3), eta, pi)
+        return solve_symmetric(inertia, momentum - b @ pi)
+
+
+def solve_symmetric(entries: Vector, right: Vector) -> Vector:
+    """Solve a symmetric 3x3 system given by its six entries, by cofactors."""
+    xx, yy, zz, xy, xz, yz = entries.tolist()
+    r0, r1, r2 = right.tolist()
+    c00, c01, c02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    scale = 1.0 / (xx * c00 + xy * c01 + xz * c02)
+    c11, c12, c22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    return np.array(
+        (
+            scale * (c00 * r0 + c01 * r1 + c02 * r2),
+            scale * (c01 * r0 + c11 * r1 + c12 * r2),
+            scale * (c02 * r0 + c12 * r1 + c22 * r2),
+        )
+    )

@@ -1,0 +1,144 @@
+"""Loads of a hinge: means over a step, of an impulse, and of one instant; and the energy it stores."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from ..contract.frames import Vector3
+from ..numerics.laws import Law, mean_force, stiction_factors
+from ..numerics.relative_motion import conjugate_torque
+from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
+from ..numerics.workless_pair import workless_law, workless_spring
+from .state import Constants, Loads, State, mean_swing, shifted
+
+_FORCE_SMOOTHING = 1.0
+
+
+def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
+    """Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes of order 4."""
+    stiff = [
+        _stiff_load(c, i, shifted(motion, c.aligned_angle) if i == 3 else motion)
+        for i, motion in enumerate(motions)
+    ]
+    elastic, slope = [load.force for load in stiff], [load.slope for load in stiff]
+    force_on_b = (elastic[0], elastic[1], elastic[2])
+    change = new.angle - old.angle
+    friction = friction_torque(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
+    latch = mean_latch_load(c, old, motions[3])
+    numerical = sum(load.numerical for load in stiff) + latch.numerical
+    heat = (-friction * change, latch.heat, sum(load.heat for load in stiff))
+    motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
+    twist = elastic[3] + motor.force + harness.force + friction + latch.force
+    if old.holding:
+        twist -= c.hold_stiffness * (new.angle - old.hold_angle)
+        numerical += 0.5 * c.hold_stiffness * change * change
+    swing = mean_swing(old, new)
+    torque = conjugate_torque(twist, (elastic[4], elastic[5]), swing)
+    if not c.paired:
+        return Loads(force_on_b, torque, latch.force, friction, heat, numerical)
+    twist = slope[3] + motor.slope + harness.slope + latch.slope
+    slopes = (slope[0], slope[1], slope[2]), conjugate_torque(twist, (slope[4], slope[5]), swing)
+    return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes)
+
+
+def _stiff_load(c: Constants, i: int, motion: StepMotion) -> MeanLoad:
+    """Load of the bushing in a coordinate."""
+    if c.paired:
+        return workless_spring(c.stiffness[i], c.damping[i], motion)
+    return bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight)
+
+
+def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:
+    """Load of a law that drives or brakes the hinge angle, too soft to need numerical damping."""
+    if c.paired:
+        return workless_law(law, 0.0, motion)
+    return MeanLoad(mean_force(law, motion.start, motion.end, c.end_weight), 0.0, 0.0)
+
+
+def friction_torque(
+    c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
+) -> float:
+    """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
+    preload = 0.0 if latched else c.friction_preload
+    square = force[1] * force[1] + force[2] * force[2]
+    normal = square / sqrt(square + _FORCE_SMOOTHING**2)
+    if c.bending_arm > 0.0:
+        normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.bending_arm
+    sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
+    return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
+
+
+def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
+    """Mean latch torque, its heat, and what the scheme took away."""
+    if not old.latched or not c.latches:
+        return MeanLoad(0.0, 0.0, 0.0)
+    deflection = shifted(motion, old.latched_angle)
+    if c.paired:
+        return workless_law(c.latch, c.latch_damping, deflection, motion.memory.roughness)
+    elastic = mean_force(c.latch, deflection.start, deflection.end)
+    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.end_weight)
+
+
+def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
+    """Loads that remove the relative rate in every stiff direction at the end of a vanishing step.
+
+    An ideal joint transmits a latch impulse through its constrained directions in no time; a bushing
+    would only do so after ringing at its own frequency. The heat is that of the latch; what other directions
+    lose is due to the joint taken for ideal.
+    """
+    locked = old.latched > 0.5 and c.locks
+    stiff = [k > 0.0 for k in c.stiffness]
+    load = [
+        -(c.lock_mass if i < 3 else c.lock_inertia) / h * new.rates[i]
+        if stiff[i] or (i == 3 and locked)
+        else 0.0
+        for i in range(6)
+    ]
+    work = [-f * (b - a) for f, a, b in zip(load, old.coordinates, new.coordinates, strict=True)]
+    latch = work[3] if locked else 0.0
+    return Loads(
+        (load[0], load[1], load[2]),
+        conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
+        0.0,
+        0.0,
+        (0.0, latch, 0.0),
+        sum(work) - latch,
+    )
+
+
+def endpoint_loads(c: Constants, s: State) -> Loads:
+    """Loads of one instant from coordinates and rates; heat as power (W)."""
+    q, w = list(s.coordinates), s.rates
+    q[3] -= c.aligned_angle
+    load = [-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)]
+    force = (load[0], load[1], load[2])
+    friction = friction_torque(c, s.latched > 0.5, force, (load[4], load[5]), w[3])
+    latch = viscous = 0.0
+    if s.latched and c.latches:
+        viscous = -c.latch_damping * w[3]
+        latch = c.latch.value(s.angle - s.latched_angle) + viscous
+    twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
+    if s.holding:
+        twist -= c.hold_stiffness * (s.angle - s.hold_angle)
+    damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
+    return Loads(
+        force,
+        conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
+        latch,
+        friction,
+        (-friction * w[3], -viscous * w[3], damping),
+        0.0,
+    )
+
+
+def stored_energy(c: Constants, s: State) -> float:
+    """Energy in bushing, motor, harness, latch and hold."""
+    q = list(s.coordinates)
+    q[3] -= c.aligned_angle
+    energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
+    energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
+    if s.latched and c.latches:
+        energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
+    if s.holding:
+        energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
+    return energy

@@ -1,0 +1,1 @@
+"""Laws and schemes that several components share, each stated once."""

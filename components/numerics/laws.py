@@ -1,0 +1,186 @@
+"""Scalar force laws that have a potential, and their exact mean over a step.
+
+A law gives the generalised force `value(s) = -V'(s)` and the potential `potential(s) = V(s)` of one
+coordinate. `mean_force` is the discrete gradient: the mean force whose work over the step equals the change
+of potential, whatever the step.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PchipInterpolator, PPoly
+
+from ..contract.component import ComponentError
+
+_TINY = 1e-5
+
+
+class Law(Protocol):
+    """A scalar force law."""
+
+    def value(self, s: float) -> float:
+        """Force -V'(s)."""
+
+    def potential(self, s: float) -> float:
+        """Potential V(s)."""
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """Divided difference of V' between two coordinates, V'' where they are one."""
+
+
+def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float:
+    """Mean force of a law between the coordinates at both ends of a step.
+
+    The discrete gradient, and the force at the middle where the difference is too small to divide by.
+    `end_weight` above one half moves it towards the end value, which only ever dissipates for a convex
+    potential.
+    """
+    change = s1 - s0
+    middle = 0.5 * (s0 + s1)
+    force = (law.potential(s0) - law.potential(s1)) / change if abs(change) > _TINY else law.value(middle)
+    if end_weight != 0.5:
+        force += (end_weight - 0.5) * (law.value(s1) - law.value(s0))
+    return force
+
+
+class Linear:
+    """Spring: force -k (s - s_free), with the free coordinate s_free."""
+
+    __slots__ = ("free", "stiffness")
+
+    def __init__(self, stiffness: float, free: float = 0.0) -> None:
+        self.stiffness = stiffness
+        self.free = free
+
+    def value(self, s: float) -> float:
+        """Force at s."""
+        return -self.stiffness * (s - self.free)
+
+    def potential(self, s: float) -> float:
+        """Energy at s."""
+        stretch = s - self.free
+        return 0.5 * self.stiffness * stretch * stretch  # as in the native law: a power may round differently
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """The stiffness."""
+        return self.stiffness
+
+
+class SlackSpring:
+    """Tension-only strand: force -k (s + s0) while taut, zero while slack; s0 the elongation of the preload."""
+
+    __slots__ = ("preload_elongation", "stiffness")
+
+    def __init__(self, stiffness: float, preload: float) -> None:
+        self.stiffness = stiffness
+        self.preload_elongation = preload / stiffness
+
+    def value(self, s: float) -> float:
+        """Force at elongation s from the preloaded state; minus the tension."""
+        elongation = s + self.preload_elongation
+        return -self.stiffness * elongation if elongation > 0.0 else 0.0
+
+    def potential(self, s: float) -> float:
+        """Energy at elongation s."""
+        elongation = s + self.preload_elongation
+        return 0.5 * self.stiffness * elongation * elongation if elongation > 0.0 else 0.0
+
+    def taut_share(self, s0: float, s1: float) -> float:
+        """Share of the way between two elongations on which the strand is taut."""
+        slack = -self.preload_elongation
+        if s0 > slack and s1 > slack:
+            return 1.0
+        if s0 <= slack and s1 <= slack:
+            return 0.0
+        return (max(s1, slack) - max(s0, slack)) / (s1 - s0)
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """The stiffness while taut."""
+        return self.stiffness * self.taut_share(s0, s1)
+
+
+class Table:
+    """Force given at points; monotone cubic between them, straight with the end slope beyond.
+
+    Two points make a straight line. Piecewise cubic Hermite interpolation does not overshoot the data.
+    """
+
+    __slots__ = ("_breaks", "_force", "_potential")
+
+    def __init__(self, coordinates: Sequence[float], forces: Sequence[float]) -> None:
+        s = np.asarray(coordinates, dtype=float)
+        f = np.asarray(forces, dtype=float)
+        if s.ndim != 1 or s.size < 2 or s.shape != f.shape:
+            raise ComponentError("a table needs at least two points and as many values as coordinates")
+        if not np.all(np.diff(s) > 0.0):
+            raise ComponentError(f"the coordinates of a table must increase; they are {s.tolist()}")
+        curve = PchipInterpolator(s, f)
+        slopes = (curve.derivative()(s[0]), curve.derivative()(s[-1]))
+        pieces = np.zeros((4, s.size + 1))
+        pieces[:, 1:-1] = curve.c
+        span = s[-1] - s[0]
+        pieces[2:, 0] = slopes[0], f[0] - slopes[0] * span
+        pieces[2:, -1] = slopes[1], f[-1]
+        extended = PPoly(pieces, np.concatenate([[s[0] - span], s, [s[-1] + span]]), extrapolate=True)
+        energy = extended.antiderivative()
+        self._breaks = [float(v) for v in extended.x]
+        self._force = [tuple(float(v) for v in column) for column in extended.c.T]
+        self._potential = [tuple(float(-v) for v in column) for column in energy.c.T]
+
+    def native_data(self, name: str) -> dict[str, ArrayLike]:
+        """What a native kernel reads: breaks, and per piece the coefficients of force and potential."""
+        return {
+            f"{name}_breaks": self._breaks,
+            f"{name}_force": self._force,
+            f"{name}_potential": self._potential,
+        }
+
+    def _piece(self, s: float) -> tuple[int, float]:
+        i = min(max(bisect_right(self._breaks, s) - 1, 0), len(self._force) - 1)
+        return i, s - self._breaks[i]
+
+    def value(self, s: float) -> float:
+        """Force at s."""
+        i, t = self._piece(s)
+        a, b, c, d = self._force[i]
+        return ((a * t + b) * t + c) * t + d
+
+    def potential(self, s: float) -> float:
+        """Energy at s, zero at an arbitrary point."""
+        i, t = self._piece(s)
+        a, b, c, d, e = self._potential[i]
+        return (((a * t + b) * t + c) * t + d) * t + e
+
+    def tangent(self, s0: float, s1: float) -> float:
+        """Minus the mean slope of the force between both; of one piece without a difference of forces."""
+        (i, t0), (j, t1) = self._piece(s0), self._piece(s1)
+        if i != j and abs(s1 - s0) > _TINY:
+            return (self.value(s0) - self.value(s1)) / (s1 - s0)
+        if i != j:
+            i, t0 = self._piece(0.5 * (s0 + s1))
+            t1 = t0
+        a, b, c, _ = self._force[i]
+        return -(a * (t0 * t0 + t0 * t1 + t1 * t1) + b * (t0 + t1) + c)
+
+
+def stiction_factors(rate: float, transition: float, static_ratio: float) -> tuple[float, float]:
+    """Signed factors on dynamic Coulomb friction and on a constant friction torque at a sliding rate.
+
+    Rises smoothly to the static value at the stiction transition velocity, falls to the dynamic one between
+    1 and 1.5 times it; the second factor stays at 1 beyond the transition. Both are odd in the rate.
+    """
+    ratio = abs(rate) / transition
+    if ratio < 1.0:
+        rise = ratio * (1.5 - 0.5 * ratio * ratio)
+        dynamic, constant = static_ratio * rise, rise
+    elif ratio < 1.5:
+        t = 2.0 * (ratio - 1.0)
+        dynamic, constant = static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t), 1.0
+    else:
+        dynamic = constant = 1.0
+    return (dynamic, constant) if rate >= 0.0 else (-dynamic, -constant)

@@ -1,0 +1,165 @@
+"""Every problem of an FMU as a sentence: of its file, its model description, and a short run of it."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import fmpy
+from fmpy import platform, platform_tuple, sharedLibraryExtension
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+_DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z")
+_STATE_FLAGS = {
+    "2.0": ("canGetAndSetFMUstate", "canSerializeFMUstate"),
+    "3.0": ("canGetAndSetFMUState", "canSerializeFMUState"),
+}
+_TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+_SCHEMAS = Path(fmpy.__file__).parent / "schema"
+_TRIAL = Path(__file__).with_name("smoke_run.py")
+_TRIAL_SECONDS = 120
+
+
+def check_fmu(path: str | Path) -> list[str]:
+    """Every problem found in an FMU 2.0 or 3.0 for co-simulation, as sentences; an empty list means it is fine."""
+    path = Path(path)
+    if not path.is_file():
+        return [f"there is no file {path}"]
+    if not zipfile.is_zipfile(path):
+        return [f"{path.name} is not a zip archive"]
+    with zipfile.ZipFile(path) as archive:
+        members = set(archive.namelist())
+        if "modelDescription.xml" not in members:
+            return [f"{path.name} has no modelDescription.xml"]
+        text = archive.read("modelDescription.xml")
+        terminals = archive.read(_TERMINALS) if _TERMINALS in members else None
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        return [f"modelDescription.xml is not well-formed: {error}"]
+    version = root.get("fmiVersion", "")
+    if version not in ("2.0", "3.0") or root.find("CoSimulation") is None:
+        return [f"{path.name} is not an FMU 2.0 or 3.0 for co-simulation"]
+    problems = [*_validated(path), *_common_problems(root), *_missing_binary(root, members)]
+    if version == "2.0":
+        problems.extend(_problems_of_2(root))
+    else:
+        problems.extend(_problems_of_3(root))
+        problems.extend(_terminal_problems(root, terminals))
+    if not problems:
+        problems.extend(_trial_problems(path))
+    return list(dict.fromkeys(problems))
+
+
+def _validated(path: Path) -> list[str]:
+    """FMPy's findings, one line each."""
+    return [" ".join(str(problem).split()) for problem in validate_fmu(str(path))]
+
+
+def _common_problems(root: Element) -> Iterator[str]:
+    """What every version of FMI has in the root element and as capabilities."""
+    date = root.get("generationDateAndTime")
+    if date is not None and not _DATE.fullmatch(date):
+        yield f"generationDateAndTime is {date!r}; it must look like 2026-11-21T02:00:00Z"
+    if root.get("variableNamingConvention") != "structured":
+        yield "variableNamingConvention is not structured"
+    for flag in _STATE_FLAGS[root.get("fmiVersion", "")]:
+        if root.find(f"CoSimulation[@{flag}='true']") is None:
+            yield f"{flag} is not true, so no step can be repeated"
+
+
+def _problems_of_2(root: Element) -> Iterator[str]:
+    variables = root.findall("ModelVariables/ScalarVariable")
+    for variable in variables:
+        real = variable.find("Real")
+        if real is not None and not real.get("unit") and not real.get("declaredType"):
+            yield f"Real variable {variable.get('name')} has no unit"
+    by_index = dict(enumerate(variables, 1))
+    for group in ("Outputs", "InitialUnknowns"):
+        listed = _listed(root.findall(f"ModelStructure/{group}/Unknown"), "index")
+        yield from _structure_problems(group, "variable", by_index, listed)
+
+
+def _problems_of_3(root: Element) -> Iterator[str]:
+    variables = root.findall("ModelVariables/*")
+    for variable in variables:
+        if variable.tag == "Float64" and not variable.get("unit") and not variable.get("declaredType"):
+            yield f"Float64 variable {variable.get('name')} has no unit"
+    by_reference = {int(v.get("valueReference", "0")): v for v in variables}
+    for group in ("Output", "InitialUnknown"):
+        listed = _listed(root.findall(f"ModelStructure/{group}"), "valueReference")
+        yield from _structure_problems(group, "value reference", by_reference, listed)
+
+
+def _listed(unknowns: Iterable[Element], key: str) -> dict[int, list[int]]:
+    """Dependencies of the unknowns of the model structure."""
+    return {int(u.get(key, "0")): [int(i) for i in (u.get("dependencies") or "").split()] for u in unknowns}
+
+
+def _structure_problems(
+    group: str, what: str, variables: Mapping[int, Element], listed: Mapping[int, list[int]]
+) -> Iterator[str]:
+    """Completeness of outputs or initial unknowns, and that whatever they refer to is a variable."""
+    for unknown, known in listed.items():
+        for bad in (i for i in (unknown, *known) if i not in variables):
+            yield f"{group} refers to {what} {bad}; there is none"
+    for key, variable in variables.items():
+        output = variable.get("causality") == "output"
+        calculated = output and variable.get("initial", "calculated") != "exact"
+        if group.startswith("Initial"):
+            output = calculated or variable.get("causality") == "calculatedParameter"
+        if output and key not in listed:
+            yield f"{variable.get('name')} is missing in ModelStructure/{group}"
+
+
+def _terminal_problems(root: Element, text: bytes | None) -> Iterator[str]:
+    """Terminals must fit FMI's schema and name variables that there are."""
+    if text is None:
+        return
+    try:
+        document = etree.fromstring(text)
+    except etree.XMLSyntaxError as error:
+        yield f"{_TERMINALS} is not well-formed: {error}"
+        return
+    schema = etree.XMLSchema(file=str(_SCHEMAS / "fmi3" / "fmi3TerminalsAndIcons.xsd"))
+    if not schema.validate(document):
+        yield from (f"{_TERMINALS}, line {error.line}: {error.message}" for error in schema.error_log)
+    names = {variable.get("name") for variable in root.iterfind("ModelVariables/*")}
+    for member in document.iter("TerminalMemberVariable"):
+        if member.get("variableName") not in names:
+            yield f"{_TERMINALS} names the variable {member.get('variableName')}; there is none"
+
+
+def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
+    identifier = root.find("CoSimulation").get("modelIdentifier")  # type: ignore[union-attr] # checked
+    folder = platform if root.get("fmiVersion") == "2.0" else platform_tuple
+    binary = f"binaries/{folder}/{identifier}{sharedLibraryExtension}"
+    if binary not in members:
+        yield f"there is no binary for this platform, {binary}"
+
+
+def _trial_problems(path: Path) -> Iterator[str]:
+    """What goes wrong in a short run, in a process of its own because a bad binary ends it."""
+    with tempfile.TemporaryDirectory(prefix="fanfold_check_") as folder:
+        command = [sys.executable, "-P", str(_TRIAL), str(path.resolve()), folder]
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, timeout=_TRIAL_SECONDS)
+        except subprocess.TimeoutExpired:
+            yield f"two steps are not done after {_TRIAL_SECONDS} s"
+            return
+    if run.returncode < 0:
+        yield f"the process that ran it ended with {signal.Signals(-run.returncode).name}"
+    elif run.returncode > 0 or not run.stdout.strip():
+        yield f"it cannot be run: {(run.stderr.strip().splitlines() or ['no message'])[-1]}"
+    elif problem := json.loads(run.stdout.splitlines()[-1]):
+        yield problem

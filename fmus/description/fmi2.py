@@ -1,0 +1,166 @@
+"""From a component to the FMI 2.0 co-simulation model description; what all versions of FMI share is here too."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from typing import Literal
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from pythonfmu.fmi2slave import Fmi2Slave
+
+from components import Component, ComponentError
+
+from .model_exchange import add_model_exchange, state_units
+from .units import add_units
+from .variables import Variable, follows_inputs, scalars
+
+Backend = Literal["native", "python"]
+FmiVersion = Literal["2.0", "3.0"]
+
+DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "1", "stepSize": "0.001"}
+NATIVE_TOOL = "Fanfold"
+"""Generation tool of native FMUs, which keep no state outside of their instances."""
+_TOOLS: dict[Backend, str] = {"native": NATIVE_TOOL, "python": "Fanfold with PythonFMU"}
+_STATE_CAPABILITIES = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+_CAPABILITIES: dict[Backend, dict[str, str]] = {
+    "native": {**_STATE_CAPABILITIES, "providesDirectionalDerivative": "true"},
+    # an embedded Python with NumPy and SciPy
+    "python": {"needsExecutionTool": "true", **_STATE_CAPABILITIES},
+}
+STEP_DERIVATIVE = (
+    "Right after a communication step the derivative is that of the outputs at the end of the step with respect "
+    "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
+    "it is that of the outputs at the communication point, as the standard means it."
+)
+CONSTANT_MOBILITY = (
+    "The derivative of the ports' motion with respect to the wrenches held in a communication step depends on the "
+    "step's size alone, in axes that turn with the first port, but for terms of the order of the angle turned in it."
+)
+
+
+def header(component: Component, name: str, generated: datetime, backend: Backend) -> dict[str, str]:
+    """Attributes that the root element has in every version of FMI; ComponentError where the name is none."""
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", name):
+        raise ComponentError(f"the FMU name {name!r} must be an identifier: letters, digits and _")
+    documentation = (type(component).__doc__ or "").strip().partition("\n")[0]
+    return {
+        "modelName": name,
+        "description": documentation or component.kind,
+        "generationTool": _TOOLS[backend],
+        "generationDateAndTime": generated.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "variableNamingConvention": "structured",
+    }
+
+
+def xml_bytes(root: Element) -> bytes:
+    """An XML file with this root element."""
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode").encode() + b"\n"
+
+
+def model_description(
+    component: Component,
+    name: str,
+    starts: Sequence[float],
+    guid: str,
+    generated: datetime,
+    backend: Backend = "python",
+    source_files: Sequence[str] = (),
+) -> bytes:
+    """The complete modelDescription.xml of a component as the FMU `name`.
+
+    `starts` are the start values of parameters and inputs, as `start_values` gives them; `source_files` the
+    names of C files that the FMU carries.
+    """
+    variables = list(scalars(component))
+    root = Element(
+        "fmiModelDescription",
+        {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend)},
+    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES[backend]})
+    units = [v.quantity.unit for v in variables]
+    add_units(root, [*units, *state_units(component)] if backend == "native" else units)
+    _add_log_categories(root)
+    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    _add_annotations(root, component, backend)
+    _add_variables(root, variables, starts)
+    _add_structure(root, component, variables)
+    if backend == "native":
+        add_model_exchange(root, component, name)
+    for interface in (root.find("CoSimulation"), root.find("ModelExchange")):
+        if interface is not None and source_files:
+            listed = SubElement(interface, "SourceFiles")
+            for source in source_files:
+                SubElement(listed, "File", {"name": source})
+    return xml_bytes(root)
+
+
+def _add_log_categories(root: Element) -> None:
+    categories = SubElement(root, "LogCategories")
+    for category, text in Fmi2Slave.log_categories.items():
+        SubElement(categories, "Category", {"name": category, "description": text})
+
+
+def _add_annotations(root: Element, component: Component, backend: Backend) -> None:
+    """What a master may rely on, in words that the standard has no attribute for."""
+    said = []
+    if backend == "native":
+        said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
+    if component.constant_mobility:
+        said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))
+    if said:
+        tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
+        coupling = SubElement(tool, "Coupling")  # the schema allows a tool one element
+        for element, attributes in said:
+            SubElement(coupling, element, attributes)
+
+
+def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
+    parent = SubElement(root, "ModelVariables")
+    for variable in variables:
+        quantity = variable.quantity
+        attributes = {
+            "name": variable.name,
+            "valueReference": str(variable.value_reference),
+            "description": quantity.description,
+            "causality": variable.causality,
+            "variability": variable.variability,
+        }
+        real = {"unit": quantity.unit}
+        if quantity.minimum is not None:
+            real["min"] = repr(float(quantity.minimum))
+        if quantity.maximum is not None:
+            real["max"] = repr(float(quantity.maximum))
+        if variable.causality == "output":
+            attributes["initial"] = "calculated"
+        else:
+            real["start"] = repr(float(starts[variable.value_reference]))
+        SubElement(SubElement(parent, "ScalarVariable", attributes), "Real", real)
+
+
+def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
+    """In initialization mode everything calculated depends on all parameters and inputs through `initial`."""
+    structure = SubElement(root, "ModelStructure")
+    calculated = [v for v in variables if v.causality == "output"]
+    inputs = _index_list(v for v in variables if v.causality == "input")
+    known = _index_list(v for v in variables if v.causality != "output")
+    if calculated:
+        outputs = SubElement(structure, "Outputs")
+        for variable in calculated:
+            dependencies = inputs if follows_inputs(component, variable) else ""
+            index = _index_list([variable])
+            SubElement(outputs, "Unknown", {"index": index, "dependencies": dependencies})
+        unknowns = SubElement(structure, "InitialUnknowns")
+        for variable in calculated:
+            SubElement(unknowns, "Unknown", {"index": _index_list([variable]), "dependencies": known})
+
+
+def _index_list(variables: Iterable[Variable]) -> str:
+    return " ".join(str(variable.value_reference + 1) for variable in variables)

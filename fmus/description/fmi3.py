@@ -1,0 +1,149 @@
+"""From a component to the FMI 3.0 co-simulation model description and its terminals.
+
+A quantity of several scalars is one array; its value reference is that of its first scalar, so that the native
+core finds all values of an array in a row. Time has the reference after all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from xml.etree.ElementTree import Element, SubElement
+
+from components import Component, Port, port_layout
+
+from .fmi2 import DEFAULT_EXPERIMENT, STEP_DERIVATIVE, header, xml_bytes
+from .units import add_units
+from .variables import Variable, follows_inputs, quantities
+
+_CAPABILITIES = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "canGetAndSetFMUState": "true",
+    "canSerializeFMUState": "true",
+    "providesDirectionalDerivatives": "true",
+}
+_LOG_CATEGORIES = {
+    "logStatusWarning": "Messages with the status fmi3Warning",
+    "logStatusDiscard": "Messages with the status fmi3Discard: why a step cannot be made",
+    "logStatusError": "Messages with the status fmi3Error",
+    "logStatusFatal": "Messages with the status fmi3Fatal",
+    "logAll": "All messages",
+}
+_VENDOR = "org.fanfold"
+_FLOWS = {"body": "inflow", "connection": "outflow"}
+"""What force and torque of a terminal are: they flow from the connection into the body."""
+
+
+def model_description3(
+    component: Component, name: str, starts: Sequence[float], token: str, generated: datetime
+) -> bytes:
+    """The complete modelDescription.xml of a component as the native FMU `name` of FMI 3.0.
+
+    `starts` are the start values of parameters and inputs, as `start_values` gives them; `token` is the
+    instantiation token.
+    """
+    variables = list(quantities(component))
+    attributes = header(component, name, generated, "native")
+    root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **attributes})
+    events = _event_capabilities(component, variables)
+    SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES, **events})
+    add_units(root, [*(v.quantity.unit for v in variables), "s"])
+    categories = SubElement(root, "LogCategories")
+    for category, text in _LOG_CATEGORIES.items():
+        SubElement(categories, "Category", {"name": category, "description": text})
+    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    _add_variables(root, variables, starts)
+    _add_structure(root, component, variables)
+    annotation = SubElement(
+        SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
+    )
+    annotation.text = STEP_DERIVATIVE
+    return xml_bytes(root)
+
+
+def _event_capabilities(component: Component, variables: Iterable[Variable]) -> dict[str, str]:
+    """Event mode is for discrete inputs; one whose wrench is that of an instant may also foresee a latch."""
+    if not any(v.variability == "discrete" for v in variables):
+        return {}
+    foresees = component.feedthrough and "latch_automatic" in component.parameter_layout
+    return {"hasEventMode": "true", **({"mightReturnEarlyFromDoStep": "true"} if foresees else {})}
+
+
+def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
+    parent = SubElement(root, "ModelVariables")
+    end = 0
+    for variable in variables:
+        quantity, first = variable.quantity, variable.value_reference
+        end = first + quantity.size
+        attributes = {
+            "name": variable.name,
+            "valueReference": str(first),
+            "description": quantity.description,
+            "causality": variable.causality,
+            "variability": variable.variability,
+            "unit": quantity.unit,
+        }
+        if quantity.minimum is not None:
+            attributes["min"] = repr(float(quantity.minimum))
+        if quantity.maximum is not None:
+            attributes["max"] = repr(float(quantity.maximum))
+        if variable.causality == "output":
+            attributes["initial"] = "calculated"
+        else:
+            attributes["start"] = " ".join(repr(float(value)) for value in starts[first:end])
+        element = SubElement(parent, "Float64", attributes)
+        if quantity.size > 1:
+            SubElement(element, "Dimension", {"start": str(quantity.size)})
+    time = {"name": "time", "valueReference": str(end), "description": "Simulation time", "unit": "s"}
+    SubElement(parent, "Float64", {**time, "causality": "independent", "variability": "continuous"})
+
+
+def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
+    """In initialization mode everything calculated depends on all parameters and inputs through `initial`."""
+    structure = SubElement(root, "ModelStructure")
+    calculated = [v for v in variables if v.causality == "output"]
+    inputs = _references(v for v in variables if v.causality == "input")
+    known = _references(v for v in variables if v.causality != "output")
+    for variable in calculated:
+        dependencies = inputs if follows_inputs(component, variable) else ""
+        reference = str(variable.value_reference)
+        SubElement(structure, "Output", {"valueReference": reference, "dependencies": dependencies})
+    for variable in calculated:
+        reference = str(variable.value_reference)
+        SubElement(structure, "InitialUnknown", {"valueReference": reference, "dependencies": known})
+
+
+def _references(variables: Iterable[Variable]) -> str:
+    return " ".join(str(variable.value_reference) for variable in variables)
+
+
+def terminals(component: Component) -> bytes:
+    """terminalsAndIcons.xml: every port as a terminal.
+
+    Members have the same names on both sides of a joint, and all of them are to be connected ("plug").
+    """
+    root = Element("fmiTerminalsAndIcons", {"fmiVersion": "3.0"})
+    parent = SubElement(root, "Terminals")
+    for port in component.ports:
+        _add_terminal(parent, port)
+    return xml_bytes(root)
+
+
+def _add_terminal(parent: Element, port: Port) -> None:
+    terminal = SubElement(
+        parent,
+        "Terminal",
+        {
+            "name": port.name,
+            "matchingRule": "plug",
+            "terminalKind": f"{_VENDOR}.mechanical-port",
+            "description": f"Mechanical port {port.name}, side of a {port.side}",
+        },
+    )
+    inputs, outputs = port_layout(port)
+    motion, wrench = (outputs, inputs) if port.side == "body" else (inputs, outputs)
+    for members, kind in ((motion, "signal"), (wrench, _FLOWS[port.side])):
+        for quantity in members:
+            member = quantity.name.removeprefix(f"{port.name}.")
+            attributes = {"variableName": quantity.name, "memberName": member, "variableKind": kind}
+            SubElement(terminal, "TerminalMemberVariable", attributes)

@@ -1,0 +1,69 @@
+"""What a native FMU carries of its component: `resources/component.bin`, read by `core/data.c`.
+
+Declared variables with their ranges, start values, and the arrays of `Component.native_data`.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from components import Component
+
+_MAGIC = b"FANFOLD\1"
+_GROUPS = ("parameter", "input", "output", "observation")
+
+
+def component_bytes(component: Component, starts: Sequence[float], token: str) -> bytes:
+    """The file's content; `starts` are the start values of parameters and inputs, `token` the FMU's guid."""
+    arrays = component.native_data()
+    if arrays is None:
+        raise ValueError(f"{component.kind} has no native kernel")
+    numbers: dict[str, ArrayLike] = {
+        "sizes": [layout.size for layout in component.layouts],
+        "feedthrough": [float(component.feedthrough)],
+        "start": starts,
+        **_variables(component),
+        **_continuous(component),
+        **arrays,
+    }
+    texts = {"kind": component.kind, "token": token}
+    texts.update((f"unit:{q.name}", q.unit) for q in component.parameter_layout.quantities)
+    return _MAGIC + b"".join(
+        [_entry(b"s", name, len(text.encode()), text.encode()) for name, text in texts.items()]
+        + [_numbers(name, values) for name, values in numbers.items()]
+    )
+
+
+def _variables(component: Component) -> Mapping[str, ArrayLike]:
+    """Offset, size, minimum, maximum of every quantity, and whether it changes at events only, by group and name."""
+    found: dict[str, ArrayLike] = {}
+    for group, layout in zip(_GROUPS, component.layouts, strict=True):
+        for quantity in layout.quantities:
+            place = layout[quantity.name]
+            low = -np.inf if quantity.minimum is None else quantity.minimum
+            high = np.inf if quantity.maximum is None else quantity.maximum
+            at_events = float(quantity.variability in ("tunable", "discrete"))
+            found[f"{group}:{quantity.name}"] = (place.start, quantity.size, low, high, at_events)
+    return found
+
+
+def _continuous(component: Component) -> Mapping[str, ArrayLike]:
+    """Numbers of continuous states and event indicators, and typical sizes; nothing without model exchange."""
+    states = component.continuous
+    if states is None:
+        return {}
+    return {"continuous": (len(states.places), states.indicators), "nominals": states.nominals()}
+
+
+def _numbers(name: str, values: ArrayLike) -> bytes:
+    array = np.ascontiguousarray(values, dtype="<f8").ravel()
+    return _entry(b"d", name, array.size, array.tobytes())
+
+
+def _entry(kind: bytes, name: str, count: int, content: bytes) -> bytes:
+    encoded = name.encode()
+    return kind + struct.pack("<IQ", len(encoded), count) + encoded + content

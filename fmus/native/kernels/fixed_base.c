@@ -1,0 +1,190 @@
+/* Fixed base: ports that never move, whatever slopes their wrenches have, and the loads they carry; the equations of
+   components/fixed_base.py.
+
+   State: of the last step and of the one before the mean load (force, torque about the reference), its slope, and the
+   size of the step, 0 where there is none yet and STOPPED after an impulse. */
+
+#include "frames.h"
+#include "kernel.h"
+
+#define LOAD 6
+#define STEP (2 * LOAD + 1)
+#define STATES (2 * STEP)
+#define STOPPED -1.0
+#define WRENCH 6
+#define MOTION 13
+#define MOMENTS 6
+
+typedef struct {
+    size_t ports, impulse;
+    double *positions; /* 3 a port, world axes */
+    double *arms;      /* the same from the reference point */
+    double *orientations; /* 4 a port */
+} FixedBase;
+
+int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
+void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
+
+/* Sum of the wrenches of all ports about the reference. */
+static inline void store_sum(const FixedBase *base, const real *u, real *x) {
+    Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
+    for (size_t k = 0; k < base->ports; k++) {
+        const double *arm = base->arms + 3 * k;
+        Vector3 pull = vector_of(u + WRENCH * k);
+        force = vector_add(force, pull);
+        torque = vector_add(torque, vector_of(u + WRENCH * k + 3));
+        torque = vector_add(torque, vector_cross((Vector3){arm[0], arm[1], arm[2]}, pull));
+    }
+    vector_store(force, x);
+    vector_store(torque, x + 3);
+}
+
+/* Remembers the mean load of the step; an impulse is no load that lasts, and starts the record anew. */
+int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
+    const FixedBase *base = self;
+    (void)why;
+    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
+    if (value_of(u[base->impulse]) > 0.5) {
+        x_next[STEP - 1] = STOPPED;
+        return 1;
+    }
+    store_sum(base, u, x_next);
+    store_sum(base, u + base->impulse + 1, x_next + LOAD);
+    x_next[STEP - 1] = h;
+    for (size_t i = 0; i < STEP; i++) x_next[STEP + i] = x[i];
+    return 1;
+}
+
+void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y) {
+    const FixedBase *base = self;
+    (void)x, (void)u;
+    for (size_t k = 0; k < base->ports; k++, y += MOTION) {
+        for (size_t i = 0; i < 3; i++) y[i] = base->positions[3 * k + i];
+        for (size_t i = 0; i < 4; i++) y[3 + i] = base->orientations[4 * k + i];
+        for (size_t i = 7; i < MOTION; i++) y[i] = 0.0;
+    }
+    for (size_t i = 0; i < MOMENTS * base->ports; i++) y[i] = 0.0;
+}
+
+/* There are no continuous states. */
+int NAME(fixed_base_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
+    (void)self, (void)raw, (void)x, (void)u, (void)rates, (void)why;
+    return 1;
+}
+
+#ifndef FANFOLD_COMPLEX
+
+#define MOST_PORTS 1024
+
+int fixed_base_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
+                             double complex *rates, Reason *why);
+
+int fixed_base_step_complex(void *self, const double *x, const double complex *u, double h,
+                            double complex *x_next, Reason *why);
+void fixed_base_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
+
+/* A copy of an array of the data whose numbers must be finite; NULL and a sentence otherwise. */
+static double *copied(const Data *data, const char *name, size_t count, Memory *memory, Reason *why) {
+    const double *given = data_array(data, name, count, why);
+    if (!given) return NULL;
+    double *copy = allocate(memory, (count + 1) * sizeof(double));
+    if (!copy) refuse(why, "no memory for a base's %s", name);
+    for (size_t i = 0; copy && i < count; i++) {
+        if (!isfinite(given[i])) {
+            refuse(why, "the base's data have a port with %s that are not finite", name);
+            return NULL;
+        }
+        copy[i] = given[i];
+    }
+    return copy;
+}
+
+static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason *why) {
+    size_t count = 0;
+    if (!data_any(data, "positions", &count, why)) return 0;
+    if (count % 3 != 0 || count / 3 > MOST_PORTS)
+        return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, %d ports at most",
+                      (unsigned long)count, MOST_PORTS);
+    base->ports = count / 3;
+    base->positions = copied(data, "positions", count, memory, why);
+    base->arms = base->positions ? copied(data, "arms", count, memory, why) : NULL;
+    base->orientations = base->arms ? copied(data, "orientations", 4 * base->ports, memory, why) : NULL;
+    return base->orientations != NULL;
+}
+
+static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
+    FixedBase *base = allocate(memory, sizeof *base);
+    if (!base) {
+        refuse(why, "no memory for a base");
+        return NULL;
+    }
+    if (!read_ports(base, data, memory, why)) return NULL;
+    long impulse = data_offset(data, "input", "impulse", 1, why);
+    if (impulse < 0) return NULL;
+    base->impulse = (size_t)impulse;
+    if (base->impulse < WRENCH * base->ports || sizes->inputs < base->impulse + 1 + WRENCH * base->ports ||
+        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != LOAD) {
+        refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
+        return NULL;
+    }
+    *states = STATES;
+    return base;
+}
+
+static int prepare(void *self, const double *p, Reason *why) {
+    (void)self, (void)p, (void)why;
+    return 1;
+}
+
+/* Last two mean loads and their step sizes, none yet. */
+static int initial(void *self, const double *u, double *x, Reason *why) {
+    (void)self, (void)u, (void)why;
+    for (size_t i = 0; i < STATES; i++) x[i] = 0.0;
+    return 1;
+}
+
+/* Value at the end of the last of two steps: what slopes tell goes on as a parabola, what they do not know of the
+   change of means along a line. */
+static double extrapolated(const double *last, const double *previous, double h, double previous_h) {
+    const double mean = last[0], slope = last[LOAD], between = 0.5 * (h + previous_h);
+    if (h <= 0.0 || previous_h <= 0.0) return mean + slope;
+    const double rate = slope * (2.0 / h), rate_before = previous[LOAD] * (2.0 / previous_h);
+    const double bend = (rate - rate_before) / between;
+    const double known = 0.5 * between * (rate + rate_before) + bend * (h * h - previous_h * previous_h) / 24.0;
+    const double unknown = mean - previous[0] - known;
+    return mean + slope + bend * (h * h / 12.0) + unknown * (0.5 * h / between);
+}
+
+/* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
+   step before, as at the start and in model exchange, those of the present inputs. */
+static void observe(void *self, const double *x, const double *u, double *z) {
+    if (x[STEP - 1] == 0.0) {
+        store_sum(self, u, z);
+        return;
+    }
+    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(x + i, x + STEP + i, x[STEP - 1], x[2 * STEP - 1]);
+}
+
+static size_t no_continuous_states(const void *self, size_t *places) {
+    (void)self, (void)places;
+    return 0;
+}
+
+const Kernel fixed_base_kernel = {
+    "fixed_base",
+    create,
+    prepare,
+    initial,
+    fixed_base_step_real,
+    fixed_base_outputs_real,
+    observe,
+    fixed_base_step_complex,
+    fixed_base_outputs_complex,
+    NULL,
+    NULL,
+    .continuous = no_continuous_states,
+    .rates = fixed_base_rates_real,
+    .rates_complex = fixed_base_rates_complex,
+};
+
+#endif

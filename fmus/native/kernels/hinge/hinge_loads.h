@@ -1,0 +1,159 @@
+/* Loads of a hinge, mean over a step, of an impulse and of one instant: part of hinge.c, of either number type. */
+
+#ifndef FANFOLD_HINGE_LOADS_H
+#define FANFOLD_HINGE_LOADS_H
+
+#include "hinge_model.h"
+#include "workless.h"
+
+/* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
+static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
+    double preload = grip->latched > 0.5 ? 0.0 : hinge->friction_preload;
+    if (hinge->friction == 0.0 && preload == 0.0) return 0.0;
+    real square = load[1] * load[1] + load[2] * load[2];
+    /* smoothed over one newton */
+    real normal = square / real_sqrt(square + 1.0);
+    if (hinge->bending_arm > 0.0)
+        normal += root_of_squares(load[4] * load[4] + load[5] * load[5]) / hinge->bending_arm;
+    StictionFactors sliding = stiction_factors(rate, hinge->stiction_velocity, hinge->static_ratio);
+    return -(hinge->friction * hinge->pin_radius * normal * sliding.dynamic + preload * sliding.constant);
+}
+
+/* Motion of a coordinate over the step; `moment` of its rate. */
+static inline StepMotion step_motion(const double *x, const Motion *new, int i, real moment, double h) {
+    return (StepMotion){
+        x[COORDINATES + i], new->coordinates[i], h, x[MEAN_RATES + i], x[END_RATES + i], x[ROUGHNESS + i], moment,
+    };
+}
+
+/* Swing in the middle of a step. */
+static inline Transverse mean_swing(const double *x, const Motion *new) {
+    return (Transverse){
+        0.5 * (x[COORDINATES + 4] + new->coordinates[4]),
+        0.5 * (x[COORDINATES + 5] + new->coordinates[5]),
+    };
+}
+
+/* Load of the bushing in a coordinate. */
+static inline MeanLoad stiff_load(const Hinge *hinge, int i, const StepMotion *motion) {
+    if (hinge->paired) return workless_spring(hinge->stiffness[i], hinge->damping[i], motion);
+    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion, hinge->end_weight);
+}
+
+/* Load of a law that drives or brakes the hinge angle, too soft to need numerical damping. */
+static inline MeanLoad drive_load(const Hinge *hinge, const Law *law, const StepMotion *motion) {
+    if (hinge->paired) return workless_law(law, 0.0, motion, 0.0);
+    real force = law_mean_force(law, motion->start, motion->end) +
+                 law_end_force(law, motion->start, motion->end, hinge->end_weight);
+    return (MeanLoad){force, 0.0, 0.0, 0.0};
+}
+
+/* Mean latch torque, its heat, and what the scheme took away. */
+static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
+    StepMotion deflection = shifted_motion(motion, grip->latched_angle);
+    if (hinge->paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
+    real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
+    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->end_weight);
+}
+
+/* Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes at order 4. */
+static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new,
+                               const StepMotion *motions, double h) {
+    real elastic[COORDINATE_COUNT], slope[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
+    StepMotion turn = motions[HINGE_ANGLE];
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        StepMotion motion = motions[i];
+        if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->aligned_angle);
+        MeanLoad load = stiff_load(hinge, i, &motion);
+        elastic[i] = load.force;
+        slope[i] = load.slope;
+        heat += load.heat;
+        numerical += load.numerical;
+    }
+    real change = turn.end - turn.start;
+    real friction = friction_torque(hinge, grip, elastic, change / h);
+    MeanLoad latch = {0.0, 0.0, 0.0, 0.0};
+    if (latch_acts(hinge, grip)) latch = mean_latch_load(hinge, grip, turn);
+    MeanLoad motor = drive_load(hinge, &hinge->motor, &turn), harness = drive_load(hinge, &hinge->harness, &turn);
+    real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction + latch.force;
+    numerical += latch.numerical;
+    if (grip->holding != 0.0) {
+        twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
+        numerical += 0.5 * hinge->hold_stiffness * change * change;
+    }
+    Transverse swing = mean_swing(x, new);
+    Loads loads = {
+        {elastic[0], elastic[1], elastic[2]},
+        conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, swing),
+        latch.force,
+        friction,
+        {-friction * change, latch.heat, heat},
+        numerical,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
+    };
+    if (hinge->paired) {
+        twist = slope[HINGE_ANGLE] + motor.slope + harness.slope + latch.slope;
+        loads.force_slope = (Vector3){slope[0], slope[1], slope[2]};
+        loads.torque_slope = conjugate_torque(twist, (Transverse){slope[4], slope[5]}, swing);
+    }
+    return loads;
+}
+
+/* Loads that remove the relative rate in every stiff direction at the end of a vanishing step: an ideal joint
+   transmits a latch impulse through its constrained directions in no time. The heat is that of the latch; what other
+   directions lose is due to the joint taken for ideal. */
+static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new, double h) {
+    int locked = grip->latched > 0.5 && hinge->locks;
+    real load[COORDINATE_COUNT], latch = 0.0, sum = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        int stiff = hinge->stiffness[i] > 0.0 || (i == HINGE_ANGLE && locked);
+        double inertia = i < HINGE_ANGLE ? hinge->lock_mass : hinge->lock_inertia;
+        load[i] = stiff ? -inertia / h * new->rates[i] : 0.0;
+        real work = -load[i] * (new->coordinates[i] - x[COORDINATES + i]);
+        sum += work;
+        if (i == HINGE_ANGLE && locked) latch = work;
+    }
+    return (Loads){
+        {load[0], load[1], load[2]},
+        conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
+        0.0,
+        0.0,
+        {0.0, latch, 0.0},
+        sum - latch,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
+    };
+}
+
+/* Loads of one instant from coordinates and rates; heat as power (W). */
+static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
+    real load[COORDINATE_COUNT], damping = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->aligned_angle : coordinates[i];
+        load[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
+        damping += hinge->damping[i] * rates[i] * rates[i];
+    }
+    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE];
+    real friction = friction_torque(hinge, grip, load, rate);
+    real latch = 0.0, viscous = 0.0;
+    if (latch_acts(hinge, grip)) {
+        viscous = -hinge->latch_damping * rate;
+        latch = law_value(&hinge->latch, angle - grip->latched_angle) + viscous;
+    }
+    real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) + friction +
+                 latch;
+    if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (angle - grip->hold_angle);
+    return (Loads){
+        {load[0], load[1], load[2]},
+        conjugate_torque(twist, (Transverse){load[4], load[5]}, (Transverse){coordinates[4], coordinates[5]}),
+        latch,
+        friction,
+        {-friction * rate, -viscous * rate, damping},
+        0.0,
+        {0.0, 0.0, 0.0},
+        {0.0, 0.0, 0.0},
+    };
+}
+
+#endif

@@ -1,0 +1,65 @@
+/* Mean force of a stiff linear coordinate over a step: the twin of components/numerics/stiff_coordinate.py, which says why.
+
+   Two inertial terms of the size k h^2 damp what a held force would otherwise keep ringing; they only lose. */
+
+#ifndef FANFOLD_BUSHING_H
+#define FANFOLD_BUSHING_H
+
+#include "real.h"
+
+/* Motion of one coordinate over a step of size h, and what it remembers of the step before: its mean rate and
+   its end rate as a held force on a rigid body gives it, or at order 4 as its path has it, and how rough it went.
+   moment: of its rate, the integral of P1 s' dt with P1 = 2 t / h - 1, for laws of order 4. */
+typedef struct StepMotion {
+    real start, end;
+    double h, mean_rate, end_rate, roughness;
+    real moment;
+} StepMotion;
+
+/* Mean force of a coordinate over a step, its heat, what the scheme took away, and the coefficient of P1 of the
+   force, zero at order 2. */
+typedef struct MeanLoad {
+    real force, heat, numerical, slope;
+} MeanLoad;
+
+/* The same motion counted from another origin. */
+static inline StepMotion shifted_motion(StepMotion motion, real origin) {
+    motion.start -= origin;
+    motion.end -= origin;
+    return motion;
+}
+
+/* The two inertial terms. */
+static inline real inertial_force(double stiffness, const StepMotion *m) {
+    real change = m->end - m->start;
+    real from_mean = change - m->h * m->mean_rate, from_end = change - m->h * m->end_rate;
+    return -stiffness * (0.20 * from_mean + 0.10 * from_end);
+}
+
+/* What a coordinate remembers of a step; `end_rate` is the true rate at its end. */
+static inline void remember_rates(const StepMotion *m, real end_rate, real *mean_rate, real *remembered) {
+    real mean = (m->end - m->start) / m->h;
+    real rigid = 2.0 * mean - m->end_rate, ahead = 1.5 * mean - 0.5 * m->mean_rate;
+    real bound = fabs(value_of(end_rate)) < fabs(value_of(ahead)) ? ahead : end_rate;
+    *mean_rate = mean;
+    *remembered = fabs(value_of(bound)) < fabs(value_of(rigid)) ? bound : rigid;
+}
+
+/* Mean load with a damper and inertial terms beside the mean elastic force. An end weight above one half (static
+   solutions) weights the end value instead of adding inertial terms. */
+static inline MeanLoad damped_load(real elastic, double stiffness, double damping, const StepMotion *m,
+                                   double end_weight) {
+    real change = m->end - m->start;
+    real viscous = -damping * change / m->h;
+    real numerical = -stiffness * (end_weight - 0.5) * change;
+    if (end_weight == 0.5) numerical = inertial_force(stiffness, m);
+    return (MeanLoad){elastic + viscous + numerical, -viscous * change, -numerical * change, 0.0};
+}
+
+/* Mean load of spring, damper and inertial terms of one coordinate. */
+static inline MeanLoad bushing_load(double stiffness, double damping, const StepMotion *m, double end_weight) {
+    if (stiffness == 0.0 && damping == 0.0) return (MeanLoad){0.0, 0.0, 0.0, 0.0};
+    return damped_load(-0.5 * stiffness * (m->start + m->end), stiffness, damping, m, end_weight);
+}
+
+#endif

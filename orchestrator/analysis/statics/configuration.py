@@ -1,0 +1,154 @@
+"""Which configuration of a scene an analysis is about: angles of its hinge lines, and which of them are latched."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from math import ceil, pi
+from typing import Literal
+
+from ...assembly.assemble import assemble
+from ...scene import Scene, SceneError
+from ...scene.bodies import scene_points, start_poses
+from ...scene.hinge_line_tables import HingeLine
+from .equilibrium_search import settle
+from .linear_model import LinearModel, linearise
+from .mechanism import Mechanism
+
+Named = Literal["stowed", "deployed", "current"]
+_LARGEST_TURN = pi / 6.0
+"""rad between two poses on the way, so that connections count their angles on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """Angle (rad) of every hinge line by name, and the names of those that are latched."""
+
+    angles: Mapping[str, float]
+    latched: tuple[str, ...]
+
+
+def configuration(
+    scene: Scene,
+    named: Named = "current",
+    angles: Mapping[str, float] | None = None,
+    latched: str | None = None,
+) -> Configuration:
+    """The configuration of a name with some angles changed; SceneError where a line does not exist.
+
+    latched: names with commas between, "all" (with a latch) or "none"; by default all where the configuration is
+    "deployed" and none elsewhere. A line that the scene holds keeps its angle unless one is given.
+    """
+    lines = {line.name: line for line in scene.hinge_lines}
+    given = dict(angles or {})
+    found = {name: given.get(name, _angle(line, named)) for name, line in lines.items()}
+    latched = latched if latched is not None else ("all" if named == "deployed" else "none")
+    can = [name for name, line in lines.items() if line.latch is not None and not line.held]
+    names = tuple(can) if latched == "all" else _listed(latched)
+    problems = [_unknown(scene, name) for name in {**given, **dict.fromkeys(names)} if name not in lines]
+    problems += [
+        f"{scene.file}: hinge_line.{name}: has no latch that could be latched"
+        for name in names
+        if name in lines and name not in can
+    ]
+    if problems:
+        raise SceneError(problems)
+    return Configuration(found, names)
+
+
+def lines_named(scene: Scene, text: str) -> tuple[str, ...]:
+    """Lines that move, by their names with commas between, "all" or "none"; SceneError for others."""
+    moving = [line.name for line in scene.hinge_lines if not line.held]
+    names = tuple(moving) if text == "all" else _listed(text)
+    problems = [_unknown(scene, name) for name in names if name not in moving]
+    if problems:
+        raise SceneError(problems)
+    return names
+
+
+def _listed(text: str) -> tuple[str, ...]:
+    return () if text == "none" else tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def _unknown(scene: Scene, name: str) -> str:
+    known = ", ".join(line.name for line in scene.hinge_lines if not line.held) or "none"
+    return f"{scene.file}: there is no hinge line {name!r} that moves; those are {known}"
+
+
+def _angle(line: HingeLine, named: Named) -> float:
+    if line.held or named == "current":
+        return line.initial_angle
+    return line.stowed_angle if named == "stowed" else line.deployed_angle
+
+
+def hinges_of(scene: Scene, lines: Collection[str]) -> list[str]:
+    """Names of the hinges of lines that move."""
+    return [h.name for line in scene.hinge_lines if line.name in lines and not line.held for h in line.hinges]
+
+
+def placed(
+    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+) -> Mechanism:
+    """The mechanism in a configuration, as its hinge lines lead there from where a run begins.
+
+    Springs and cables keep what they have in a run: a cable loop its preload at the start, and what it is turned
+    since. Latches engage where they are, a drive commands the angle at which it is, and hold-downs hold only where
+    a run begins.
+    """
+    start = with_angles(scene, {k.name: target.angles[k.name] for k in scene.hinge_lines if k.held})
+    assembly = assemble(start, rigid, flexible, "mean")
+    mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
+    ways = {k.name: (k.initial_angle, target.angles[k.name]) for k in start.hinge_lines}
+    _lead(mechanism, start, ways)
+    if any(begin != end for begin, end in ways.values()):
+        mechanism.command("release_command", 1.0, mechanism.connections)
+    mechanism.command("latch_command", 1.0, hinges_of(scene, target.latched))
+    for connection in mechanism.connections.values():
+        if connection.kind == "drive":
+            angle = connection.observe()["angle"]
+            connection.set_parameter("start_angle", angle)
+            connection.set_parameter("end_angle", angle)
+    return mechanism
+
+
+def _lead(mechanism: Mechanism, scene: Scene, ways: Mapping[str, tuple[float, float]]) -> None:
+    """Turn the hinge lines together from their first to their second angles (rad), connections following."""
+    steps = max([1, *(ceil(abs(end - begin) / _LARGEST_TURN) for begin, end in ways.values())])
+    points = scene_points(scene)
+    for k in range(1, steps + 1):
+        share = k / steps
+        between = {name: begin + share * (end - begin) for name, (begin, end) in ways.items()}
+        poses = start_poses(with_angles(scene, between), points)
+        for name, body in mechanism.bodies.items():
+            if body.body is not None:
+                body.place(*poses[name])
+        mechanism.follow()
+
+
+def with_angles(scene: Scene, angles: Mapping[str, float]) -> Scene:
+    """The scene with other start angles."""
+    lines = tuple(
+        line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
+        for line in scene.hinge_lines
+    )
+    return replace(scene, hinge_lines=lines)
+
+
+def loaded(
+    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+) -> Mechanism:
+    """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
+    mechanism = placed(scene, rigid, flexible, target)
+    free = [line.name for line in scene.hinge_lines if not line.held and line.name not in target.latched]
+    hinges = hinges_of(scene, free)
+    mechanism.command("hold", 1.0, hinges)
+    settle(mechanism, "--as-posed takes the hinge angles as they are, without equilibrium")
+    mechanism.command("hold", 0.0, hinges)
+    return mechanism
+
+
+def scene_model(
+    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration, as_posed: bool
+) -> LinearModel:
+    """The linear model about a configuration, loaded or as posed."""
+    return linearise((placed if as_posed else loaded)(scene, rigid, flexible, target))

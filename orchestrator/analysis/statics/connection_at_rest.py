@@ -1,0 +1,203 @@
+"""A connection at rest: its end-point wrenches, and their derivatives by the motion of its ports.
+
+Frictionless: Coulomb friction has no derivative at rest. A kinematic latch is the lock that it becomes, a spring
+of `lock_stiffness` at every hinge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from inspect import signature
+from typing import Any
+
+import numpy as np
+
+from components import REGISTRY, ComponentError, left_product, rotation_matrix
+from components.contract.component import Vector
+from components.contract.frames import exponential, skew
+
+from ...assembly import Part
+from ...scene.table import SceneError
+
+_MOTION = 13
+_STEP = 1e-5
+"""m, rad, m/s and rad/s; central differences, whose errors of truncation and of round-off are then both 1e-11."""
+_RIGID_MOTION = (0.31, -0.42, 0.27, 0.3, 0.5, -0.2)
+"""m and rad; any motion on which the wrenches of a connection between bodies do not depend."""
+_SAME = 1e-6
+
+
+def at_rest(part: Part) -> Part:
+    """The part with end-point wrenches, without friction, and with a kinematic latch as its lock."""
+    structure, start = dict(part.structure), dict(part.start)
+    if "wrench_mode" in signature(REGISTRY[part.kind]).parameters:
+        structure["wrench_mode"] = "endpoint"
+    layout = REGISTRY[part.kind](**structure).parameter_layout
+    if part.kind == "hinge":
+        if structure.get("latch") == "kinematic":
+            lock = float(layout.start_values()[layout["lock_stiffness"]][0])
+            structure["latch"] = "spring"
+            start |= {"latch_stiffness": start.get("lock_stiffness", lock), "latch_damping": 0.0}
+        start["latch_automatic"] = 0.0
+    start |= {q.name: 0.0 for q in layout.quantities if q.name.startswith("friction")}
+    return replace(part, structure=structure, start=start)
+
+
+class Connection:
+    """One connection with its state, which remembers the pose it was last moved to.
+
+    `ports` are the names of its ports in order; motions are (ports, 13), wrenches (ports, 6), in world axes.
+    """
+
+    def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
+        resting = at_rest(part)
+        self.name, self.kind = part.name, part.kind
+        self.component = REGISTRY[resting.kind](**resting.structure)
+        self.ports = tuple(port.name for port in self.component.ports)
+        self._parameters = self.component.parameter_layout.start_values()
+        for name, value in resting.start.items():
+            if name in self.component.parameter_layout:
+                self._parameters[self.component.parameter_layout[name]] = value
+        self._inputs = self.component.input_layout.start_values()
+        self.put(np.array([motions[port] for port in self.ports]))
+        self._constants: Any = self._prepared()
+        try:
+            self.state = self.component.initial(self._constants, self._inputs)
+        except ComponentError as error:
+            raise SceneError([f"{self.name}: {error}"]) from None
+
+    def _prepared(self) -> Any:  # noqa: ANN401 - opaque to everybody but the component
+        try:
+            return self.component.prepare(self._parameters)
+        except ComponentError as error:
+            raise SceneError([f"{self.name}: {error}"]) from None
+
+    def put(self, motions: Vector) -> None:
+        """Move the ports."""
+        self._inputs[: _MOTION * len(self.ports)] = motions.ravel()
+
+    def follow(self) -> None:
+        """Remember the present pose, from which angles are counted on."""
+        self.state = self.component.update(self._constants, self.state, self._inputs, False)
+
+    def memory(self) -> tuple[Vector, Vector]:
+        """State and parameters, which `remember` brings back."""
+        return self.state.copy(), self._parameters.copy()
+
+    def remember(self, state: Vector, parameters: Vector) -> None:
+        """Bring a state and its parameters back; the ports stay where they are."""
+        self.state, self._parameters = state.copy(), parameters.copy()
+        self._constants = self._prepared()
+
+    def command(self, name: str, value: float) -> None:
+        """Give a command where the component has it."""
+        if name in self.component.input_layout:
+            self._inputs[self.component.input_layout[name]] = value
+            self.state = self.component.update(self._constants, self.state, self._inputs, True)
+
+    def parameter(self, name: str) -> float:
+        """Value of a scalar parameter."""
+        return float(self._parameters[self.component.parameter_layout[name]][0])
+
+    def set_parameter(self, name: str, value: float) -> None:
+        """Change a parameter."""
+        self._parameters[self.component.parameter_layout[name]] = value
+        self._constants = self._prepared()
+
+    def observe(self) -> dict[str, float]:
+        """Scalars of the observations by name, in the present pose."""
+        names = self.component.observation_layout.scalar_names()
+        values = self.component.observe(self._constants, self.state, self._inputs)
+        return dict(zip(names, values.tolist(), strict=True))
+
+    @property
+    def motions(self) -> Vector:
+        """Motions (ports, 13) as they are put."""
+        return self._inputs[: _MOTION * len(self.ports)].reshape(-1, _MOTION).copy()
+
+    def wrenches(self) -> Vector:
+        """Wrenches (ports, 6) in the present pose."""
+        values = self.component.outputs(self._constants, self.state, self._inputs)
+        result: Vector = values[: 6 * len(self.ports)].reshape(-1, 6)
+        return result
+
+    def _wrenches_at(self, motions: Vector) -> Vector:
+        held = self.motions
+        self.put(motions)
+        result = self.wrenches().copy()
+        self.put(held)
+        return result
+
+    def tangents(self) -> tuple[Vector, Vector]:
+        """Stiffness and damping, each (6 ports, 6 ports): minus the derivatives of the wrenches.
+
+        Columns are small translations and rotations of the ports, and their rates, in world axes. What connects
+        bodies depends on their relative motion only: there the first port's columns follow from the others', so
+        that a stiff connection resists no rigid motion by round-off.
+        """
+        motions = self.motions
+        if len(self.ports) < 2 or not self._is_relative(motions):
+            return self._differences(motions, False, 0), self._differences(motions, True, 0)
+        motions[:, :3] -= motions[0, :3]
+        arms = motions[:, :3]
+        stiffness, damping = self._differences(motions, False, 1), self._differences(motions, True, 1)
+        moved = np.concatenate([_rigid(arm) for arm in arms])
+        turned = np.zeros((6 * len(arms), 6))
+        for k, wrench in enumerate(self.wrenches()):
+            turned[6 * k : 6 * k + 3, 3:] = -skew(wrench[:3])
+            turned[6 * k + 3 : 6 * k + 6, 3:] = -skew(wrench[3:])
+        stiffness[:, :6] = -turned - stiffness @ moved
+        damping[:, :6] = -damping @ moved
+        return stiffness, damping
+
+    def _differences(self, motions: Vector, of_rates: bool, first: int) -> Vector:
+        """Minus the derivatives by the motions (or rates) of the ports from `first` on; other columns are zero."""
+        result = np.zeros((6 * len(motions), 6 * len(motions)))
+        for column in range(6 * first, 6 * len(motions)):
+            port, coordinate = divmod(column, 6)
+            ends = []
+            for sign in (1.0, -1.0):
+                moved = motions.copy()
+                step = np.zeros(6)
+                step[coordinate] = sign * _STEP
+                moved[port] = _with_rates(moved[port], step) if of_rates else displaced(moved[port], step)
+                ends.append(self._wrenches_at(moved).ravel())
+            result[:, column] = (ends[1] - ends[0]) / (2.0 * _STEP)
+        return result
+
+    def _is_relative(self, motions: Vector) -> bool:
+        """Whether the wrenches go with a rigid motion of all ports, and take no note of a common rate."""
+        step = np.array(_RIGID_MOTION)
+        turn = rotation_matrix(exponential((step[3], step[4], step[5])))
+        before = self.wrenches()
+        moved = np.array([displaced(m, np.concatenate((np.zeros(3), step[3:]))) for m in motions])
+        moved[:, :3] = motions[:, :3] @ turn.T + step[:3]
+        carried = np.array([_with_rates(m, _rigid(m[:3] - motions[0, :3]) @ step) for m in motions])
+        after = self._wrenches_at(moved).reshape(-1, 3) @ turn
+        allowed = _SAME * (1.0 + np.abs(before).max(initial=0.0))
+        return bool(
+            np.abs(after - before.reshape(-1, 3)).max(initial=0.0) < allowed
+            and np.abs(self._wrenches_at(carried) - before).max(initial=0.0) < allowed
+        )
+
+
+def displaced(motion: Vector, step: Vector) -> Vector:
+    """A port's motion (13,) after a translation and a rotation vector (6,) in world axes."""
+    result = motion.copy()
+    result[:3] += step[:3]
+    result[3:7] = left_product(exponential((step[3], step[4], step[5]))) @ motion[3:7]
+    return result
+
+
+def _with_rates(motion: Vector, rates: Vector) -> Vector:
+    result = motion.copy()
+    result[7:] = rates
+    return result
+
+
+def _rigid(arm: Vector) -> Vector:
+    """Motion (6, 6) of a point at an arm under unit translations and rotations about the origin."""
+    result = np.eye(6)
+    result[:3, 3:] = -skew(arm)
+    return result

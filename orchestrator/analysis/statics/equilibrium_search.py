@@ -1,0 +1,66 @@
+"""Static equilibrium of a mechanism near its pose, by Newton's method on the exact tangent; the base does not move."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from components.contract.component import Vector
+
+from ...scene.table import SceneError
+from .linear_model import LinearModel, linearise, normal_modes
+from .mechanism import Mechanism
+
+_MOST_ITERATIONS = 40
+_LARGEST_TURN = 0.15
+"""rad, in one iteration"""
+_FARTHEST = 0.6
+"""rad, from where the search began; an equilibrium beyond belongs to another configuration"""
+_TOLERANCE = 1e-9
+"""m and rad that the last iteration may move a port; Newton's next would be of the order of its square."""
+
+
+def settle(mechanism: Mechanism, advice: str) -> None:
+    """Move to equilibrium; SceneError where there is none near, with the advice of what to do then."""
+    moved = np.zeros(mechanism.size)
+    for _ in range(_MOST_ITERATIONS):
+        model = linearise(mechanism)
+        rows = model.other_rows
+        if not moved.any():
+            _refuse_free_motions(model, advice)
+        step = np.zeros(mechanism.size)
+        step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
+        motion = _port_motions(mechanism, step)
+        if not np.isfinite(motion).all():
+            break
+        turn = float(np.abs(motion[:, 3:]).max(initial=0.0))
+        step *= min(1.0, _LARGEST_TURN / max(turn, 1e-300))
+        mechanism.move(step)
+        moved += step
+        if float(np.abs(motion).max(initial=0.0)) < _TOLERANCE:
+            mechanism.follow()
+            return
+        if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _FARTHEST:
+            break
+    raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
+
+
+def _refuse_free_motions(model: LinearModel, advice: str) -> None:
+    """Equilibrium is not unique where something moves without force."""
+    free = int(normal_modes(model, model.base_constraints).is_free.sum())
+    if free:
+        raise SceneError(
+            [
+                f"the configuration has {free} motion{'s' * (free > 1)} without stiffness, so its equilibrium is not "
+                f"unique; {advice}"
+            ]
+        )
+
+
+def _port_motions(mechanism: Mechanism, step: Vector) -> Vector:
+    """Small motions (ports, 6) of all connections' ports."""
+    found = [
+        mechanism.jacobian(name, port) @ step
+        for name, connection in mechanism.connections.items()
+        for port in range(len(connection.ports))
+    ]
+    return np.array(found).reshape(-1, 6)

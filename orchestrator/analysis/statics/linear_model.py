@@ -1,0 +1,182 @@
+"""Linear model of an assembly about a configuration at rest: M q'' + C q' + K q = f, and its normal modes.
+
+Exact derivatives of bodies and of preloaded connections; friction is left out, latches that lock are their lock
+(`_connection`), inertia is that of undeformed bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import linalg
+
+from components.contract.component import Vector
+
+from ...scene.table import SceneError
+from .mechanism import Mechanism
+
+Rows = NDArray[np.int64]
+ZERO_FREQUENCY = 1e-3
+"""Hz; below it a mode is a free motion. Round-off of bushings and locks leaves 1e-5 Hz on a body of 1 kg.m2."""
+_SHIFT = (2.0 * np.pi * 1.0) ** 2
+_LARGEST_SHIFT = 1e12
+
+
+@dataclass(frozen=True)
+class LinearModel:
+    """Matrices (n, n) over the coordinates of all bodies of a mechanism, its base included."""
+
+    mechanism: Mechanism
+    mass: Vector
+    damping: Vector
+    stiffness: Vector
+    residual: Vector
+    """(n,) generalised forces that nothing balances in this configuration"""
+
+    @property
+    def is_grounded(self) -> bool:
+        """Whether the base is ground, which has no mass and does not move."""
+        base = self.mechanism.bodies.get(self.mechanism.base)
+        return base is not None and base.body is None
+
+    @property
+    def base_rows(self) -> Rows:
+        """Numbers of the six rigid coordinates of the base."""
+        start = self.mechanism.rows[self.mechanism.base].start
+        return np.arange(start, start + 6)
+
+    @property
+    def free_rows(self) -> Rows:
+        """Numbers of the coordinates that move."""
+        return self.other_rows if self.is_grounded else np.arange(len(self.mass))
+
+    @property
+    def other_rows(self) -> Rows:
+        """Numbers of all coordinates that are not rigid ones of the base."""
+        return np.setdiff1d(np.arange(len(self.mass)), self.base_rows)
+
+    @property
+    def base_constraints(self) -> Vector:
+        """(6, n) rows that hold the base, for `normal_modes`."""
+        result: Vector = np.eye(len(self.mass))[self.base_rows]
+        return result
+
+    @property
+    def origin(self) -> Vector:
+        """(3,) point of the base about which it turns: a ground's reference point, a free base's centre of mass."""
+        bodies = self.mechanism.bodies
+        return bodies[self.mechanism.base].position if self.mechanism.base in bodies else np.zeros(3)
+
+    @property
+    def asymmetry(self) -> float:
+        """Largest entry of K - K^T over the root of its diagonal entries; round-off at a conservative equilibrium."""
+        rows = self.free_rows
+        k = self.stiffness[np.ix_(rows, rows)]
+        scale = np.sqrt(np.abs(np.diag(k))) + np.finfo(float).tiny
+        return float(np.abs((k - k.T) / np.outer(scale, scale)).max(initial=0.0))
+
+    @property
+    def unbalanced(self) -> tuple[float, float]:
+        """Largest force (N) and torque (N.m) on a body that nothing balances in this configuration."""
+        moving = [rows for name, rows in self.mechanism.rows.items() if name != self.mechanism.base]
+        load = np.array([self.residual[rows.start : rows.start + 6] for rows in moving]).reshape(-1, 2, 3)
+        force, torque = np.linalg.norm(load, axis=2).max(axis=0, initial=0.0).tolist()
+        return force, torque
+
+
+class NormalModes(NamedTuple):
+    """Undamped modes in the order of their eigenvalues (k,), rad2/s2; shapes (n, k) have unit modal mass."""
+
+    eigenvalues: Vector
+    shapes: Vector
+
+    @property
+    def frequencies(self) -> Vector:
+        """(k,) Hz; negative where the configuration is unstable: the growth rate over 2 pi."""
+        result: Vector = np.sign(self.eigenvalues) * np.sqrt(np.abs(self.eigenvalues)) / (2.0 * np.pi)
+        return result
+
+    @property
+    def is_free(self) -> NDArray[np.bool_]:
+        """(k,) whether a mode is a free motion, of the whole or of a mechanism."""
+        result: NDArray[np.bool_] = np.abs(self.frequencies) < ZERO_FREQUENCY
+        return result
+
+
+def linearise(mechanism: Mechanism) -> LinearModel:
+    """The linear model about the present pose."""
+    mechanism.carry()
+    stiffness, damping = mechanism.tangents()
+    return LinearModel(mechanism, mechanism.mass(), damping, stiffness, mechanism.forces())
+
+
+def normal_modes(model: LinearModel, constraints: Vector | None = None) -> NormalModes:
+    """Modes of the symmetric part of the stiffness; constraints (r, n) are rows that motions have zero products with.
+
+    Solved for 1 / (eigenvalue + shift), so that stiff joints do not drown soft mechanisms in round-off.
+    """
+    rows = model.free_rows
+    basis = np.eye(len(model.mass))[:, rows]
+    if constraints is not None:
+        basis = basis @ linalg.null_space(constraints[:, rows])
+    if not basis.shape[1]:
+        raise SceneError(["nothing is free to move, so there are no modes"])
+    mass = basis.T @ model.mass @ basis
+    stiffness = basis.T @ (0.5 * (model.stiffness + model.stiffness.T)) @ basis
+    shift = _SHIFT
+    while True:
+        try:
+            inverse, vectors = linalg.eigh(mass, stiffness + shift * mass)
+            break
+        except linalg.LinAlgError:
+            shift *= 100.0
+            if shift > _LARGEST_SHIFT:
+                raise SceneError(["the stiffness has no modes: check springs with negative rates"]) from None
+    order = np.argsort(-inverse)
+    vectors = vectors[:, order] / np.sqrt(inverse[order])
+    return NormalModes(1.0 / inverse[order] - shift, basis @ vectors)
+
+
+def modal_damping(model: LinearModel, modes: NormalModes) -> Vector:
+    """Damping ratios (k,) of single modes, the diagonal of the modal damping matrix; nan for free motions."""
+    rates = np.einsum("ik,ij,jk->k", modes.shapes, model.damping, modes.shapes)
+    omega = 2.0 * np.pi * np.abs(modes.frequencies)
+    result: Vector = np.where(modes.is_free, np.nan, rates / (2.0 * np.where(modes.is_free, 1.0, omega)))
+    return result
+
+
+def damping_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
+    """Share (k,) of every body and connection in the damping of single modes; zero where nothing damps one."""
+    mechanism, shapes = model.mechanism, modes.shapes
+    total = np.einsum("ik,ij,jk->k", shapes, model.damping, shapes)
+    found = {
+        name: np.einsum("ik,ij,jk->k", motion @ shapes, viscous, motion @ shapes)
+        for name, motion, viscous in mechanism.damping_parts()
+    }
+    return {
+        name: np.divide(part, total, np.zeros_like(part), where=total > 0.0) for name, part in found.items()
+    }
+
+
+def effective_masses(model: LinearModel, modes: NormalModes) -> tuple[Vector, Vector]:
+    """Effective masses (6, k) under motions of the base, and the rigid masses (6,) they are parts of.
+
+    Three translations (kg) and three rotations about the origin (kg m2), world axes; a ground has no mass.
+    """
+    rigid = model.mechanism.rigid_motion(model.origin)
+    participation = rigid.T @ model.mass @ modes.shapes
+    return participation**2, np.diag(rigid.T @ model.mass @ rigid)
+
+
+def kinetic_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
+    """Share (k,) of every moving body in the kinetic energy of the modes."""
+    result = {}
+    for name, rows in model.mechanism.rows.items():
+        if model.is_grounded and name == model.mechanism.base:
+            continue
+        part = modes.shapes[rows]
+        result[name] = np.einsum("ik,ij,jk->k", part, model.mass[rows, rows], part)
+    return result

@@ -1,0 +1,1 @@
+"""Stresses of a panel over a run, from its modal coordinates."""

@@ -1,0 +1,108 @@
+"""The plate of a body in a result, rebuilt from the scene that the result holds, and its recorded motion."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from components import ComponentError, catalogue
+from components.flexible.finite_elements import FiniteElementModel, PlateNodes
+from components.flexible.modal import ModalData
+from components.flexible.reduction import inertia_relief, orthonormal_modes
+from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
+
+from ...results.result import Result, ResultError
+from ...scene.bodies import body_model
+from ...scene.body_tables import Body
+from ...scene.reader import read_scene
+from ...scene.schema import Scene
+from .body_acceleration import acceleration_field
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+_SAME = 1e-6  # of a mode's largest display value; round-off of the modes leaves 1e-9
+_EQUAL_FREQUENCY = 1e-6  # closer modes mix freely from one eigensolution to the next
+
+
+@dataclass(frozen=True)
+class BodyStress:
+    """Recovery at the chosen nodes of a body's plate, and the coordinates (N, M + 12) that go with it."""
+
+    plate: PlateNodes
+    recovery: StressRecovery
+    coordinates: Vector
+    """modal coordinates, then the acceleration field of the static correction"""
+
+
+def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indices]) -> BodyStress:
+    """Stress recovery of a flexible panel; ResultError where the result or the catalogue does not allow it."""
+    if not result.has(body, "modal_coordinate"):
+        result.variables(body)
+        flexible = ", ".join(result.recording("modal_coordinate")) or "none"
+        raise ResultError(
+            f"{result.path}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
+        )
+    scene = _scene(result)
+    table = next((table for table in scene.bodies if table.name == body), None)
+    if table is None or table.catalogue is None:
+        raise ResultError(f"{result.path}: {body} is not a body of the catalogue")
+    try:
+        sheets = face_sheets(table.catalogue)
+        masses = tuple((attached.point, attached.mass) for attached in table.attached_masses)
+        model = catalogue.finite_elements(table.catalogue, masses)
+        data = body_model(table, flexible=True)
+        shapes = _shapes(result, body, table, model, data)
+        if model.plate is None:
+            raise ComponentError("stresses are recovered for plates only, and this body is none")
+        recovery = stress_recovery(model, sheets, shapes, choose(model.plate))
+    except ComponentError as error:
+        raise ResultError(f"{result.path}: {body}: {error}") from None
+    field = acceleration_field(result, body, data, scene.header.gravity)
+    return BodyStress(model.plate, recovery, np.hstack([result.signal(body, "modal_coordinate"), field]))
+
+
+def _scene(result: Result) -> Scene:
+    try:
+        tree = json.loads(result.provenance["scene_tree"])
+    except (KeyError, ValueError):
+        raise ResultError(f"{result.path}: the result does not hold its scene; run the scene again") from None
+    return read_scene(f"{result.path} (scene)", tree)
+
+
+def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, data: ModalData) -> Vector:
+    """Mode shapes (n, M) in the order and with the signs of the run, then the shapes of the static correction.
+
+    What the run left out of its modes is part of the static correction.
+    """
+    points = catalogue.BODIES[str(table.catalogue)].attachment_points
+    frequency, modes = orthonormal_modes(model, points, table.fixed_interface_modes)
+    whole = body_model(table.model_copy(update={"modes_off": (), "frequencies_off": ()}), flexible=True)
+    kept = np.flatnonzero(np.isin(whole.frequency, data.frequency))
+    frequency, modes = frequency[kept], modes[:, kept]
+    display = np.asarray(model.display_displacement @ modes)
+    recorded = result.geometry[body].shapes.reshape(display.shape[0], -1)
+    if recorded.shape != display.shape:
+        raise ComponentError(_CHANGED)
+    modes = modes @ _mixing(frequency, display, recorded)
+    difference = np.abs(np.asarray(model.display_displacement @ modes) - recorded).max(axis=0)
+    if np.any(difference > _SAME * np.abs(recorded).max(axis=0)):
+        raise ComponentError(_CHANGED)
+    return np.hstack([modes, inertia_relief(model, points, frequency, modes)])
+
+
+_CHANGED = "the catalogue's modes are not those of this run; run the scene again with this version"
+
+
+def _mixing(frequency: Vector, display: Vector, recorded: Vector) -> Vector:
+    """Matrix (M, M) that turns modes into the recorded ones: signs, and rotations among equal frequencies."""
+    mixing = np.zeros((frequency.size, frequency.size))
+    gaps = np.flatnonzero(np.diff(frequency) > _EQUAL_FREQUENCY * frequency[1:]) + 1
+    for group in np.split(np.arange(frequency.size), gaps):
+        fit = np.linalg.lstsq(display[:, group], recorded[:, group])[0]
+        left, _, right = np.linalg.svd(fit)
+        mixing[np.ix_(group, group)] = left @ right
+    return mixing

@@ -1,0 +1,1 @@
+"""Torque margin of every hinge line over its travel, and restarts from where it was stopped."""

@@ -1,0 +1,115 @@
+"""Proof that an array restarts when stopped midway: runs from rest at positions within the travel."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...assembly import Assembly
+from ...assembly.assemble import assemble
+from ...cosim.master import Settings
+from ...results.key_figures import latch_times
+from ...results.result import Result
+from ...run.run import run
+from ...scene import Scene, SceneError
+from ...scene.hinge_line_tables import HingeLine
+from ...scene.units import to_si
+from .sweep import at_share, driven_lines, travel
+
+_POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")
+
+
+@dataclass(frozen=True)
+class Restart:
+    """What a line did after a start from rest: angles in rad, rate in rad/s, time in s (None if it did not open).
+
+    moves: its opening rate exceeded the stiction velocity, below which the friction law stands for sticking.
+    still_opening: its opening rate at the end did, and it had not opened. opens: it latched, or reached its
+    deployed angle where it has no latch.
+    """
+
+    line: str
+    start: float
+    end: float
+    fastest: float
+    moves: bool
+    still_opening: bool
+    opened_at: float | None
+
+    @property
+    def opens(self) -> bool:
+        """Whether the line came to the end of its travel."""
+        return self.opened_at is not None
+
+
+class CaseRestart(NamedTuple):
+    """A restart of one case of a scene from a position as it was asked for, its result file, and every line."""
+
+    case: str
+    position: str
+    path: Path
+    lines: list[Restart]
+
+
+def restart_share(scene: Scene, position: str) -> float:
+    """Share of the travel (0 to 1) of "50%" or "45 deg", an angle of the first line that has a motor.
+
+    SceneError where it is neither, or does not lie within the travel, or none is left.
+    """
+    line = driven_lines(scene)[0]
+    found = _POSITION.fullmatch(position)
+    try:
+        if found is None:
+            raise ValueError
+        value = to_si(f"{found[1]} {found[2]}", "1" if found[2] == "%" else "rad")
+    except ValueError:
+        sentence = "give a share such as 50% or an angle such as 45deg"
+        raise SceneError([f"{scene.file}: {position!r} is no position to restart from; {sentence}"]) from None
+    share = value if found[2] == "%" else (value - line.initial_angle) / travel(scene, line)
+    if not 0.0 <= share < 1.0:
+        low, high = np.rad2deg((line.initial_angle, line.deployed_angle))
+        raise SceneError(
+            [
+                f"{scene.file}: a restart from {position} is not within the travel of {line.name}, "
+                f"which begins at {low:g} deg and ends before {high:g} deg"
+            ]
+        )
+    return share
+
+
+def restart(
+    scene: Scene,
+    share: float,
+    output: Path,
+    until: float | None = None,
+    watch: Callable[[float, float], None] = lambda time, h: None,
+) -> list[Restart]:
+    """Run the scene, bodies rigid, from rest at a share of the travel; what every driven line did."""
+    stopped = at_share(scene, share)
+    assembly = assemble(stopped, rigid={"all"})
+    settings = Settings(tolerance=assembly.tolerance, largest_step=assembly.largest_step)
+    outcome = run(assembly, output, settings, until, watch=watch)
+    result = Result.open(outcome.path)
+    return [_restarted(result, line, assembly) for line in driven_lines(stopped)]
+
+
+def _restarted(result: Result, line: HingeLine, assembly: Assembly) -> Restart:
+    angle = result.signal(line.sensor, "angle")
+    rate = result.signal(line.sensor, "angular_rate")
+    part = next(part for part in assembly.parts if part.name == line.sensor)
+    transition = float(np.ravel(part.start["stiction_velocity"])[0])
+    if line.latch is not None:
+        opened = latch_times(result).get(line.name)
+    else:
+        there = np.flatnonzero(angle >= line.deployed_angle)
+        opened = float(result.time[there[0]]) if there.size else None
+    fastest = float(np.max(rate))
+    still_opening = opened is None and bool(rate[-1] > transition)
+    return Restart(
+        line.name, line.initial_angle, float(angle[-1]), fastest, bool(fastest > transition), still_opening, opened
+    )  # fmt: skip

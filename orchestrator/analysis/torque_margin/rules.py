@@ -1,0 +1,143 @@
+"""Torque margin by two rules: driving over factored resisting torques, and the form of ECSS-E-ST-33-01C.
+
+Sum rule (Bagnoli 2007, equation 2.1): TM = sum D / sum k R >= 2, k the uncertainty factor of each resistance.
+ECSS rule (2009 edition, clause 4.7.5.3.1): 0.8 T >= T_min = 2 sum k R + 1.25 T_D + T_L for a spring actuator, so
+the margin that is held against the same limit is (0.8 T - 1.25 T_D - T_L) / sum k R.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...results.round_off import noise_floor
+
+Vector = NDArray[np.float64]
+Rule = Literal["sum", "ECSS"]
+FactorKind = Literal["theoretical", "measured"]
+
+RULES: Final[tuple[Rule, ...]] = ("sum", "ECSS")
+LIMIT: Final = 2.0
+SPRING_ACTUATOR: Final = 0.8
+"""Clause 4.7.5.3.2e."""
+DYNAMIC: Final = 1.25
+"""Factor on the torque for a specified acceleration, T_D."""
+FACTORS: Final[Mapping[FactorKind, Mapping[str, float]]] = {
+    "theoretical": {"I": 1.1, "S": 1.2, "HM": 1.5, "FR": 3.0, "HY": 3.0, "HA": 3.0, "HD": 3.0},
+    "measured": {"I": 1.1, "S": 1.2, "HM": 1.2, "FR": 1.5, "HY": 1.5, "HA": 1.5, "HD": 3.0},
+}
+"""Table 4-2: inertia, spring, motor magnetic losses, friction, hysteresis, others (harness), adhesion."""
+DEMANDS: Final = ("TD", "TL")
+"""Torque for a specified acceleration, and specified output torque; no resistances."""
+
+
+@dataclass(frozen=True)
+class LineTorques:
+    """Torques (N.m) of a hinge line at angles (rad) of its travel, shape (N,); positive opening.
+
+    friction: against opening, so never positive. extra: further torques of the line by ECSS symbol, constant.
+    """
+
+    line: str
+    angle: Vector
+    motor: Vector
+    harness: Vector
+    friction: Vector
+    extra: Mapping[str, float]
+
+    @property
+    def driving(self) -> Vector:
+        """The motorisation spring where it opens; a harness is no motorisation (clause 4.7.5.3.2g)."""
+        return np.maximum(self.motor, 0.0)
+
+    def resisting(self) -> dict[str, Vector]:
+        """Magnitudes of all resistances by ECSS symbol."""
+        found = {
+            symbol: np.full(self.angle.size, self.extra.get(symbol, 0.0))
+            for symbol in ("I", "HM", "HY", "HD")
+        }
+        found["S"] = np.maximum(-self.motor, 0.0) + self.extra.get("S", 0.0)
+        found["FR"] = np.maximum(-self.friction, 0.0) + self.extra.get("FR", 0.0)
+        found["HA"] = np.maximum(-self.harness, 0.0) + self.extra.get("HA", 0.0)
+        return found
+
+
+@dataclass(frozen=True)
+class Margins:
+    """One rule over the travel of a line, shape (N,): what is available, what resists, what the rule requires.
+
+    available: N.m, after its factor and the demands T_D, T_L. resisting: N.m, with uncertainty factors.
+    required: torque that the spring must have, unfactored, N.m. margin: infinite where nothing but round-off of
+    the driving torque resists, minus infinity if then the demands exceed what drives.
+    """
+
+    rule: Rule
+    available: Vector
+    resisting: Vector
+    required: Vector
+    margin: Vector
+
+    @property
+    def worst(self) -> int:
+        """Index of the smallest margin."""
+        return int(np.argmin(self.margin))
+
+    @property
+    def passes(self) -> bool:
+        """Whether the limit is kept over the whole travel."""
+        return bool(self.margin[self.worst] >= LIMIT)
+
+
+def margins(torques: LineTorques, rule: Rule, factors: Mapping[str, float]) -> Margins:
+    """Margins over the travel by one rule."""
+    resisting = np.zeros(torques.angle.size)
+    for symbol, torque in torques.resisting().items():
+        resisting += factors[symbol] * torque
+    share, demand = 1.0, 0.0
+    if rule == "ECSS":
+        dynamic, output = (torques.extra.get(symbol, 0.0) for symbol in DEMANDS)
+        share, demand = SPRING_ACTUATOR, DYNAMIC * dynamic + output
+    available = share * torques.driving - demand
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = available / resisting
+    nothing_resists = np.where(available >= 0.0, np.inf, -np.inf)
+    margin = np.where(resisting > noise_floor(torques.driving.tolist()), ratio, nothing_resists)
+    return Margins(rule, available, resisting, (LIMIT * resisting + demand) / share, margin)
+
+
+@dataclass(frozen=True)
+class Found:
+    """The margins of one line in one case, by rule."""
+
+    case: str
+    torques: LineTorques
+    margins: tuple[Margins, ...]
+
+    @property
+    def line(self) -> str:
+        """Name of the line."""
+        return self.torques.line
+
+    def as_dicts(self) -> Iterator[dict[str, object]]:
+        """One plain record per rule, at the worst angle; None for a margin without bound."""
+        for found in self.margins:
+            k = found.worst
+            margin = float(found.margin[k])
+            yield {
+                "line": self.line,
+                "case": self.case,
+                "rule": found.rule,
+                "margin": margin if np.isfinite(margin) else None,
+                "angle": float(self.torques.angle[k]),
+                "motor_torque": float(self.torques.motor[k]),
+                "harness_torque": float(self.torques.harness[k]),
+                "friction_torque": float(self.torques.friction[k]),
+                "available": float(found.available[k]),
+                "resisting": float(found.resisting[k]),
+                "required": float(found.required[k]),
+                "passes": found.passes,
+            }

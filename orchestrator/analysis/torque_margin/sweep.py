@@ -1,0 +1,152 @@
+"""Torques of the hinges of a scene over the travel, from the components themselves in static equilibrium.
+
+At every position the lines with a motor stand at the same share of their travel, as cable loops synchronise them,
+and the scene is brought to static equilibrium with all hinges held: cables at their preload, gravity if there is
+any. Each hinge is then asked for its torques while it opens slowly from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from components import ComponentError
+from components.contract.frames import Vector3, rotate
+from components.hinge import Hinge
+
+from ...assembly import Assembly, Part
+from ...assembly.assemble import assemble
+from ...cosim.master import Master, Settings
+from ...cosim.network import Network, NetworkError
+from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
+from ...cosim.stepping import StepError
+from ...run.run import RunError
+from ...scene import Scene
+from ...scene.hinge_line_tables import HingeLine
+from ...scene.table import SceneError
+from .rules import LineTorques
+
+FrictionKind = Literal["constant", "sliding", "static"]
+_SLIDING = 2.0
+"""Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.numerics.laws)."""
+_OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
+
+
+class _NoRecorder:
+    """The equilibrium is read from the participants; nothing is recorded."""
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Nothing."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Nothing."""
+
+
+def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
+    """Lines that a motorisation spring opens; SceneError if there are none."""
+    lines = tuple(line for line in scene.hinge_lines if line.motor is not None and not line.held)
+    if not lines:
+        raise SceneError(
+            [
+                f"{scene.file}: no hinge line that moves has a motor, so there is no torque margin; give a line a "
+                "motor, or set held = false"
+            ]
+        )
+    return lines
+
+
+def travel(scene: Scene, line: HingeLine) -> float:
+    """Way of a line (rad) from its start to its deployed angle; SceneError where none is left."""
+    way = line.deployed_angle - line.initial_angle
+    if way <= 0.0:
+        raise SceneError(
+            [
+                f"{scene.file}: hinge_line.{line.name}: starts at or beyond its deployed angle; no travel is left"
+            ]
+        )
+    return way
+
+
+def at_share(scene: Scene, share: float) -> Scene:
+    """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle."""
+    driven = {line.name for line in driven_lines(scene)}
+    lines = []
+    for line in scene.hinge_lines:
+        way = line.deployed_angle - line.initial_angle
+        angle = line.initial_angle + share * way
+        lines.append(line.model_copy(update={"start_angle": angle}) if line.name in driven else line)
+    return replace(scene, hinge_lines=tuple(lines))
+
+
+def sweep(
+    scene: Scene, shares: Sequence[float], friction: FrictionKind, extra: Mapping[str, Mapping[str, float]]
+) -> list[LineTorques]:
+    """Torques of every driven line at shares of the travel; extra: further torques (N.m) by line and symbol.
+
+    friction: "constant" is the preload torque alone; "sliding" and "static" add the friction of the reactions,
+    mu r_p F_r (Bagnoli 2007, equation 2.2), with the sliding or the static coefficient.
+    """
+    lines = driven_lines(scene)
+    ways = {line.name: travel(scene, line) for line in lines}
+    found = [_torques(at_share(scene, share), friction) for share in shares]
+    result = []
+    for line in lines:
+        angle = line.initial_angle + ways[line.name] * np.asarray(shares, dtype=float)
+        motor, harness, resisting = np.array([torques[line.name] for torques in found]).T
+        result.append(LineTorques(line.name, angle, motor, harness, resisting, extra.get(line.name, {})))
+    return result
+
+
+def _torques(scene: Scene, friction: FrictionKind) -> dict[str, Vector]:
+    """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
+    assembly = assemble(scene, rigid={"all"})
+    settled = _equilibrium(assembly)
+    parts = {part.name: part for part in assembly.parts}
+    return {
+        line.name: sum(
+            (
+                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name].inputs, friction)
+                for hinge in line.hinges
+            ),
+            start=np.zeros(len(_OBSERVED)),
+        )
+        for line in driven_lines(scene)
+    }
+
+
+def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:
+    """Every participant by name, in static equilibrium with all hinges held; RunError where there is none."""
+    try:
+        participants = in_process(assembly.parts)
+        network = Network(participants, assembly.links)
+        master = Master(network, assembly.hinge_lines, _NoRecorder(), Settings())
+        master.initialize(preload=True)
+    except (ComponentError, ParticipantError, NetworkError, StepError) as error:
+        raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+    return {participant.name: participant for participant in participants}
+
+
+def _opening_torques(part: Part, axis: Vector3, inputs: Vector, friction: FrictionKind) -> Vector:
+    """Motor, harness and friction torque (3,) of a hinge in the pose of its inputs, opening slowly.
+
+    The end-point form of the component gives the torques of an instant; no torque depends on the rate but the
+    friction, whose law says at which rate it slides.
+    """
+    hinge = Hinge(**{**part.structure, "wrench_mode": "endpoint"})
+    coefficient = {"friction_coefficient": 0.0} if friction == "constant" else {}
+    slow = InProcess(part.name, hinge, {**part.start, **coefficient})
+    slow.inputs[:] = inputs
+    layout = hinge.input_layout
+    for port in ("inboard", "outboard"):
+        slow.inputs[layout[f"{port}.velocity"]] = 0.0
+        slow.inputs[layout[f"{port}.angular_velocity"]] = 0.0
+    w, x, y, z = (float(v) for v in inputs[layout["inboard.orientation"]])
+    transition = float(np.ravel(part.start["stiction_velocity"])[0])
+    rate = transition * (1.0 if friction == "static" else _SLIDING)
+    slow.inputs[layout["outboard.angular_velocity"]] = rate * np.array(rotate((w, x, y, z), axis))
+    slow.initialize(0.0)
+    seen = slow.observe()
+    return np.concatenate([seen[hinge.observation_layout[name]] for name in _OBSERVED])

@@ -1,0 +1,67 @@
+"""Lines of a scene that have no torque margin of their own, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from ...scene import Scene
+from ...scene.hinge_line_tables import HingeLine
+
+_CABLE, _DRIVE = "ccl", "drive"
+
+
+def without_margin(scene: Scene) -> dict[str, str]:
+    """Why a line has no margin of its own, by line: it is held, or has no motor; then what turns or keeps it."""
+    found = {}
+    for line in scene.hinge_lines:
+        if line.held:
+            found[line.name] = "held in this scene, so without motion"
+        elif line.motor is None:
+            found[line.name] = f"no motor{_what_turns(scene, line)}"
+    return found
+
+
+def _what_turns(scene: Scene, line: HingeLine) -> str:
+    """Drives and cable loops that can turn a line, or what keeps it, to follow the words "no motor"."""
+    acting = [(name, kind) for name, kind, bodies in _movers(scene) if _acts(scene, line, bodies)]
+    drives = [name for name, kind in acting if kind == _DRIVE]
+    loops = [name for name, kind in acting if kind == _CABLE]
+    words = [_named("drive", drives)] * bool(drives) + [_named("cable loop", loops)] * bool(loops)
+    if words:
+        return f"; turned by {' and by '.join(words)}"
+    friction = f"; kept by friction of {line.friction_preload:g} N.m" if line.friction_preload else ""
+    return f", drive or cable loop{friction}"
+
+
+def _named(what: str, names: list[str]) -> str:
+    """What it is and its names."""
+    return f"{what}{'s' * (len(names) > 1)} {' and '.join(names)}"
+
+
+def _movers(scene: Scene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+    """Name, kind and bodies of everything that can turn a line without a motor: drives, then cable loops."""
+    others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
+    for name, (kind, bodies) in others.items():
+        if kind == _DRIVE:
+            yield name, kind, bodies
+    for loop in scene.loops:
+        yield loop.name, _CABLE, (loop.pulley_1.body, loop.pulley_2.body)
+    for name, (kind, bodies) in others.items():
+        if kind == _CABLE:
+            yield name, kind, bodies
+
+
+def _acts(scene: Scene, line: HingeLine, bodies: Iterable[str]) -> bool:
+    """Whether the line is on the way from one of the bodies to another."""
+    carrier = {k.outboard: k for k in scene.hinge_lines}
+    carried = [line.name in _inward(carrier, body) for body in bodies]
+    return any(carried) and not all(carried)
+
+
+def _inward(carrier: Mapping[str, HingeLine], body: str) -> set[str]:
+    """Lines from a body inward to the base."""
+    found = set()
+    while (line := carrier.get(body)) is not None:
+        found.add(line.name)
+        body = line.inboard
+    return found

@@ -1,0 +1,189 @@
+"""Connections of a scene as parts: hinges share line totals, latches suit their neighbours' fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import sqrt
+from typing import Literal, NamedTuple
+
+from components.contract.frames import Vector3
+
+from ..scene.component_connections import WrenchMode
+from ..scene.connection_tables import Ccl, Damper
+from ..scene.damping import StructuralDamping
+from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch
+from ..scene.schema import Scene
+from . import HingeLine as AssemblyHingeLine
+from . import Part
+
+_NEGLIGIBLE = 1e-3
+"""Share of a line's compliance below which the bodies are taken to hold all of it."""
+
+
+class LatchSetting(NamedTuple):
+    """How a line latches: kind, totals of a spring's stiffness (N.m/rad) and damping (N.m.s/rad), measured curve."""
+
+    kind: Literal["none", "spring", "table", "kinematic"]
+    stiffness: float
+    damping: float
+    measured: MeasuredLatch | None = None
+
+
+def latch_setting(
+    latch: Latch | None,
+    inboard_has_compliance: bool,
+    outboard_has_compliance: bool,
+    mode: WrenchMode,
+    structural: StructuralDamping | None = None,
+) -> LatchSetting:
+    """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
+
+    The spring has the compliance that the bodies' models lack, by equation 2.7; where they lack none the latch is
+    kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
+    Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line. Structural damping takes the
+    place of the latch's own; that of a measured curve is constant, by the stiffness that the bodies' models lack.
+    """
+    if latch is None:
+        return LatchSetting("none", 0.0, 0.0)
+    sides = (
+        (latch.inboard_stiffness, inboard_has_compliance),
+        (latch.outboard_stiffness, outboard_has_compliance),
+    )
+    modelled = sum(1.0 / stiffness for stiffness, has_it in sides if has_it and stiffness is not None)
+    missing = 1.0 / latch.stiffness - modelled
+    locks = latch.kind == "kinematic" or (
+        latch.kind == "by_fidelity" and missing * latch.stiffness < _NEGLIGIBLE
+    )
+    if locks and mode == "mean":
+        return LatchSetting("kinematic", 0.0, 0.0)
+    stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
+    own = 2.0 * latch.damping_ratio * sqrt(stiffness * latch.effective_inertia)
+    damping = own if structural is None else structural.time * stiffness
+    only_hinges = inboard_has_compliance and outboard_has_compliance and latch.kind == "by_fidelity"
+    if latch.measured is not None and only_hinges:
+        return LatchSetting("table", stiffness, damping, latch.measured)
+    return LatchSetting("spring", stiffness, damping)
+
+
+def line_latch(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode) -> LatchSetting:
+    """The latch of a line; the spacecraft is rigid at every fidelity, so its model lacks no compliance."""
+    complete = {**flexible, scene.base.name: True}
+    inboard, outboard = complete[line.inboard], complete[line.outboard]
+    return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping)
+
+
+def assembly_line(line: HingeLine, latch: LatchSetting) -> AssemblyHingeLine:
+    """What the master needs to know of a line."""
+    names = tuple(hinge.name for hinge in line.hinges)
+    return AssemblyHingeLine(
+        line.name, names, line.sensor, latches=latch.kind != "none", kinematic=latch.kind == "kinematic"
+    )
+
+
+def hinge_parts(
+    scene: Scene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
+) -> tuple[Part, ...]:
+    """Hinges of a line, each with its share of the line's totals."""
+    share = 1.0 / len(line.hinges)
+    beside_flexible = flexible.get(line.inboard, False) or flexible.get(line.outboard, False)
+    start: dict[str, float | Vector3] = {
+        "aligned_angle": line.aligned_angle,
+        "stowed_angle": line.initial_angle,
+        "latch_angle": line.deployed_angle,
+        "latch_stiffness": share * latch.stiffness,
+        "latch_damping": share * latch.damping,
+        "latch_automatic": float(mode == "endpoint"),
+        "friction_preload": share * line.friction_preload,
+        **_motor(line, share),
+        **_friction(scene.friction, beside_flexible),
+    }
+    damping = (scene.structural_damping or scene.joint).time
+    structure = {"axis": line.axis, "latch": latch.kind, "wrench_mode": mode, **_measured(latch, share)}
+    return tuple(
+        Part(
+            hinge.name,
+            "hinge",
+            structure | _harness(line, hinge),
+            start | _bushing(scene.joint, hinge, damping),
+        )
+        for hinge in line.hinges
+    )
+
+
+def _measured(latch: LatchSetting, share: float) -> dict[str, tuple[float, ...]]:
+    if latch.measured is None:
+        return {}
+    torque = tuple(share * value for value in latch.measured.torque)
+    return {"latch_deflection": latch.measured.deflection, "latch_torque": torque}
+
+
+def _motor(line: HingeLine, share: float) -> dict[str, float]:
+    if line.motor is None:
+        return {}
+    rate = (line.motor.stowed - line.motor.deployed) / (line.deployed_angle - line.stowed_angle)
+    return {"motor_stiffness": share * rate, "motor_wind_up": line.stowed_angle + line.motor.stowed / rate}
+
+
+def _friction(friction: Friction, beside_flexible: bool) -> dict[str, float]:
+    factor = friction.flexible_stiction_factor if beside_flexible else 1.0
+    return {
+        "friction_coefficient": friction.coefficient,
+        "static_friction_ratio": friction.static_ratio,
+        "pin_radius": friction.pin_radius,
+        "friction_bending_arm": friction.bending_arm,
+        "stiction_velocity": factor * friction.stiction_velocity,
+    }
+
+
+def _harness(line: HingeLine, hinge: Hinge) -> dict[str, tuple[float, ...]]:
+    """Table of the opening torque at a hinge that carries a share of the harness."""
+    if line.harness is None or not hinge.harness:
+        return {}
+    share = 1.0 / sum(other.harness for other in line.hinges)
+    torque = tuple(-share * value for value in line.harness.resisting_torque)
+    return {"harness_angle": line.harness.angle, "harness_torque": torque}
+
+
+def _bushing(joint: Joint, hinge: Hinge, time: float) -> dict[str, float | Vector3]:
+    """Stiffness, and damping in proportion to it by a time (s)."""
+    axial = 0.0 if hinge.kind == "cylindrical" else joint.axial_stiffness
+    cross = 0.0 if hinge.kind == "spherical" else joint.cross_stiffness
+    translational = hinge.translational_stiffness or (axial, joint.radial_stiffness, joint.radial_stiffness)
+    rotational = hinge.rotational_stiffness or (0.0, cross, cross)
+    return {
+        "translational_stiffness": translational,
+        "translational_damping": _scaled(time, translational),
+        "rotational_stiffness": rotational,
+        "rotational_damping": _scaled(time, rotational),
+    }
+
+
+def _scaled(factor: float, v: Vector3) -> Vector3:
+    return (factor * v[0], factor * v[1], factor * v[2])
+
+
+def loop_part(loop: Ccl, mode: WrenchMode) -> Part:
+    """A cable loop; preload and stiffness are those of one strand."""
+    return Part(
+        loop.name,
+        "ccl",
+        {"axis": loop.axis, "guided": loop.guide is not None, "wrench_mode": mode},
+        {
+            "radius_1": loop.pulley_1.radius,
+            "radius_2": loop.pulley_2.radius,
+            "preload": loop.preload,
+            "strand_stiffness": loop.strand_stiffness,
+            "strand_damping": loop.strand_damping,
+        },
+    )
+
+
+def damper_part(scene: Scene, damper: Damper, mode: WrenchMode) -> Part:
+    """A damper about the line of its hinge."""
+    axis = next(line.axis for line in scene.hinge_lines if damper.hinge in {h.name for h in line.hinges})
+    return Part(
+        damper.name,
+        "eddy_current_damper",
+        {"axis": axis, "wrench_mode": mode},
+        {"damping_coefficient": damper.damping_coefficient, "peak_rate": damper.peak_rate},
+    )

@@ -1,0 +1,89 @@
+"""`fanfold analyse equilibrium`: static equilibrium and its loads, at one configuration or over a sweep."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+from ...analysis.equilibrium import Sweep, equilibrium, free_lines, quasi_static
+from ...analysis.statics.configuration import lines_named
+from ...scene import SceneError
+from ..options import SceneChoice, ordered_names, refuse_idle, scene_choice
+from ..types import Count
+from ._configuration import ConfigurationChoice, angle_of, configuration_choice, lines_given
+from ._equilibrium_tables import print_loads, print_sweep
+
+_EXAMPLES = """\b
+Examples:
+  fanfold analyse equilibrium amos3 --rigid all --preload
+  fanfold analyse equilibrium amos3 --rigid all --steps 6 \\
+    --sweep HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:180deg
+"""
+
+
+def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Sweep, ...]:
+    """Sweeps such as HL1=0deg:90deg,HL2=0deg:180deg."""
+    found = []
+    for entry in ordered_names(_, __, value):
+        name, equals, angles = entry.partition("=")
+        start, colon, end = angles.partition(":")
+        if not (equals and colon and name.strip()):
+            raise click.BadParameter(f"{entry!r} is not of the form HL1=0deg:90deg")
+        line = name.strip()
+        found.append(Sweep(line, angle_of(line, start), angle_of(line, end)))
+        if found[-1].start == found[-1].end:
+            raise click.BadParameter(f"{entry!r}: the two angles are the same")
+        if found[-1].line in {sweep.line for sweep in found[:-1]}:
+            raise click.BadParameter(f"{entry!r}: {found[-1].line} is swept already")
+    return tuple(found)
+
+
+@click.command("equilibrium", epilog=_EXAMPLES)
+@scene_choice
+@configuration_choice
+@click.option(
+    "--hold", metavar="LINES", callback=lines_given,
+    help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
+)  # fmt: skip
+@click.option("--preload", is_flag=True, help="Cable loops have exactly their preload, as when a run begins.")
+@click.option(
+    "--sweep", "sweeps", default="", callback=sweeps_given, metavar="LINE=FROM:TO,...",
+    help="Turn lines together through angles, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
+)  # fmt: skip
+@click.option(
+    "--steps", type=Count(min=1, max=10_000), default=12, show_default=True, help="Steps of a sweep."
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    choice: SceneChoice,
+    wanted: ConfigurationChoice,
+    hold: str | None,
+    preload: bool,
+    sweeps: tuple[Sweep, ...],
+    steps: int,
+    as_json: bool,
+) -> None:
+    """Static equilibrium of SCENE and the loads of its connections, at one configuration or over a sweep."""
+    refuse_idle("--steps", "--sweep")
+    if preload and sweeps:
+        raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
+    scene = choice.load_one_run()
+    target = wanted.of(scene)
+    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
+    default = "none" if sweeps else ",".join(free_lines(scene, target, ()))
+    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
+    both = sorted({*swept, *held} & set(target.latched))
+    if both:
+        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
+    if sweeps:
+        found = quasi_static(scene, choice.rigid, choice.flexible, target, held, sweeps, steps)
+    else:
+        found = [equilibrium(scene, choice.rigid, choice.flexible, target, held, preload)[1]]
+    if as_json:
+        content = {"scene": scene.header.name, "equilibria": [one.as_dict() for one in found]}
+        click.echo(json.dumps(content))
+    elif sweeps:
+        print_sweep(found)
+    else:
+        print_loads(found[0])

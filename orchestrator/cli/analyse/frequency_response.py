@@ -1,0 +1,114 @@
+"""`fanfold analyse frequency-response`: the response to vibration of the base, its resonances and a picture."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from components.contract.component import Vector
+
+from ...analysis.frequency_response import INTERFACE, Response, frequency_grid, peaks, responses
+from ...analysis.modes import DIRECTIONS
+from ...analysis.statics.configuration import scene_model
+from ...analysis.statics.linear_model import ZERO_FREQUENCY
+from ..options import SceneChoice, ordered_names, scene_choice
+from ..types import Count, Number, Picture
+from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice
+
+_FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
+"""Below it the round-off of stiff joints would be stiffer than what moves."""
+
+
+@click.command("frequency-response")
+@scene_choice
+@configuration_choice
+@as_posed_option
+@click.option(
+    "--excite", type=click.Choice(DIRECTIONS), default="z", show_default=True,
+    help="Acceleration of the base along or (r) about an axis.",
+)  # fmt: skip
+@click.option("--along", type=click.Choice(DIRECTIONS), help="What is read; as excited by default.")
+@click.option(
+    "--points", default=INTERFACE, show_default=True, callback=ordered_names, metavar="NAMES",
+    help="Points as BODY.POINT with commas between, whose acceleration is wanted; interface is the load on the base.",
+)  # fmt: skip
+@click.option(
+    "--from", "low", type=_FREQUENCY, default=0.1, show_default=True, metavar="HZ", help="Lowest frequency, in Hz.",
+)  # fmt: skip
+@click.option(
+    "--to", "high", type=_FREQUENCY, default=100, show_default=True, metavar="HZ", help="Highest frequency, in Hz.",
+)  # fmt: skip
+@click.option(
+    "--steps", type=Count(min=2, max=100_000), default=400, show_default=True,
+    help="Frequencies, beside those around resonances.",
+)  # fmt: skip
+@click.option("--plot", type=Picture(), metavar="FILE", help="Picture to write.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    choice: SceneChoice,
+    wanted: ConfigurationChoice,
+    as_posed: bool,
+    excite: str,
+    along: str | None,
+    points: tuple[str, ...],
+    low: float,
+    high: float,
+    steps: int,
+    plot: Path | None,
+    as_json: bool,
+) -> None:
+    """Response of SCENE in a configuration to vibration of its base."""
+    if high <= low:
+        raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
+    if not points:
+        raise click.UsageError("--points needs points such as panel1.center, or interface")
+    scene = choice.load_one_run()
+    target = wanted.of(scene)
+    model = scene_model(scene, choice.rigid, choice.flexible, target, as_posed)
+    frequencies = frequency_grid(model, low, high, steps)
+    found = responses(model, excite, along or excite, points, frequencies)
+    if plot is not None:
+        from ...views.linear import draw_responses  # matplotlib takes its time
+
+        title = f"{scene.header.name}: base acceleration {excite}"
+        draw_responses(plot, title, frequencies, found)
+    if as_json:
+        click.echo(json.dumps(_as_dict(scene.header.name, excite, frequencies, found)))
+        return
+    _print(frequencies, found)
+    if plot is not None:
+        click.echo(plot)
+
+
+def _as_dict(scene: str, excite: str, frequencies: Vector, found: Sequence[Response]) -> dict[str, object]:
+    curves = [
+        {
+            "output": response.name,
+            "unit": response.unit,
+            "magnitude": np.abs(response.values).tolist(),
+            "phase_deg": np.rad2deg(np.angle(response.values)).tolist(),
+        }
+        for response in found
+    ]
+    return {"scene": scene, "excitation": excite, "frequency_hz": frequencies.tolist(), "responses": curves}
+
+
+def _print(frequencies: Vector, found: Sequence[Response]) -> None:
+    table = Table(title="largest resonances")
+    for heading in ("output", "unit"):
+        table.add_column(heading, no_wrap=True)
+    for heading in ("frequency, Hz", "magnitude"):
+        table.add_column(heading, justify="right")
+    for response in found:
+        found_peaks = peaks(frequencies, response.values)
+        if not found_peaks:
+            table.add_row(response.name, response.unit, "none", "")
+        for frequency, size in found_peaks:
+            table.add_row(response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}")
+    Console().print(table)

@@ -1,0 +1,65 @@
+"""`fanfold analyse impact`: every touch in a result, as a table and a picture."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+from rich.console import Console
+from rich.table import Table
+
+from ...analysis.impact import Impact, impacts
+from ...results.result import Result
+from ...views.impact import draw_impacts
+from ..tables import plain_table
+from ..types import Picture
+
+_NUMBER = 7
+
+
+def impact_table(found: list[Impact]) -> Table:
+    """For people."""
+    table = plain_table("impacts")
+    table.add_column("contact")
+    for heading in (
+        "at, s",
+        "for, ms",
+        "closing, mm/s",
+        "peak, N",
+        "impulse, N.s",
+        "deepest, mm",
+        "lost, mJ",
+    ):
+        table.add_column(heading, justify="right", min_width=_NUMBER)
+    for k in found:
+        values = (1e3 * k.duration, 1e3 * k.closing_speed, k.peak_force, k.impulse, 1e3 * k.deepest)
+        table.add_row(
+            k.contact, f"{k.start:.4f}", *(f"{value:.4g}" for value in values), f"{1e3 * k.dissipated:.3g}"
+        )
+    return table
+
+
+@click.command("impact")
+@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.option(
+    "--output", type=Picture(), metavar="FILE",
+    help="Picture to write; by default named after RESULT, with .impact.png.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(result: Path, output: Path | None, as_json: bool) -> None:
+    """Impacts in RESULT: when, how hard, how long, and the energy they took."""
+    opened = Result.open(result)
+    found = impacts(opened)
+    picture = output or result.with_suffix(".impact.png")
+    if found:
+        draw_impacts(picture, opened, found)
+    if as_json:
+        click.echo(json.dumps({"impacts": [asdict(impact) for impact in found]}))
+        return
+    if not found:
+        click.echo("nothing touched; no picture was drawn")
+        return
+    Console().print(impact_table(found))
+    click.echo(picture)

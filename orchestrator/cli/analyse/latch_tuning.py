@@ -1,0 +1,98 @@
+"""`fanfold analyse latch-tuning`: the latch spring that gives a rigid pair the frequency of the flexible one."""
+
+from __future__ import annotations
+
+import json
+from math import pi
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from ...analysis.latch_tuning import Kind, Tuning, find_line, latch_law, tune
+from ...assembly.assemble import choose_fidelity
+from ...scene import Scene
+from ...scene.hinge_line_tables import HingeLine
+from ..options import SceneChoice, scene_choice
+from ..types import Number, given_quantity
+
+
+def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> float | None:
+    return None if value is None else given_quantity(value, "N.m/rad", "the stiffness", "positive")
+
+
+@click.command("latch-tuning")
+@scene_choice
+@click.option("--line", "name", required=True, metavar="LINE", help="Hinge line whose latch spring is tuned.")
+@click.option(
+    "--frequency", type=Number(min=0.0, min_open=True), metavar="HZ",
+    help="Frequency to meet, in Hz; by default that of the flexible pair.",
+)  # fmt: skip
+@click.option(
+    "--stiffness-of", "kind", type=click.Choice(["total", "structure"]),
+    help="What the frequency belongs to: with flexible hinges the total, with rigid ones the structure; by default "
+    "the total with --frequency, else the structure, because the hinges of the flexible pair are locked.",
+)  # fmt: skip
+@click.option(
+    "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
+    help="Measured stiffness of the line's hinges together with its unit, such as 51.3N.m/deg.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    choice: SceneChoice,
+    name: str,
+    frequency: float | None,
+    kind: Kind | None,
+    hinges: float | None,
+    as_json: bool,
+) -> None:
+    """Tune the latch spring of a hinge line of SCENE for its rigid model."""
+    scene = choice.load_one_run()
+    line = find_line(scene, name)
+    flexible = choose_fidelity(scene, choice.rigid, choice.flexible)
+    tuning = tune(scene, line, flexible, frequency, kind, hinges)
+    law = latch_law(line, tuning)
+    if as_json:
+        content = tuning.as_dict()
+        if law:
+            angles, torques = zip(*law, strict=True)
+            content["latch_law"] = {"deflection_rad": angles, "torque_nm": torques}
+        click.echo(json.dumps(content))
+        return
+    _print(tuning)
+    click.echo(_scope(scene, line))
+    for angle, torque in law:
+        click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
+
+
+def _scope(scene: Scene, line: HingeLine) -> str:
+    """What the stiffness is tuned for, in a sentence."""
+    rest = "bodies further out are not part of the pair"
+    if line.inboard == scene.base.name:
+        return f"tuned for {scene.base.name} and {line.outboard} alone; the rest of the wing is not part of the pair"
+    return f"tuned for {line.inboard} and {line.outboard} alone, free in space; {rest}"
+
+
+def _print(tuning: Tuning) -> None:
+    table = Table(title=f"latch spring of {tuning.line}")
+    table.add_column("quantity")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    inboard, outboard = tuning.inertias
+    fixed = not np.isfinite(inboard)
+    inner, unit = ("fixed", "") if fixed else (f"{inboard:.6g}", "kg.m2")
+    table.add_row("inertia about the line, inboard", inner, unit)
+    table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")
+    table.add_row("effective inertia", f"{tuning.inertia:.6g}", "kg.m2")
+    table.add_row("frequency to meet", f"{tuning.frequency:.7g}", "Hz")
+    if tuning.overlap is not None:
+        table.add_row("turning in that mode", f"{100.0 * tuning.overlap:.2f}", "%")
+    stiffnesses = {"total": tuning.total, "structure": tuning.structure, "hinges": tuning.hinges}
+    for what, value in stiffnesses.items():
+        if value is not None:
+            table.add_row(f"{what} stiffness", f"{value:.7g}", "N.m/rad")
+            per_hinge = value / tuning.springs * pi / 180.0
+            table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
+    table.add_row("check: rigid pair with it", f"{tuning.check:.7g}", "Hz")
+    Console().print(table)

@@ -1,0 +1,78 @@
+"""`fanfold compare`: two results side by side, as a table and overlays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from ..results.compare import Comparison, by_component, cells, compare, end_note, labels
+from ..results.result import Result
+
+_NUMBER = 7
+
+
+def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
+    """The comparison as a table for a terminal; A and B are the two results."""
+    title = f"A = {names[0]}, B = {names[1]}"
+    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table.add_column("quantity, of")
+    for heading in ("A", "B", "B / A", "at A, s", "shift, s"):
+        table.add_column(heading, justify="right", min_width=_NUMBER)
+    table.add_column("unit", no_wrap=True)
+    previous = ""
+    for row in found.rows:
+        a, b, ratio, time_a, _, shift = cells(row)
+        if row.quantity != previous:
+            table.add_row(f"[bold]{row.quantity}[/]")
+        table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, row.unit)
+        previous = row.quantity
+    return table
+
+
+@click.command("compare")
+@click.argument("a", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.argument("b", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.option("--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
+    """Set result B against result A: table of peaks and shifts in time, overlays."""
+    from ..views.comparison import plot_comparison  # matplotlib takes its time, which --help need not
+
+    first, second = Result.open(a), Result.open(b)
+    found, names = compare(first, second), labels(first, second)
+    pictures = plot_comparison(first, second, output or a.with_name(f"{a.stem}_against_{b.stem}"))
+    if as_json:
+        click.echo(json.dumps(_as_dict(first, second, found, pictures)))
+        return
+    console = Console()
+    console.print(comparison_table(found, names))
+    say: Callable[[str], None] = lambda text: console.print(text, soft_wrap=True, highlight=False)  # noqa: E731
+    if note := end_note(first, second, names):
+        say(note)
+    for name, result, signals in zip(names, (first, second), (found.only_a, found.only_b), strict=True):
+        if not result.complete:
+            say(f"{name} was interrupted at {result.time[-1]:.6g} s")
+        for component, variables in by_component(signals).items():
+            whole = len(variables) == len(result.variables(component))
+            say(f"only {name} has {component}{'' if whole else ': ' + ', '.join(variables)}")
+    for path in pictures:
+        click.echo(path)
+
+
+def _as_dict(a: Result, b: Result, found: Comparison, pictures: Sequence[Path]) -> dict[str, Any]:
+    return {
+        "a": str(a.path),
+        "b": str(b.path),
+        "complete": [a.complete, b.complete],
+        "rows": [row.as_dict() for row in found.rows],
+        "only_a": found.only_a,
+        "only_b": found.only_b,
+        "pictures": [str(path) for path in pictures],
+    }

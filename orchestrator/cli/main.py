@@ -1,0 +1,76 @@
+"""The `fanfold` command."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import Any
+
+import click
+
+from ..results.result import ResultError
+from ..run.run import RunError
+from ..scene import SceneError
+from . import analyse, check, compare, export, listing, plot, report, run
+
+_PROBLEMS = (SceneError, RunError, ResultError)
+_INTERRUPTED = "interrupted; what it wrote up to there stays"
+
+
+class _Group(click.Group):
+    """Shows every foreseen problem as sentences on standard error, with exit code 1."""
+
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
+        """Run a command."""
+        try:
+            return super().invoke(ctx)
+        except BrokenPipeError:  # nobody reads on; click ends quietly
+            raise
+        except OSError as error:
+            problem = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
+        except _PROBLEMS as error:
+            problem = str(error)
+        except KeyboardInterrupt:  # outside of a run, which says itself how far it came
+            problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
+        for line in problem.splitlines():
+            click.echo(f"fanfold: {line}", err=True)
+        ctx.exit(1)
+
+
+@click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="fanfold")
+def main() -> None:
+    """Deployable space structures as co-simulations of FMI components."""
+
+
+class _Analyses(click.Group):
+    """Every module of `orchestrator.cli.analyse` is one analysis; only the one asked for is imported."""
+
+    def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
+        """Run an analysis; a RunError says which one was interrupted."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise RunError(f"analyse {ctx.invoked_subcommand}: {_INTERRUPTED}") from None
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the analyses."""
+        found = (module.name for module in iter_modules(analyse.__path__))
+        return sorted(name.replace("_", "-") for name in found if not name.startswith("_"))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of an analysis."""
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        module = import_module(f"{analyse.__name__}.{cmd_name.replace('-', '_')}")
+        command: click.Command = module.command
+        return command
+
+
+@main.group("analyse", cls=_Analyses)
+def analyse_group() -> None:
+    """Analyses of a scene or of a result."""
+
+
+for _command in (check, compare, export, listing, plot, report, run):
+    main.add_command(_command.command)

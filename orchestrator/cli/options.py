@@ -1,0 +1,141 @@
+"""Options that several commands share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
+from pathlib import Path
+from typing import Concatenate, ParamSpec, TypeVar
+
+import click
+from click.core import ParameterSource
+
+from fmus import Backend, native_library
+
+from ..assembly import Assembly
+from ..assembly.assemble import assemble
+from ..scene import Scene, SceneError, find_scene, load_scene
+from ..scene.component_connections import WrenchMode
+
+Command = TypeVar("Command", bound=Callable[..., None])
+Others = ParamSpec("Others")
+"""What else a command is given."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneChoice:
+    """A scene as the command line asks for it: its name or file, layers over it, bodies to be rigid or flexible."""
+
+    scene: str
+    variants: tuple[str, ...] = ()
+    settings: tuple[str, ...] = ()
+    """in order, each such as body.panel.fixed_interface_modes=5"""
+    rigid: frozenset[str] = frozenset()
+    flexible: frozenset[str] = frozenset()
+
+    @property
+    def file(self) -> Path:
+        """Where the scene is; SceneError where there is none."""
+        return find_scene(self.scene)
+
+    def with_variant(self, name: str) -> SceneChoice:
+        """The same with one more variant over the others."""
+        return replace(self, variants=(*self.variants, name))
+
+    def load(self, *settings: str) -> Scene:
+        """The scene with its layers, and further settings over them."""
+        return load_scene(self.file, self.variants, (*self.settings, *settings))
+
+    def load_one_run(self) -> Scene:
+        """The scene with its layers; SceneError where it runs in phases and none of them is chosen."""
+        scene = self.load()
+        phases = scene.header.phases
+        if phases and not set(phases) & set(self.variants):
+            raise SceneError(
+                [f"{scene.file}: it runs in phases; choose one with --variant: {', '.join(phases)}"]
+            )
+        return scene
+
+    def assemble(self, scene: Scene, wrench_mode: WrenchMode = "mean") -> Assembly:
+        """A scene that this choice has loaded, at its fidelities."""
+        return assemble(scene, self.rigid, self.flexible, wrench_mode)
+
+
+def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[str, ...]:
+    """Names with commas between, in their order."""
+    return tuple(name.strip() for name in value.split(",") if name.strip())
+
+
+def names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
+    """Names with commas between, as a set."""
+    return frozenset(name.strip() for name in value.split(",") if name.strip())
+
+
+def layered_scene(command: Callable[Concatenate[SceneChoice, Others], None]) -> Callable[..., None]:
+    """SCENE and the options that lay variants and settings over it, for a command that takes a choice first."""
+
+    @wraps(command)
+    def with_choice(
+        scene: str,
+        variants: tuple[str, ...],
+        settings: tuple[str, ...],
+        rigid: frozenset[str] = frozenset(),
+        flexible: frozenset[str] = frozenset(),
+        *args: Others.args,
+        **kwargs: Others.kwargs,
+    ) -> None:
+        command(SceneChoice(scene, variants, settings, rigid, flexible), *args, **kwargs)
+
+    return click.argument("scene")(_layer_options(with_choice))
+
+
+def scene_choice(command: Callable[Concatenate[SceneChoice, Others], None]) -> Callable[..., None]:
+    """The same with the two fidelity options, for every command that assembles a scene."""
+    return layered_scene(_fidelity_options(command))
+
+
+def _layer_options(command: Command) -> Command:
+    command = click.option(
+        "--set", "settings", multiple=True, metavar="KEY=VALUE",
+        help="Lay one value over the scene, such as body.panel.fixed_interface_modes=5 or 'hinge_line.HL.start_angle="
+        "90 deg'; plain numbers are SI, as in scene files; repeatable.",
+    )(command)  # fmt: skip
+    text = "Variants of the scene, with commas between, in order."
+    return click.option(
+        "--variant", "variants", default="", callback=ordered_names, metavar="NAMES", help=text
+    )(command)
+
+
+def _fidelity_options(command: Command) -> Command:
+    for option, other in (("--flexible", "modal"), ("--rigid", "rigid")):
+        text = f"Bodies to be {other}, by name with commas between, or all."
+        command = click.option(option, default="", callback=names, metavar="NAMES", help=text)(command)
+    return command
+
+
+def refuse_idle(option: str, needed: str) -> None:
+    """UsageError where an option of the present command is given that acts only together with another."""
+    context = click.get_current_context()
+    flags = {flag: param.name for param in context.command.params for flag in param.opts}
+    sources = {flag: context.get_parameter_source(str(flags[flag])) for flag in (option, needed)}
+    if sources[option] is ParameterSource.COMMANDLINE and sources[needed] is not ParameterSource.COMMANDLINE:
+        raise click.UsageError(f"{option} acts only together with {needed}; give both, or neither")
+
+
+def backend_option(command: Command) -> Command:
+    """The option that chooses the back end of the FMUs."""
+    return click.option(
+        "--backend",
+        type=click.Choice(["native", "python"]),
+        callback=_offered_backend,
+        help="Native FMUs, or PythonFMUs; native by default where a C compiler built them at installation.",
+    )(command)
+
+
+def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | None) -> Backend | None:
+    if value == "native" and native_library() is None:
+        raise click.BadParameter(
+            "no native library was built; install Fanfold again where there is a C compiler"
+        )
+    return value

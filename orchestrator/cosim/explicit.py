@@ -1,0 +1,132 @@
+"""Explicit masters with a fixed communication step: baselines, and the way for FMUs that cannot roll back.
+
+Both hold every input over a step and take each participant through it once. Jacobi: all step with the
+values of t_n. Gauss-Seidel: bodies step first, connections then see the motion of t_n+1. A connection with
+direct feed-through ("endpoint") gives the wrench of the motion it was just handed; any other gives the mean
+wrench of its last step, which reaches the bodies one step late (Gauss-Seidel) or two (Jacobi). Neither is
+stable for stiff joints: the step must resolve the highest frequency between the ports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+
+from ..assembly import HingeLine
+from .master import Master, Recorder, Settings
+from .network import Network
+from .participant import ParticipantError
+from .stepping import StepError
+
+Order = Literal["jacobi", "gauss-seidel"]
+
+_BOUND = 1e15
+
+
+class ExplicitMaster(Master):
+    """Steps the participants of a network one after the other, without iteration and without roll-back.
+
+    The communication step is `fixed_step` of the settings, or else `largest_step`; step control, events
+    inside steps and tolerances do not exist. A latch engages at a communication point, up to a step late.
+    """
+
+    def __init__(
+        self,
+        network: Network,
+        hinge_lines: Sequence[HingeLine],
+        recorder: Recorder,
+        settings: Settings,
+        order: Order = "gauss-seidel",
+    ) -> None:
+        super().__init__(network, hinge_lines, recorder, settings)
+        self.order = order
+
+    def initialize(self, *, preload: bool) -> None:
+        """Bring every participant to t = 0; StepError where that would take more than explicit steps."""
+        locks = [line.name for line in self._pending if line.kinematic]
+        if locks:
+            raise StepError(
+                f"{', '.join(locks)}: an explicit master cannot solve for a kinematic latch; assemble "
+                "the scene for endpoint wrenches, or use the implicit master"
+            )
+        fixed = [p.name for p in self._participants if not p.can_restore]
+        if preload and fixed:
+            raise StepError(f"static preload needs FMUs that can return to a saved state; {fixed[0]} cannot")
+        super().initialize(preload=preload)
+        self._exchange()
+
+    def _save(self) -> None:
+        """Only the static preload, which asks for it beforehand, ever returns to a saved state."""
+        if all(p.can_restore for p in self._participants):
+            super()._save()
+
+    def run(self, until: float) -> None:
+        """Step to the given time (s); StepError where values grow beyond all bounds."""
+        size = self.settings.fixed_step or self.settings.largest_step
+        while self.time < until - 1e-12:
+            self._engage_latches()
+            remaining = until - self.time
+            h = remaining if remaining < 1.001 * size else size
+            self._step_or_fail(h)
+            self.time += h
+            self.statistics.steps += 1
+            self.statistics.sweeps += 1
+            self._observe(0.0)
+            self._record(h, 1)
+            self.settings.progress(self.time, h)
+
+    def _engage_latches(self) -> None:
+        """Command all hinges of a line whose sensor has latched by itself or reached the latch angle."""
+        for line in list(self._pending):
+            sensor = self.network.by_name[line.sensor]
+            latched = sensor.outputs[sensor.output_layout["latched"].start] > 0.5
+            if latched or self._distance(line) <= 0.0:
+                self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
+                self._pending.remove(line)
+                self._command("latch_command", 1.0, line.hinges)
+
+    def _step_or_fail(self, h: float) -> None:
+        """Step everything; what breaks in overflowing arithmetic is the master's failure, and told so."""
+        reason = ""
+        try:
+            with np.errstate(all="ignore"):
+                self._step(h)
+        except (ParticipantError, ArithmeticError, ValueError) as error:
+            reason = f" ({error})"
+        if reason or not self._bounded:
+            raise StepError(
+                f"the explicit {self.order} master diverges: values grow beyond all bounds in the step of "
+                f"{h:.3g} s from t = {self.time:.6f} s{reason}; choose a smaller step or the implicit master"
+            )
+
+    def _step(self, h: float) -> None:
+        """Bodies under the present wrenches; connections with the motion before (Jacobi) or after them."""
+        for body in self.network.bodies:
+            body.write()
+            body.do_step(self.time, h)
+            body.read()
+        if self.order == "gauss-seidel":
+            self.network.carry_motion()
+        self._step_connections(h)
+        self._exchange()
+
+    def _step_connections(self, h: float) -> None:
+        for connection in self.network.connections:
+            connection.write()
+            connection.do_step(self.time, h)
+
+    def _exchange(self) -> None:
+        """Motion of this communication point to the connections, their wrenches to the bodies."""
+        self.network.carry_motion()
+        for connection in self.network.connections:
+            connection.write()
+            connection.read()
+        self.network.collect_wrenches(self._wrenches)
+        self.network.set_wrenches(self._wrenches)
+
+    @property
+    def _bounded(self) -> bool:
+        values = np.concatenate([self._wrenches, *(body.outputs for body in self.network.bodies)])
+        return bool(np.abs(values).max(initial=0.0) < _BOUND)

@@ -1,0 +1,297 @@
+"""An FMI 2.0 co-simulation FMU as a participant, called through raw functions on preallocated arrays."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
+from ctypes import POINTER, Structure, addressof, byref, c_double, c_size_t, c_uint32, c_void_p, cast, pointer
+from itertools import groupby
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    fmi2OK,
+    fmi2Warning,
+)
+
+from components import Layout, Quantity
+from fmus import NATIVE_TOOL
+
+from .network import MOMENTS, MOTION, SLOPES, WRENCH
+from .participant import ParticipantError, Vector
+from .shared_library import share_library
+
+_INDEX = re.compile(r"\[(\d+)\]$")
+EVENT_OUTPUTS = ("latch_distance", "latched")
+"""Outputs that the master reads in every iteration beside the ports."""
+FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its state", "give observations")
+"""What an FMU could not do, by the number that the engine has for it; "" where a message says more."""
+_FINITE = 4
+_OVERWRITES_NO_STATE = "PythonFMU"
+_ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
+
+
+class Calls(Structure):
+    """An FMU as the engine sees it, `Participant` in native/coupling.c: functions, references, arrays, state.
+
+    The engine adds what it knows of the ports.
+    """
+
+    _fields_ = (
+        *(
+            (name, c_void_p)
+            for name in (
+                *("component", "set_real", "get_real", "do_step", "get_state", "set_state", "free_state"),
+                *("derivative", "input_references", "output_references", "observation_references"),
+            )
+        ),
+        *((name, c_size_t) for name in ("inputs", "outputs", "observations", "overwrites_state")),
+        *((name, c_void_p) for name in ("input", "output", "observation", "saved")),
+        *((name, c_size_t) for name in ("ports", "slopes", "moments")),
+        ("links", c_void_p),
+        ("turned", c_void_p),
+    )
+
+
+class FmuParticipant:
+    """One instance of an FMU file.
+
+    Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
+    directional_derivatives: whether it gives, right after a step, the derivatives of that step; the standard means
+    those at the end of the step alone.
+    """
+
+    def __init__(
+        self, name: str, path: Path, start: Mapping[str, float | Sequence[float]] | None = None
+    ) -> None:
+        self.name = name
+        self.path = path
+        self._messages: list[str] = []
+        self._time = 0.0
+        self._saved = c_void_p()
+        self._folder = Path(mkdtemp(prefix="fanfold_"))
+        try:
+            extract(str(path), unzipdir=str(self._folder))
+            self._load(start or {})
+        except ParticipantError:
+            self.close()
+            raise
+        except Exception as error:
+            self.close()
+            raise ParticipantError(f"{name}: {path.name} cannot be loaded: {error}") from None
+
+    def _load(self, start: Mapping[str, float | Sequence[float]]) -> None:
+        description = read_model_description(str(self._folder), validate=False)
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
+        self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
+        annotation = ElementTree.parse(self._folder / "modelDescription.xml").find(_ANNOTATION)
+        self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and _says(
+            annotation, "DirectionalDerivative", "afterStep"
+        )
+        self.constant_mobility = _says(annotation, "Mobility", "constant")
+        self._overwrites_state = _OVERWRITES_NO_STATE not in (description.generationTool or "")
+        reals = [v for v in description.modelVariables if v.type == "Real"]
+        self.parameter_layout, self._parameter_references = _group(
+            v for v in reals if v.causality == "parameter"
+        )
+        self.input_layout, inputs = _group(v for v in reals if v.causality == "input")
+        outputs = [v for v in reals if v.causality == "output"]
+        self.output_layout, coupled = _group(v for v in outputs if _is_coupled(v.name))
+        self.observation_layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
+        self.inputs = self.input_layout.start_values()
+        self.outputs = self.output_layout.start_values()
+        self._observations = self.observation_layout.start_values()
+        self._write_arguments = _arguments(inputs, self.inputs)
+        self._read_arguments = _arguments(coupled, self.outputs)
+        self._observe_arguments = _arguments(observed, self._observations)
+        if description.generationTool == NATIVE_TOOL:
+            share_library(self._folder, description.coSimulation.modelIdentifier)
+        self._fmu = FMU2Slave(
+            guid=description.guid,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            unzipDirectory=str(self._folder),
+            instanceName=self.name,
+        )
+        self._callbacks = fmi2CallbackFunctions()
+        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
+        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        self._component = self._fmu.component
+        self._bind()
+        self._fmu.setupExperiment(startTime=0.0)
+        for key, value in start.items():
+            self._set(key, value)
+        self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
+
+    def _bind(self) -> None:
+        """Raw functions; argument types are set so that nothing is converted per call but the two times."""
+        dll = self._fmu.dll
+        self._set_real, self._get_real = dll.fmi2SetReal, dll.fmi2GetReal
+        self._do_step = dll.fmi2DoStep
+        self._get_state, self._set_state, self._free_state = (
+            dll.fmi2GetFMUstate,
+            dll.fmi2SetFMUstate,
+            dll.fmi2FreeFMUstate,
+        )
+        self.calls = self._record()
+
+    def _record(self) -> Calls:
+        """Functions and arrays of this instance for the engine; valid until `close`."""
+        record = Calls()
+        record.component = self._component
+        for name, function in (
+            ("set_real", self._set_real),
+            ("get_real", self._get_real),
+            ("do_step", self._do_step),
+            ("get_state", self._get_state),
+            ("set_state", self._set_state),
+            ("free_state", self._free_state),
+            ("derivative", getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)),
+        ):
+            setattr(record, name, None if function is None else cast(function, c_void_p))
+        for name, (references, count, values) in (
+            ("input", self._write_arguments),
+            ("output", self._read_arguments),
+            ("observation", self._observe_arguments),
+        ):
+            setattr(record, f"{name}_references", addressof(references))
+            setattr(record, f"{name}s", count)
+            setattr(record, name, cast(values, c_void_p))
+        record.saved = cast(pointer(self._saved), c_void_p)
+        record.overwrites_state = self._overwrites_state
+        return record
+
+    def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
+        """What to raise when a call of the engine failed, by its number in `FAILURES`."""
+        self._time = time
+        try:
+            if call == _FINITE:
+                self._check_finite()
+            self.check(max(status, fmi2Warning + 1), FAILURES[call] or f"do a step of {h:g} s")
+        except ParticipantError as error:
+            return error
+        raise AssertionError("a failure that is none")
+
+    def _log(self, environment: Any, instance: Any, status: int, category: Any, message: bytes) -> None:  # noqa: ANN401
+        if category is not None:
+            self._messages.append(message.decode("utf-8", "replace").strip())
+
+    def check(self, status: int, action: str) -> None:
+        """ParticipantError with the FMU's own words when a call could not do what it should."""
+        if status in (fmi2OK, fmi2Warning):
+            return
+        reason = self._messages[-1] if self._messages else f"FMI status {status}, no message"
+        self._messages.clear()
+        raise ParticipantError(f"{self.name}: cannot {action} at t = {self._time:.6g} s: {reason}")
+
+    def initialize(self, time: float) -> None:
+        """Write the inputs and leave initialization mode."""
+        self._time = time
+        self.write()
+        self.check(self._fmu.dll.fmi2ExitInitializationMode(self._component), "initialise")
+
+    def write(self) -> None:
+        """fmi2SetReal on all inputs."""
+        if self._set_real(self._component, *self._write_arguments) > fmi2Warning:
+            self.check(3, "set inputs")
+
+    def do_step(self, time: float, h: float) -> None:
+        """fmi2DoStep."""
+        self._time = time
+        status = self._do_step(self._component, time, h, 0)
+        if status > fmi2Warning:
+            self.check(status, f"do a step of {h:g} s")
+
+    def read(self) -> None:
+        """fmi2GetReal on all coupled outputs; values that are not finite are refused."""
+        if self._get_real(self._component, *self._read_arguments) > fmi2Warning:
+            self.check(3, "give outputs")
+        self._check_finite()
+
+    def _check_finite(self) -> None:
+        if not np.isfinite(self.outputs.sum()):
+            bad = int(np.argmin(np.isfinite(self.outputs)))
+            name = self.output_layout.scalar_names()[bad]
+            raise ParticipantError(
+                f"{self.name}: output {name} is {self.outputs[bad]} at t = {self._time:.6g} s"
+            )
+
+    def save(self) -> None:
+        """fmi2GetFMUstate into the one slot."""
+        if self._saved and not self._overwrites_state:
+            self._free_state(self._component, byref(self._saved))
+            self._saved.value = None
+        self.check(self._get_state(self._component, byref(self._saved)), "save its state")
+
+    def restore(self) -> None:
+        """fmi2SetFMUstate from the slot."""
+        if self._set_state(self._component, self._saved) > fmi2Warning:
+            self.check(3, "restore its state")
+
+    def observe(self) -> Vector:
+        """fmi2GetReal on all other outputs, into an array of its own."""
+        self.write()
+        self.check(self._get_real(self._component, *self._observe_arguments), "give observations")
+        return self._observations
+
+    def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
+        """Set a parameter, also in the saved state, which is the present one between steps."""
+        self._set(name, value)
+        if self._saved:
+            self.save()
+
+    def _set(self, name: str, value: float | Sequence[float]) -> None:
+        if name not in self.parameter_layout:
+            raise ParticipantError(f"{self.name}: there is no parameter {name!r}")
+        where = self.parameter_layout[name]
+        values = np.broadcast_to(np.asarray(value, dtype=float), (where.stop - where.start,)).copy()
+        arguments = _arguments(self._parameter_references[where], values)
+        self.check(self._fmu.dll.fmi2SetReal(self._component, *arguments), f"set {name}")
+
+    def close(self) -> None:
+        """Free state and instance, unload, remove the unpacked files."""
+        if getattr(self, "_component", None) is not None:
+            if self._saved:
+                self._free_state(self._component, byref(self._saved))
+            self._fmu.dll.fmi2FreeInstance(self._component)
+            self._component = None
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any]:
+    """Value references, their number and the values' memory, ready for a call."""
+    array = (c_uint32 * len(references))(*references)
+    return array, len(references), values.ctypes.data_as(POINTER(c_double))
+
+
+def _says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:
+    """Whether the annotation of Fanfold's own FMUs is there and makes a statement that the standard cannot."""
+    return annotation is not None and annotation.find(f".//{element}[@{attribute}]") is not None
+
+
+def _is_coupled(name: str) -> bool:
+    base = _INDEX.sub("", name)
+    return base in EVENT_OUTPUTS or (
+        base.rpartition(".")[2] in (*MOTION, *WRENCH, *SLOPES, *MOMENTS) and "." in base
+    )
+
+
+def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:
+    """Scalars `name[1]`, `name[2]`, ... as one quantity each, and all value references in order."""
+    quantities, references = [], []
+    for name, members in groupby(variables, key=lambda v: _INDEX.sub("", v.name)):
+        found = list(members)
+        references += [v.valueReference for v in found]
+        starts = tuple(float(v.start) if v.start is not None else 0.0 for v in found)
+        quantities.append(
+            Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts)
+        )
+    return Layout(quantities), references

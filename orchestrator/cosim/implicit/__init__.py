@@ -1,0 +1,1 @@
+"""One coupled step: wrenches at all ports for which both sides agree."""

@@ -1,0 +1,75 @@
+"""The local error of a coupled step, from how far its wrenches bend; what native/prediction.h does for FMUs.
+
+The mean over a step of size h errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work of such
+wrenches on the motion they cause, over an energy, is the square of a relative error in velocity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..network import Matrix, Network
+from ..participant import Vector
+from .convergence import noise
+from .history import Bend
+from .interface_jacobian import first_port_axes
+
+
+class WatchedTorque(NamedTuple):
+    """A torque about an axis fixed in a port of a connection, judged beside an energy of its own.
+
+    connection, port: by number, the port within the connection; row: of its first component in the unknown; axis
+    (3,): in the axes of the port, unit length; weight: 1 over (2 effective inertia x energy), 1/(kg.m2.J).
+    """
+
+    connection: int
+    port: int
+    row: int
+    axis: tuple[float, float, float]
+    weight: float
+
+
+class Accuracy(NamedTuple):
+    """How well the solutions know the wrenches: what the last correction and rounding leave (size,), reach (m)."""
+
+    tolerated: Vector
+    rounded: Vector
+    reach: float
+
+
+def error_square(
+    network: Network,
+    mobilities: Sequence[Matrix],
+    bend: Bend,
+    accuracy: Accuracy,
+    watched: Sequence[WatchedTorque],
+    h: float,
+    energy: float,
+) -> float:
+    """Square of the relative error that what bends wrenches makes of velocities.
+
+    Its work over an energy (J), or what it is at a watched torque, whichever is larger. What errors left by the
+    solutions have in it does not count. mobilities: of all bodies at the present orientations.
+    """
+    total, left = 0.0, np.zeros(network.size)
+    wrench, coordinates = network.width
+    for rows, mobility in zip(network.rows, mobilities, strict=True):
+        means = np.flatnonzero(np.arange(rows.stop - rows.start) % wrench < 6)
+        poses = means // wrench * coordinates + means % wrench
+        mean_mobility, change = mobility[np.ix_(poses, means)], bend.change[rows][means]
+        own = np.diag(mean_mobility)
+        unknown = noise(own, accuracy.tolerated[rows][means], accuracy.rounded[rows][means], accuracy.reach)
+        left[rows.start + means] = unknown
+        total += float(change @ mean_mobility @ change) - bend.gain**2 * float(own @ unknown**2)
+    squares = [_watched_square(network, w, bend, left, h) for w in watched]
+    return max(0.0, total / energy, *squares)
+
+
+def _watched_square(network: Network, w: WatchedTorque, bend: Bend, left: Vector, h: float) -> float:
+    along = first_port_axes(network.connections[w.connection].inputs[13 * w.port :]) @ np.array(w.axis)
+    rows = slice(w.row, w.row + 3)
+    torque, unknown = float(along @ bend.change[rows]), bend.gain * float(left[rows].max())
+    return w.weight * h * h * max(0.0, torque**2 - unknown**2)

@@ -1,0 +1,162 @@
+"""What a latch-up makes of a hinge line: the frequency of the rotation it stiffens, its inertia and its energy.
+
+Found from the derivatives of the coupled step. With S the stiffness that the event adds at its hinges and g how far
+they turn under torques of 1 N.m held over a step h, all joints in place, the rotations obey theta'' = -(2 g/h^2) S
+theta. At a small h more of a flexible body's inertia stays behind: the frequency is that of the step's own time scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .implicit.coupling import Coupling
+from .implicit.interface_jacobian import first_port_axes, stepped, stiffness_of
+from .implicit.local_error import WatchedTorque
+from .network import Matrix, PortPlaces, Width
+from .participant import Participant, Vector
+
+_LONG_STEP = 100.0
+"""Step (s) over which damping and friction add nothing to a connection's stiffness."""
+_LEAST_STIFFENING = 1e-12
+
+
+class Stiffening(NamedTuple):
+    """The rotation at one hinge that an event made stiff.
+
+    connection: its number; axis (3,): unit vector, axes of its last port; stiffness (N.m/rad), with the inertial
+    terms that damp unresolved coordinates; damping (N.m.s/rad); wrench (6 ports,): of the hinge on its bodies for a
+    torque of 1 N.m about the axis; rotation (6 ports,): by motions of its ports.
+    """
+
+    connection: int
+    axis: Vector
+    stiffness: float
+    damping: float
+    wrench: Vector
+    rotation: Vector
+
+
+class StiffenedLine(NamedTuple):
+    """A hinge line just latched: angular frequency (rad/s), rate of decay (1/s), energy (J), and its hinges.
+
+    rate of decay: damping over inertia; energy: of the rate that the line latches with.
+    """
+
+    frequency: float
+    decay: float
+    energy: float
+    hinges: tuple[Stiffening, ...]
+
+    @property
+    def fastest(self) -> float:
+        """How fast it starts (1/s): by its frequency or its decay; 0 where nothing turns."""
+        return max(self.frequency, self.decay)
+
+
+class Slope(NamedTuple):
+    """Mean wrenches (6 ports,) of a connection by the poses of its ports at the end of a step.
+
+    Over the step asked for, and over one so long that damping adds nothing.
+    """
+
+    step: Matrix
+    long: Matrix
+
+
+def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> list[Slope]:
+    """Stiffnesses of connections by name, at the motions and under the commands of now."""
+    network = coupling.network
+    places = {c.name: p for c, p in zip(network.connections, network.connection_places, strict=True)}
+    return [
+        Slope(
+            *(
+                _stiffness(network.by_name[name], places[name], network.width, time, s)
+                for s in (h, _LONG_STEP)
+            )
+        )
+        for name in names
+    ]
+
+
+def _stiffness(connection: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Matrix:
+    stepped(connection, time, h)
+    matrix = stiffness_of(connection, places, width, time, h).matrix
+    table = matrix.reshape(places.ports, width.wrench, places.ports, width.coordinates)[:, :6, :, :6]
+    return table.reshape(6 * places.ports, 6 * places.ports)
+
+
+def stiffenings(
+    coupling: Coupling, names: Sequence[str], before: Sequence[Slope], after: Sequence[Slope], h: float
+) -> tuple[Stiffening, ...]:
+    """What an event changed at hinges, from their slopes before and after; those that it made no stiffer left out."""
+    numbers = {c.name: i for i, c in enumerate(coupling.network.connections)}
+    found = []
+    for name, old, new in zip(names, before, after, strict=True):
+        change = old.long - new.long
+        turning = change[-3:, -3:]  # torque on the last port by its rotation
+        values, vectors = np.linalg.eigh(0.5 * (turning + turning.T))
+        if values[-1] <= _LEAST_STIFFENING * float(np.abs(new.long).max()):
+            continue
+        axis, last_port = vectors[:, -1], coupling.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
+        viscous = (old.step - new.step - change)[-3:, -3:]
+        found.append(
+            Stiffening(
+                numbers[name],
+                first_port_axes(last_port).T @ axis,
+                2.0 * float(values[-1]),  # a mean torque is half of that at the end
+                max(0.0, h * float(axis @ viscous @ axis)),
+                change[:, -3:] @ axis / values[-1],
+                axis @ change[-3:] / values[-1],
+            )
+        )
+    return tuple(found)
+
+
+def stiffened_line(coupling: Coupling, hinges: tuple[Stiffening, ...], h: float) -> StiffenedLine:
+    """Frequency and energy of a line on the time scale of a step h, whose matrices the coupling has in use."""
+    stiffness = np.array([hinge.stiffness for hinge in hinges])
+    compliance = np.array([_turned(coupling, hinge, hinges) for hinge in hinges]).T
+    root = np.sqrt(stiffness)
+    largest = float(np.linalg.eigvals(root[:, None] * compliance * root).real.max(initial=0.0))
+    if largest <= 0.0:
+        return StiffenedLine(0.0, 0.0, 0.0, hinges)
+    square = 2.0 * largest / h**2
+    rates = np.array([_rate(coupling, hinge) for hinge in hinges])
+    damping = max(hinge.damping / hinge.stiffness for hinge in hinges)
+    energy = 0.5 * float(stiffness @ rates**2) / square
+    return StiffenedLine(float(np.sqrt(square)), damping * square, energy, hinges)
+
+
+def _turned(coupling: Coupling, loaded: Stiffening, hinges: Sequence[Stiffening]) -> list[float]:
+    """Rotations (rad) of all hinges under a torque of 1 N.m at one, held over the step, all joints in place."""
+    network = coupling.network
+    wrenches = np.zeros((len(network.port_names), network.width.wrench))
+    wrenches[network.connection_links[loaded.connection], :6] = loaded.wrench.reshape(-1, 6)
+    motions = coupling.response(wrenches.ravel())[:, :6]
+    return [
+        float(hinge.rotation @ motions[network.connection_links[hinge.connection]].ravel())
+        for hinge in hinges
+    ]
+
+
+def _rate(coupling: Coupling, hinge: Stiffening) -> float:
+    """Present rate (rad/s) of the rotation."""
+    table = hinge.rotation.reshape(-1, 6)
+    ports = coupling.network.connections[hinge.connection].inputs[: 13 * len(table)]
+    return float(table.ravel() @ ports.reshape(-1, 13)[:, 7:].ravel())
+
+
+def watched_torques(coupling: Coupling, line: StiffenedLine, energy: float) -> list[WatchedTorque]:
+    """The torques of a latched line's hinges, judged beside an energy (J) of the line."""
+    network = coupling.network
+    found = []
+    for hinge in line.hinges:
+        links = network.connection_links[hinge.connection]
+        port, row = len(links) - 1, network.width.wrench * int(links[-1]) + 3
+        x, y, z = hinge.axis.tolist()
+        weight = len(line.hinges) * line.frequency**2 / (2.0 * hinge.stiffness * energy)
+        found.append(WatchedTorque(hinge.connection, port, row, (x, y, z), weight))
+    return found

@@ -1,0 +1,165 @@
+"""Whatever takes part in a co-simulation: one protocol, with an in-process component as the plainest case.
+
+The master sets inputs and reads outputs through arrays that a participant owns and keeps for its life, so
+stepping allocates nothing on the master's side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from components import REGISTRY, Component, ComponentError, Layout
+
+from ..assembly import Part
+
+Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
+
+
+class ParticipantError(Exception):
+    """A participant failed: a sentence with its name, and the time where there is one."""
+
+
+class Participant(Protocol):
+    """One FMU or component in a running co-simulation.
+
+    `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
+    the present state in the one slot there is; `restore` goes back to it, any number of times.
+    `constant_mobility`: of a body, see `Component`; False where nothing is known.
+    """
+
+    name: str
+    inputs: Vector
+    outputs: Vector
+    input_layout: Layout
+    output_layout: Layout
+    observation_layout: Layout
+    parameter_layout: Layout
+    can_restore: bool
+    constant_mobility: bool
+
+    def initialize(self, time: float) -> None:
+        """Leave initialisation with the inputs as they are."""
+
+    def write(self) -> None:
+        """Hand over the inputs."""
+
+    def do_step(self, time: float, h: float) -> None:
+        """Step from time over h; ParticipantError if it cannot."""
+
+    def read(self) -> None:
+        """Fetch the outputs."""
+
+    def save(self) -> None:
+        """Remember the state."""
+
+    def restore(self) -> None:
+        """Return to the remembered state."""
+
+    def observe(self) -> Vector:
+        """The observations of the present state and inputs, an array of the participant's own."""
+
+    def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
+        """Change a parameter; ParticipantError for an unknown name or an impossible value."""
+
+    def close(self) -> None:
+        """Free what it holds."""
+
+
+class InProcess:
+    """A component as a participant, without an FMU around it."""
+
+    can_restore = True
+
+    def __init__(
+        self, name: str, component: Component, start: Mapping[str, float | Sequence[float]] | None = None
+    ) -> None:
+        self.name = name
+        self.component = component
+        self.constant_mobility = component.constant_mobility
+        self.parameter_layout = component.parameter_layout
+        self.input_layout = component.input_layout
+        self.output_layout = component.output_layout
+        self.observation_layout = component.observation_layout
+        self.inputs = self.input_layout.start_values()
+        self.outputs = self.output_layout.start_values()
+        self._parameters = self.parameter_layout.start_values()
+        self._constants: Any = None
+        self._state = np.zeros(0)
+        self._saved = self._state
+        for key, value in (start or {}).items():
+            if key in self.input_layout:
+                self.inputs[self.input_layout[key]] = value
+            else:
+                self.set_parameter(key, value)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        try:
+            self._constants = self.component.prepare(self._parameters)
+        except ComponentError as error:
+            raise ParticipantError(f"{self.name}: {error}") from None
+
+    def initialize(self, time: float) -> None:
+        """Compute the state from parameters and inputs."""
+        if self._constants is None:
+            self._prepare()
+        try:
+            self._state = self.component.initial(self._constants, self.inputs)
+        except ComponentError as error:
+            raise ParticipantError(f"{self.name}: {error}") from None
+
+    def write(self) -> None:
+        """Inputs are read where they are."""
+
+    def do_step(self, time: float, h: float) -> None:
+        """Step; a state that is not finite is refused."""
+        if self._constants is None:
+            self._prepare()
+        try:
+            self._state = self.component.step(self._constants, self._state, self.inputs, h)
+        except (ValueError, ArithmeticError) as error:
+            raise ParticipantError(f"{self._refusal(time, h)} ({error})") from None
+        if not np.isfinite(self._state.sum()):
+            raise ParticipantError(self._refusal(time, h))
+
+    def _refusal(self, time: float, h: float) -> str:
+        return f"{self.name}: the state is no longer finite after the step of {h:g} s from t = {time:.6g} s"
+
+    def read(self) -> None:
+        """Compute the outputs."""
+        if self._constants is None:
+            self._prepare()
+        state = self._state if self._state.size else self.component.initial(self._constants, self.inputs)
+        self.outputs[:] = self.component.outputs(self._constants, state, self.inputs)
+
+    def save(self) -> None:
+        """States are never changed in place, so a reference is enough."""
+        self._saved = self._state
+
+    def restore(self) -> None:
+        """Return to the saved state."""
+        self._state = self._saved
+
+    def observe(self) -> Vector:
+        """Observations."""
+        if self._constants is None:
+            self._prepare()
+        return self.component.observe(self._constants, self._state, self.inputs)
+
+    def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
+        """Change a parameter; it acts from the next step on."""
+        if name not in self.parameter_layout:
+            raise ParticipantError(f"{self.name}: there is no parameter {name!r}")
+        self._parameters[self.parameter_layout[name]] = value
+        self._constants = None
+
+    def close(self) -> None:
+        """Nothing to free."""
+
+
+def in_process(parts: Sequence[Part]) -> list[InProcess]:
+    """Every part of an assembly as an in-process participant."""
+    return [InProcess(part.name, REGISTRY[part.kind](**part.structure), part.start) for part in parts]

@@ -1,0 +1,112 @@
+"""Static equilibrium before a run: implicit steps of the participants' own gradient flow, ever longer.
+
+A step of size h moves every body by h^2 times its unbalanced force over its mass, so long steps are Newton's method
+for the equilibrium and short ones keep it from going astray: where stiffnesses are uneven, a joint of 1e9 N/m turns
+the square of a small rotation into a wrench that the linear system knows nothing of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from .implicit.coupling import Coupling
+from .participant import Participant, Vector
+from .stepping import StepError, failure
+
+_STEPS = (0.005, 0.01, 0.02, *(0.03,) * 6, *(0.06,) * 6, *(0.12,) * 5)
+"""What is left of a coordinate's way to rest after a step is 1 / (1 + (w h)^2) of it; the last steps are alike."""
+DURATION = sum(_STEPS)
+"""Seconds before the start of a run that the search takes by the participants' clocks."""
+_PARTS = 4
+_SHORTEST = 1e-5
+_AT_REST = 1e-6
+"""Largest motion (m, rad) in the last step of what rests: 7e-5 m/s2 of unbalanced force over mass."""
+_UNHELD = 1e-3
+"""Largest relative change of the motion from one step to the next where nothing holds: softer than 0.04 Hz."""
+
+
+class StaticSearch:
+    """Brings the participants of a coupling to static equilibrium, from their saved states at -`DURATION`.
+
+    They are saved there. StepError where a step converges at no size, or where something is free to move.
+    """
+
+    def __init__(self, coupling: Coupling, bodies: Sequence[Participant], wrenches: Vector) -> None:
+        self._coupling = coupling
+        self._bodies = bodies
+        self._wrenches = wrenches
+
+    def run(self) -> None:
+        """Search; the wrenches are those of the equilibrium afterwards."""
+        coupling = self._coupling
+        usual, coupling.persistent = coupling.persistent, True
+        time = -DURATION
+        poses = [self._poses()]
+        for h in _STEPS:
+            self._follow(time, h)
+            time += h
+            poses.append(self._poses())
+        coupling.persistent = usual
+        self._check_held(*poses[-3:], h=_STEPS[-1])
+
+    def _follow(self, time: float, h: float) -> None:
+        """A step, or several short ones in its place where it does not converge."""
+        solution = self._coupling.solve(time, h, self._wrenches)
+        if solution.converged:
+            self._wrenches[:] = self._coupling.wrenches
+            self._coupling.save(time + h)
+            return
+        if h < _SHORTEST:
+            raise failure(self._coupling, solution, time, h)
+        for part in range(_PARTS):
+            self._follow(time + part * h / _PARTS, h / _PARTS)
+
+    def _poses(self) -> list[Vector]:
+        """Position and quaternion (7,) of the first port of every body."""
+        return [body.outputs[:7].copy() for body in self._bodies]
+
+    def _check_held(self, *poses: Sequence[Vector], h: float) -> None:
+        """StepError that names the body that moves most, if nothing slows it down."""
+        before, last = (_motions(*pair) for pair in pairwise(poses))
+        worst = int(np.argmax([np.abs(move).max() for move in last]))
+        size = float(np.abs(last[worst]).max())
+        change = float(np.abs(last[worst] - before[worst]).max())
+        if size <= _AT_REST or change > _UNHELD * size:
+            return
+        raise StepError(
+            f"there is no static equilibrium to start from: with all hinges held, {self._bodies[worst].name} still "
+            f"moves {_described(last[worst], h)}; nothing, or next to nothing, holds it in that direction: add a "
+            "connection with stiffness there, or start without preload"
+        )
+
+
+def _motions(before: Sequence[Vector], after: Sequence[Vector]) -> list[Vector]:
+    """Motions of all bodies; where none stays, but for their mean translation: a free spacecraft falls as one."""
+    moves = [_motion(a, b) for a, b in zip(before, after, strict=True)]
+    if not all(move.any() for move in moves):
+        return moves
+    shared = np.mean([move[:3] for move in moves], axis=0)
+    return [np.concatenate((move[:3] - shared, move[3:])) for move in moves]
+
+
+def _motion(before: Vector, after: Vector) -> Vector:
+    """Translation (m) and rotation vector (rad) between two poses, world axes, small."""
+    w, x, y, z = before[3:7].tolist()
+    back = np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
+    turn = 2.0 * (back @ after[3:7])
+    return np.concatenate((after[:3] - before[:3], turn))
+
+
+def _described(move: Vector, h: float) -> str:
+    """In which direction, and how fast it would start."""
+    shift, turn = move[:3], move[3:]
+    if np.abs(shift).max() >= np.abs(turn).max():
+        vector, words, unit = shift, "along", "m/s2"
+    else:
+        vector, words, unit = turn, "about", "rad/s2"
+    size = float(np.linalg.norm(vector))
+    x, y, z = (vector / size).round(2).tolist()
+    return f"{words} ({x:g}, {y:g}, {z:g}), by {size / h**2:.2g} {unit}"

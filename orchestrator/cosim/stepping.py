@@ -1,0 +1,180 @@
+"""Time: choosing communication steps, rejecting them, and finding events inside them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil, floor, log, sqrt
+
+from .implicit.convergence import Solution
+from .implicit.coupling import Coupling
+from .network import Order
+from .participant import ParticipantError
+
+_RATIO = sqrt(2.0)
+_ERROR_SHARES = {2: 0.0025, 4: 0.0025}
+_LEAST_KINETIC_SHARE = 1e-3
+_LEAST_KINETIC_ENERGY = 1e-9
+REFERENCE_TOLERANCE = 1e-4
+"""Below it, largest step and allowed error go with higher powers of the tolerance."""
+_GROWTH_MARGIN = 0.5
+_REJECTED, _REJECTED_STIRRED = 3.0, 10.0
+_FORGET = 0.8
+_STIRRED_STEPS = 3
+_STEPS_AFTER_GROWTH = _STIRRED_STEPS + 1
+_STEPS_AFTER_SHRINKING = 8
+_EVENT_TOLERANCE = 1e-11
+_EVENT_SEARCH = 40
+_SEARCH = "the static search before the run"
+
+
+class StepError(Exception):
+    """A step failed at every size: a sentence with the connection, the residual and the time."""
+
+
+@dataclass(slots=True)
+class StepSizes:
+    """The geometric grid of communication step sizes, largest x sqrt(2)^-k, and where we are on it.
+
+    A change of step stirs up whatever is stiff, so steps change seldom: an error a little above what is
+    allowed is accepted and the next step made smaller, and after a change the size stays for a while.
+    Errors of the first steps after a change are those of the stirring, which smaller steps would only renew:
+    they stand unless they are large, and say nothing about the next size.
+    """
+
+    largest: float
+    smallest: float
+    order: Order = 2
+    level: int = 0
+    wait: int = 0
+    stirred: int = 0
+    worst: float = 0.0
+
+    @property
+    def _per_level(self) -> float:
+        """Logarithm of how much the error of a step grows with one level."""
+        return (self.order + 1) * log(_RATIO)
+
+    @property
+    def size(self) -> float:
+        """Present step size."""
+        return self.largest * _RATIO**-self.level
+
+    def restart(self, size: float, *, stirred: bool = True) -> None:
+        """Go to the grid size at or below the given one; not stirred: errors of the first steps count like others."""
+        self.level = max(0, -floor(log(size / self.largest) / log(_RATIO) + 1e-9))
+        self._changed(_STEPS_AFTER_GROWTH)
+        if not stirred:
+            self.stirred = 0
+
+    def shrink(self, levels: int = 2) -> bool:
+        """Go down; False where that is below the smallest size."""
+        self.level += levels
+        self._changed(_STEPS_AFTER_SHRINKING)
+        return self.size >= self.smallest
+
+    def judge(self, error: float) -> bool:
+        """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
+        can_shrink = self.size > 2.0 * self.smallest
+        stirred = self.stirred > 0
+        if error > (_REJECTED_STIRRED if stirred else _REJECTED) and can_shrink:
+            self.shrink(max(1, min(6, ceil(log(error) / self._per_level))))
+            return False
+        self.wait -= 1
+        if stirred:
+            self.stirred -= 1
+            return True
+        self.worst = max(error, _FORGET * self.worst)
+        if error > 1.0 and can_shrink:
+            self.shrink(1)
+        elif self.wait <= 0:
+            room = floor(log(_GROWTH_MARGIN / max(self.worst, 1e-9)) / self._per_level)
+            if room >= 1 and self.level > 0:
+                self.level = max(0, self.level - min(room, 2))
+                self._changed(_STEPS_AFTER_GROWTH)
+        return True
+
+    def _changed(self, wait: int) -> None:
+        self.wait, self.stirred, self.worst = wait, _STIRRED_STEPS, 0.0
+
+
+class ErrorEstimate:
+    """Local error of a step from how far its mean wrench lies off the line through the last two, or off its slopes.
+
+    The mean over the step errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work such
+    wrenches do on the motion they cause, over an energy, is the square of a relative error in velocity; measured
+    so, a light attachment point that springs about without energy does not hold up a whole wing. The energy is
+    the largest of what motors will put through the scene, of the kinetic energy seen, and of a thousandth of what
+    is stored at the start. The part that is allowed goes with the tolerance to the power (n + 1) / n below 1e-4,
+    so that errors, which go with h^n where those of a step go with h^(n + 1), follow the tolerance.
+    """
+
+    def __init__(self, tolerance: float, stored: float, driving: float = 0.0, order: Order = 2) -> None:
+        self._order = order
+        below = float(min(1.0, tolerance / REFERENCE_TOLERANCE) ** (1.0 / order))
+        self._allowed = 12.0 * _ERROR_SHARES[order] * tolerance * below
+        self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
+
+    @property
+    def resolved_angle(self) -> float:
+        """Angular frequency times step size (rad) up to which a vibration that holds all energy is followed well.
+
+        By order 2, at order 4 as well: what an event starts is no smoother.
+        """
+        return float(self._allowed ** (1.0 / 3.0))
+
+    def see(self, kinetic: float) -> None:
+        """Take note of the kinetic energy (J)."""
+        self.energy = max(self.energy, kinetic)
+
+    def __call__(self, square: float) -> float:
+        """Error over what is allowed, from the square of the relative error that the wrenches h^2 u'' make."""
+        return sqrt(square) / self._allowed
+
+
+def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
+    """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
+
+    `distance(h)` restores, steps by h and returns the distance; it is called last with the result, so the
+    participants end there. Illinois variant of the false position, safe and without derivatives.
+    """
+    low, high, f_low, f_high = 0.0, h, before, after
+    side = 0
+    for _ in range(_EVENT_SEARCH):
+        trial = (f_low * high - f_high * low) / (f_low - f_high)
+        trial = min(max(trial, low + 1e-3 * (high - low)), high)
+        value = distance(trial)
+        if abs(value) < _EVENT_TOLERANCE or high - low < 1e-12:
+            return trial
+        if value > 0.0:
+            low, f_low = trial, value
+            f_high *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            high, f_high = trial, value
+            f_low *= 0.5 if side == -1 else 1.0
+            side = -1
+    return trial
+
+
+def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Exception:
+    """What to raise when even the smallest step does not converge: a participant's own error, or a StepError.
+
+    The search for static equilibrium comes before t = 0; its times mean nothing to a reader.
+    """
+    if solution.failure is not None:
+        return solution.failure if time >= 0.0 else ParticipantError(_of_search(str(solution.failure)))
+    what, advice = f"the step of {h:.3g} s from t = {time:.6f} s", "or start from a smaller step"
+    if time < 0.0:
+        what, advice = _SEARCH, "and whether it starts far from equilibrium"
+    return StepError(
+        f"{what} does not converge: after {solution.iterations} iterations the "
+        f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
+        f"times its tolerance; loosen the tolerance, check that connection's stiffness, {advice}"
+    )
+
+
+def _of_search(sentence: str) -> str:
+    """A participant's error without the time of the static search."""
+    return re.sub(r" (after the step of \S+ s )?(at|from) t = -\S+ s", f" during {_SEARCH}", sentence)

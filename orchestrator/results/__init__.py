@@ -1,0 +1,1 @@
+"""What a run leaves: the result file, and what can be read from it."""

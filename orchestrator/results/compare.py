@@ -1,0 +1,230 @@
+"""Two results side by side: latch events, peaks with ratios and shifts in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from operator import attrgetter
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .key_figures import Peak, latch_times, line_latch_torque, peak
+from .result import Result
+from .round_off import noise_floor, without_noise
+
+Vector = NDArray[np.float64]
+
+_ANY = ""
+_LARGE_RATIO = 1e3
+_SAME_END = 1e-9  # of the end: what summing steps leaves
+PEAKS: Final = (
+    ("interface_force", "interface force", _ANY),
+    ("interface_torque", "interface torque", _ANY),
+    ("tension_a", "cable tension a", "tension_a"),
+    ("tension_b", "cable tension b", "tension_a"),
+    ("axial_force", "pulley force", "tension_a"),
+    ("lateral_force", "lateral pulley force", "tension_a"),
+    ("damper_torque", "damper torque", _ANY),
+    ("drive_torque", "drive torque", _ANY),
+    ("contact_force", "contact force", _ANY),
+    ("tension", "suspension tension", _ANY),
+    ("normal_force", "rail force", _ANY),
+    ("drag_force", "drag force", _ANY),
+)
+"""Signals whose peaks are compared, what they are called, and another signal that their component must have.
+
+Vectors are compared component by component. Hinges have an axial force as well, which is none of a pulley.
+"""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One quantity of two results: magnitudes at the peak and their times (s), None where a result has none.
+
+    A latch event has no magnitude. noise_a, noise_b: it is round-off beside the component's other loads.
+    """
+
+    quantity: str
+    of: str
+    unit: str
+    a: float | None
+    b: float | None
+    time_a: float | None
+    time_b: float | None
+    noise_a: bool = False
+    noise_b: bool = False
+
+    @property
+    def ratio(self) -> float | None:
+        """B over A; None where either is missing or round-off, or A is zero."""
+        return self.b / self.a if self.a and self.b is not None and not self._noisy else None
+
+    @property
+    def shift(self) -> float | None:
+        """Time of B minus time of A (s); None where either is missing or round-off."""
+        if self.time_a is None or self.time_b is None or self._noisy:
+            return None
+        return self.time_b - self.time_a
+
+    @property
+    def _noisy(self) -> bool:
+        return self.noise_a or self.noise_b
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        return {**asdict(self), "ratio": self.ratio, "shift": self.shift}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All that two results can be compared in, and the signals ("component.variable") that only one has."""
+
+    rows: tuple[Compared, ...]
+    only_a: tuple[str, ...]
+    only_b: tuple[str, ...]
+
+
+def compare(a: Result, b: Result) -> Comparison:
+    """Latch events and latch torques by hinge line, then peaks of loads by component.
+
+    What is zero or round-off in both is left out.
+    """
+    loads = (row for row in _with_noise(list(_load_rows(a, b))) if not _is_nothing(row))
+    rows = (*_latch_rows(a, b), *_torque_rows(a, b), *loads)
+    return Comparison(rows, _only_in(a, b), _only_in(b, a))
+
+
+def labels(a: Result, b: Result) -> tuple[str, str]:
+    """Short names of two results that differ."""
+    if a.path.stem != b.path.stem:
+        return a.path.stem, b.path.stem
+    return (str(a.path), str(b.path)) if a.path != b.path else (f"A {a.path.stem}", f"B {b.path.stem}")
+
+
+def in_either(first: Sequence[str], second: Sequence[str]) -> list[str]:
+    """Names of both, in order, each once."""
+    return list(dict.fromkeys((*first, *second)))
+
+
+def recording(result: Result, variable: str, mark: str = _ANY) -> list[str]:
+    """Components that recorded a variable, and another one as well if it is named."""
+    return [name for name in result.recording(variable) if not mark or result.has(name, mark)]
+
+
+def _latch_rows(a: Result, b: Result) -> Iterator[Compared]:
+    times_a, times_b = latch_times(a), latch_times(b)
+    for line in in_either(tuple(times_a), tuple(times_b)):
+        yield Compared("latch-up", line, "s", None, None, times_a.get(line), times_b.get(line))
+
+
+def _torque_rows(a: Result, b: Result) -> Iterator[Compared]:
+    def line_peak(result: Result, name: str) -> Peak | None:
+        if name not in latch_times(result):
+            return None
+        line = next(line for line in result.hinge_lines if line.name == name)
+        return peak(result, line_latch_torque(result, line))
+
+    for name in in_either(tuple(latch_times(a)), tuple(latch_times(b))):
+        yield _compared("latch torque peak", name, "N.m", line_peak(a, name), line_peak(b, name))
+
+
+def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
+    for variable, words, mark in PEAKS:
+        for name in in_either(recording(a, variable, mark), recording(b, variable, mark)):
+            known = a if a.has(name, variable) else b
+            columns = known.signal(name, variable).reshape(known.time.size, -1).shape[1]
+            for k in range(columns):
+                of = f"{name} {'xyz'[k]}" if columns == 3 else name
+                peaks = [_peak_of(result, name, variable, k) for result in (a, b)]
+                yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
+
+
+def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:
+    """The rows, what is round-off marked: beside all loads of the same component and unit in the same result."""
+
+    def group(row: Compared) -> tuple[str, str]:
+        return row.of.partition(" ")[0], row.unit
+
+    floors = {
+        key: [
+            noise_floor(value for row in rows if group(row) == key and (value := values(row)) is not None)
+            for values in (attrgetter("a"), attrgetter("b"))
+        ]
+        for key in {group(row) for row in rows}
+    }
+    for row in rows:
+        floor_a, floor_b = floors[group(row)]
+        yield replace(row, noise_a=_is_noise(row.a, floor_a), noise_b=_is_noise(row.b, floor_b))
+
+
+def _is_noise(value: float | None, floor: float) -> bool:
+    return bool(value) and without_noise(value or 0.0, floor) == 0.0
+
+
+def _is_nothing(row: Compared) -> bool:
+    """Whether neither result has more than round-off."""
+    return (not row.a or row.noise_a) and (not row.b or row.noise_b)
+
+
+def _peak_of(result: Result, name: str, variable: str, column: int) -> Peak | None:
+    if not result.has(name, variable):
+        return None
+    return peak(result, result.signal(name, variable).reshape(result.time.size, -1)[:, column])
+
+
+def _compared(quantity: str, of: str, unit: str, a: Peak | None, b: Peak | None) -> Compared:
+    values = [None if p is None else abs(p.value) for p in (a, b)]
+    times = [None if p is None else p.time for p in (a, b)]
+    return Compared(quantity, of, unit, values[0], values[1], times[0], times[1])
+
+
+def _only_in(result: Result, other: Result) -> tuple[str, ...]:
+    return tuple(
+        f"{name}.{variable}"
+        for name in result.components
+        for variable in result.variables(name)
+        if not other.has(name, variable)
+    )
+
+
+def cells(row: Compared) -> tuple[str, ...]:
+    """A, B, ratio, time of A, time of B and shift of a row as texts; empty where there is none.
+
+    A and B of a latch event are its times.
+    """
+    if row.a is None and row.b is None:
+        return _text(row.time_a, ".5f"), _text(row.time_b, ".5f"), "", "", "", _text(row.shift, "+.5f")
+    return (
+        "noise" if row.noise_a else _text(row.a, ".5g"),
+        "noise" if row.noise_b else _text(row.b, ".5g"),
+        _text(row.ratio, ".4f" if abs(row.ratio or 0.0) < _LARGE_RATIO else ".4g"),
+        "" if row.noise_a else _text(row.time_a, ".4f"),
+        "" if row.noise_b else _text(row.time_b, ".4f"),
+        _text(row.shift, "+.4f"),
+    )
+
+
+def _text(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def end_note(a: Result, b: Result, names: tuple[str, str]) -> str:
+    """A sentence where two results end at different times; empty where they do not."""
+    ends = float(a.time[-1]), float(b.time[-1])
+    if abs(ends[1] - ends[0]) <= _SAME_END * max(ends):
+        return ""
+    return (
+        f"{names[0]} ends at {ends[0]:.6g} s, {names[1]} at {ends[1]:.6g} s: "
+        "peaks are those of runs of different length"
+    )
+
+
+def by_component(signals: Sequence[str]) -> dict[str, list[str]]:
+    """Variables by component, of signals named "component.variable"."""
+    found: dict[str, list[str]] = {}
+    for signal in signals:
+        component, _, variable = signal.partition(".")
+        found.setdefault(component, []).append(variable)
+    return found

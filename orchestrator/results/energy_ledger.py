@@ -1,0 +1,103 @@
+"""What a run did with its energy, and whether the balance closes as far as the tolerance promises.
+
+Every component keeps its own accounts of kinetic, potential, dissipated and supplied energy and of what the scheme
+takes. The energy *exchanged* up to a time is the sum of all gains among them since the start, which a perfect
+balance makes that of all losses: what has changed its place or form, whether or not a motor did it. A potential of
+kilojoules that only stands there is no part of it, and a motor that hardly turns does not make it small.
+
+The tolerance is the relative accuracy of velocities. An energy goes with their square, so a run that keeps the
+tolerance leaves at most twice as much of the energy exchanged, or of that in motion where little is exchanged.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from components import (
+    DISSIPATED_ENERGY,
+    KINETIC_ENERGY,
+    NUMERICAL_DISSIPATION,
+    POTENTIAL_ENERGY,
+    SUPPLIED_ENERGY,
+)
+from components.contract.component import Vector
+
+from .result import Result
+
+_GAINS: Final = {
+    KINETIC_ENERGY: 1.0,
+    POTENTIAL_ENERGY: 1.0,
+    DISSIPATED_ENERGY: 1.0,
+    NUMERICAL_DISSIPATION: 1.0,
+    SUPPLIED_ENERGY: -1.0,
+}
+_ALLOWED = 2.0
+"""Relative error of an energy over that of the velocities."""
+_SCENE = "scene"
+
+
+class EnergyLedger(NamedTuple):
+    """Energies (J) of a run: largest exchanged or in motion, end of numerical dissipation, largest residual."""
+
+    exchanged: float
+    numerical: float
+    residual: float
+    tolerance: float | None
+    """what the run was asked for, where its result tells"""
+
+    @property
+    def relative_residual(self) -> float | None:
+        """Residual over the energy exchanged; None where nothing moved."""
+        return self.residual / self.exchanged if self.exchanged > 0.0 else None
+
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence where the balance is off by more than the tolerance allows."""
+        relative = self.relative_residual
+        if self.tolerance is None or relative is None or relative <= _ALLOWED * self.tolerance:
+            return ()
+        return (
+            f"the energy balance is off by {self.residual:.3g} J, {relative:.2g} of the {self.exchanged:.3g} J "
+            f"exchanged, where the tolerance of {self.tolerance:g} allows {_ALLOWED * self.tolerance:.2g}; numbers "
+            "may be wrong by as much: tighten the tolerance or take smaller steps, and check that the scene's "
+            "stiffnesses and torques are meant",
+        )
+
+
+def energy_ledger(result: Result) -> EnergyLedger | None:
+    """The energies of a result; None where it has no balance of them."""
+    if not result.has(_SCENE, "energy_residual"):
+        return None
+    numerical = 0.0
+    if result.has(_SCENE, NUMERICAL_DISSIPATION):
+        numerical = float(result.signal(_SCENE, NUMERICAL_DISSIPATION)[-1])
+    return EnergyLedger(
+        exchanged=_largest_exchange(result),
+        numerical=numerical,
+        residual=float(np.max(np.abs(result.signal(_SCENE, "energy_residual")))),
+        tolerance=tolerance_asked(result),
+    )
+
+
+def _largest_exchange(result: Result) -> float:
+    """Largest sum of gains since the start, or kinetic energy if that is more (J)."""
+    exchanged: Vector = np.zeros(result.time.size)
+    moving: Vector = np.zeros(result.time.size)
+    for variable, sign in _GAINS.items():
+        for name in result.recording(variable):
+            if name == _SCENE:
+                continue
+            energy = result.signal(name, variable)
+            exchanged += np.maximum(sign * (energy - energy[0]), 0.0)
+            if variable == KINETIC_ENERGY:
+                moving += energy
+    return float(max(exchanged.max(), moving.max()))
+
+
+def tolerance_asked(result: Result) -> float | None:
+    """The tolerance that the provenance tells; None where it tells none."""
+    try:
+        return float(result.provenance["tolerance"])
+    except (KeyError, ValueError):
+        return None

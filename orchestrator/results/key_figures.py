@@ -1,0 +1,312 @@
+"""Headline numbers of a result, with peaks from a local cubic interpolant instead of the largest sample.
+
+Samples at an event belong to a discontinuity: they count as values, but no interpolant goes through them or
+across the event.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly import HingeLine
+from .energy_ledger import energy_ledger, tolerance_asked
+from .estimated_errors import Key, doubts, estimated_errors
+from .result import Result
+from .round_off import noise_floor, without_noise
+
+Vector = NDArray[np.float64]
+
+_EVENT_WIDTH = 2e-7
+"""Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
+_NEAR_PEAK = 0.1
+"""Samples within this part of a signal's range below its largest may hide the highest peak between them."""
+
+
+class Peak(NamedTuple):
+    """An extreme value and when it happened (s)."""
+
+    time: float
+    value: float
+
+
+class Number(NamedTuple):
+    """One headline number for people: what, of which component, value, unit, and its estimated error, if known."""
+
+    quantity: str
+    of: str
+    value: float
+    unit: str
+    error: float | None = None
+
+    @property
+    def key(self) -> Key:
+        """What tells it from all others."""
+        return self.quantity, self.of
+
+
+@dataclass(frozen=True)
+class Headline:
+    """What a deployment is judged by; SI units, components and hinge lines by name.
+
+    unlatched_angles: where lines with a latch stand at the end without having latched (rad).
+    latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
+    lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
+    (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
+    last latch-up. energy_exchanged, numerical_dissipation and energy_residual (largest, over energy_exchanged; None
+    where there is none): see `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
+    estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
+    """
+
+    complete: bool
+    end_time: float
+    latch_times: Mapping[str, float]
+    unlatched_angles: Mapping[str, float]
+    latch_torque_peaks: Mapping[str, float]
+    peaks_at_end: tuple[str, ...]
+    interface_force_peaks: tuple[float, ...]
+    interface_torque_peaks: tuple[float, ...]
+    damper_torque_peaks: Mapping[str, float]
+    cable_forces: Mapping[str, Mapping[str, tuple[float, float]]]
+    motor_energy: float
+    energy_exchanged: float
+    numerical_dissipation: float
+    energy_residual: float | None
+    warnings: tuple[str, ...] = ()
+    estimated_errors: Mapping[Key, float] = field(default_factory=dict)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
+        nested: dict[str, dict[str, float]] = {}
+        for (quantity, of), error in self.estimated_errors.items():
+            nested.setdefault(quantity, {})[of] = error
+        return {**asdict(self), "estimated_errors": nested}
+
+    def numbers(self) -> Iterator[Number]:
+        """Every number in a row of its own, with its estimated error where there is one."""
+        for number in self._bare_numbers():
+            yield number._replace(error=self.estimated_errors.get(number.key))
+
+    def _bare_numbers(self) -> Iterator[Number]:
+        yield Number("end time", "", self.end_time, "s")
+        for line, time in self.latch_times.items():
+            yield Number("latch time", line, time, "s")
+        for line, angle in self.unlatched_angles.items():
+            yield Number("angle, not latched", line, angle, "rad")
+        for line, torque in self.latch_torque_peaks.items():
+            yield Number("latch torque peak", line, torque, "N.m")
+        for axis, force in zip("xyz", self.interface_force_peaks, strict=False):
+            yield Number("interface force peak", axis, force, "N")
+        for axis, torque in zip("xyz", self.interface_torque_peaks, strict=False):
+            yield Number("interface torque peak", axis, torque, "N.m")
+        for name, torque in self.damper_torque_peaks.items():
+            yield Number("damper torque peak", name, torque, "N.m")
+        for name, forces in self.cable_forces.items():
+            for variable, (low, high) in forces.items():
+                words = variable.replace("_", " ")
+                yield Number(f"{words} lowest", name, low, "N")
+                yield Number(f"{words} highest", name, high, "N")
+        yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
+        if self.energy_residual is not None:
+            yield Number("energy exchanged", "", self.energy_exchanged, "J")
+            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
+            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
+
+
+def headline(result: Result) -> Headline:
+    """Headline numbers of a result; what a scene does not have is left empty."""
+    times = latch_times(result)
+    torques = {
+        line.name: peak(result, line_latch_torque(result, line))
+        for line in result.hinge_lines
+        if line.name in times
+    }
+    released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
+    ledger = energy_ledger(result)
+    found = Headline(
+        complete=result.complete,
+        end_time=float(result.time[-1]),
+        latch_times=times,
+        unlatched_angles={
+            line.name: float(result.signal(line.sensor, "angle")[-1])
+            for line in result.hinge_lines
+            if line.latches and line.name not in times and result.has(line.sensor, "angle")
+        },
+        latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
+        peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
+        interface_force_peaks=_component_peaks(result, "interface_force"),
+        interface_torque_peaks=_component_peaks(result, "interface_torque"),
+        damper_torque_peaks={
+            name: abs(peak(result, result.signal(name, "damper_torque")).value)
+            for name in result.recording("damper_torque")
+        },
+        cable_forces={name: _force_extremes(result, name) for name in result.recording("tension_a")},
+        motor_energy=released,
+        energy_exchanged=ledger.exchanged if ledger else 0.0,
+        numerical_dissipation=ledger.numerical if ledger else 0.0,
+        energy_residual=ledger.relative_residual if ledger else None,
+        warnings=ledger.warnings() if ledger else (),
+        estimated_errors=estimated_errors(result),
+    )
+    told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
+    return replace(found, warnings=(*found.warnings, *told))
+
+
+def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
+    """Quantity, of, value, unit and estimated error of every headline number as texts.
+
+    Round-off beside the largest of a load's components reads 0; cable forces that are nothing are left out.
+    """
+    floors = _floors(found)
+    absent = {
+        (f"{variable.replace('_', ' ')} {extreme}", name)
+        for name, forces in found.cable_forces.items()
+        for variable, (low, high) in forces.items()
+        for extreme in ("lowest", "highest")
+        if max(abs(low), abs(high)) <= floors[name]
+    }
+    for number in found.numbers():
+        if (number.quantity, number.of) in absent:
+            continue
+        of = number.of
+        if number.quantity == "motor energy" and not found.latch_times:
+            of = "over the run"
+        floor = floors.get(number.quantity, floors.get(number.of, 0.0))
+        digits = ".6f" if number.unit == "s" else ".5g"
+        value = format(without_noise(number.value, floor), digits)
+        error = "" if number.error is None else format(number.error, ".1g")
+        yield number.quantity, of, value, "" if number.unit == "1" else number.unit, error
+
+
+def _floors(found: Headline) -> dict[str, float]:
+    """Magnitudes of round-off: of the interface loads by quantity, of cable forces by loop."""
+    return {
+        "interface force peak": noise_floor(found.interface_force_peaks),
+        "interface torque peak": noise_floor(found.interface_torque_peaks),
+        **{
+            name: noise_floor(force for extremes in forces.values() for force in extremes)
+            for name, forces in found.cable_forces.items()
+        },
+    }
+
+
+def latch_times(result: Result) -> dict[str, float]:
+    """First latch-up of each hinge line (s), from the events of the line or its hinges."""
+    found: dict[str, float] = {}
+    for line in result.hinge_lines:
+        names = {line.name, *line.hinges}
+        times = [time for time, name, text in result.events if name in names and is_latch_up(text)]
+        if times:
+            found[line.name] = min(times)
+    return found
+
+
+def is_latch_up(text: str) -> bool:
+    """Whether the text of an event tells of a latch-up."""
+    return "latch" in text.lower() and "unlatch" not in text.lower()
+
+
+def line_latch_torque(result: Result, line: HingeLine) -> Vector:
+    """Sum of the latch torques of a line's hinges (N.m)."""
+    torque = np.zeros(result.time.size)
+    for hinge in line.hinges:
+        if result.has(hinge, "latch_torque"):
+            torque += result.signal(hinge, "latch_torque")
+    return torque
+
+
+def peak(result: Result, values: Vector) -> Peak:
+    """Value of largest magnitude of a signal of the result, with its sign."""
+    start = float(result.time[0])  # an event as well: unless preloaded, all loads jump there
+    low, high = extremes(result.time, values, [start, *(time for time, _, _ in result.events)])
+    return high if abs(high.value) >= abs(low.value) else low
+
+
+def extremes(time: Vector, values: Vector, events: Sequence[float] = ()) -> tuple[Peak, Peak]:
+    """Lowest and highest value of a sampled signal that is smooth between events."""
+    low = _highest(time, -values, events)
+    return Peak(low.time, -low.value), _highest(time, values, events)
+
+
+def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
+    """The highest of all samples and of the cubics through the samples around every high one."""
+    k = int(np.argmax(values))
+    best = Peak(float(time[k]), float(values[k]))
+    threshold = best.value - _NEAR_PEAK * (best.value - float(np.min(values)))
+    for segment in _smooth_segments(time, events):
+        t, v = time[segment], values[segment]
+        for top in _local_maxima(v, threshold):
+            best = max(best, *_interpolated(t, v, top), key=lambda found: found.value)
+    return best
+
+
+def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
+    """Samples strictly between events, where there are enough of them for a cubic."""
+    start = 0
+    for event in (*sorted(events), np.inf):
+        end = int(np.searchsorted(time, event - _EVENT_WIDTH))
+        if end - start >= 4:
+            yield slice(start, end)
+        start = max(start, int(np.searchsorted(time, event + _EVENT_WIDTH, side="right")))
+
+
+def _local_maxima(values: Vector, threshold: float) -> list[int]:
+    """Indices of samples above the threshold that no neighbour exceeds."""
+    padded = np.concatenate(([-np.inf], values, [-np.inf]))
+    tops = (values >= padded[:-2]) & (values > padded[2:]) & (values >= threshold)
+    return [int(k) for k in np.flatnonzero(tops)]
+
+
+def _interpolated(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
+    """Maxima of the cubics on the two intervals beside a sample, each through the four samples around it.
+
+    One that stands out by more than the sample itself does is no peak but a cubic through a kink.
+    """
+    yield Peak(float(time[top]), float(values[top]))
+    beside = values[max(top - 1, 0) : top + 2]
+    credible = 2.0 * float(values[top]) - float(beside.min())
+    for left in (top - 1, top):
+        if 0 <= left < time.size - 1:
+            first = min(max(left - 1, 0), time.size - 4)
+            nodes = slice(first, first + 4)
+            found = _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1])
+            yield from (peak for peak in found if peak.value <= credible)
+
+
+def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:
+    """Stationary points within [left, right] of the cubic through four samples."""
+    scale = time[3] - time[0]
+    if not np.all(np.diff(time) > 0.0):
+        return
+    cubic = np.linalg.solve(np.vander((time - left) / scale), values)
+    for root in np.roots(np.polyder(cubic)):
+        if abs(root.imag) < 1e-12 and 0.0 <= root.real * scale <= right - left:
+            yield Peak(float(left + root.real * scale), float(np.polyval(cubic, root.real)))
+
+
+def _component_peaks(result: Result, variable: str) -> tuple[float, ...]:
+    """Peak magnitudes of the components of an interface load; of the largest, where several bases have it."""
+    loads = [result.signal(name, variable) for name in result.recording(variable)]
+    if not loads:
+        return ()
+    return tuple(max(abs(peak(result, load[:, axis]).value) for load in loads) for axis in range(3))
+
+
+def _force_extremes(result: Result, name: str) -> dict[str, tuple[float, float]]:
+    """Lowest and highest sample of every force of a cable loop; a strand that goes slack has a kink there."""
+    return {
+        variable: (float(values.min()), float(values.max()))
+        for variable in result.variables(name)
+        if result.unit(name, variable) == "N"
+        for values in (result.signal(name, variable),)
+    }
+
+
+def _motor_energy(result: Result, until: float) -> float:
+    """Energy that all motorisation springs released up to a time (J)."""
+    names = result.recording("motor_energy")
+    return float(sum(np.interp(until, result.time, result.signal(name, "motor_energy")) for name in names))

@@ -1,0 +1,1 @@
+"""Runs of an assembly: into a result, as FMUs for others, again for its errors."""

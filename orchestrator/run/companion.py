@@ -1,0 +1,62 @@
+"""How far off are the headline numbers of a run? A companion takes every two of its steps as one.
+
+The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
+it differs by is three times the error of the run where the error goes with the square of the step size, and once
+where friction, stops or unresolved vibrations leave order one. The estimate is the middle of both in the logarithm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from math import sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from ..assembly import Assembly
+from ..cosim.master import Settings
+from ..results.estimated_errors import ESTIMATED_ERRORS, Key, errors_text
+from ..results.key_figures import Headline, headline
+from ..results.result import Result, add_statistics
+from .run import Loader, Outcome, RunError, as_fmus, run
+
+_SHARE = 1.0 / sqrt(3.0)
+_NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
+
+
+def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Every two steps as one; the last of an odd number alone."""
+    return [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
+
+
+def with_estimates(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    until: float | None = None,
+    watch: Callable[[float, float], None] = lambda time, h: None,
+    load: Loader = as_fmus,
+) -> Outcome:
+    """The outcome whose headline numbers, and those of its file, carry estimated errors.
+
+    There are none where nothing can be said: for explicit masters, and where steps twice as long do not converge.
+    """
+    errors: Mapping[Key, float] = {}
+    if outcome.master == "implicit":
+        plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
+        with TemporaryDirectory(prefix="fanfold_") as folder, suppress(RunError):
+            coarse = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
+            errors = _errors(outcome.headline, coarse.headline)
+    add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, headline=headline(Result.open(outcome.path)))
+
+
+def _errors(fine: Headline, coarse: Headline) -> dict[Key, float]:
+    """Estimated errors by key, in the units of the numbers; what only one of both runs has is left out."""
+    others = {number.key: number.value for number in coarse.numbers()}
+    return {
+        number.key: _SHARE * abs(number.value - others[number.key])
+        for number in fine.numbers()
+        if number.key in others and number.quantity not in _NOT_ESTIMATED
+    }

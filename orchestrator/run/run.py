@@ -1,0 +1,223 @@
+"""From an assembly to a finished result file: load participants, couple them, record, sum up."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Literal
+
+from components import REGISTRY, ComponentError
+from fmus import Backend, FmiVersion, build_fmu
+
+from ..assembly import Assembly
+from ..cosim.explicit import ExplicitMaster
+from ..cosim.fmu import FmuParticipant
+from ..cosim.master import SCENE_CHANNELS, Master, Settings
+from ..cosim.network import Network, NetworkError
+from ..cosim.participant import Participant, ParticipantError
+from ..cosim.stepping import StepError
+from ..results.key_figures import Headline, headline
+from ..results.result import Result, ResultWriter, SignalGroup
+
+MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
+Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
+"""Makes the participants of an assembly and frees them afterwards."""
+_PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
+
+
+class RunError(Exception):
+    """A run that could not start or did not reach its end: a sentence; results so far stay in the file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Costs:
+    """What a run cost: steps, sweeps over all participants, rejected steps, wall time (s), share of it in FMUs."""
+
+    steps: int
+    iterations: int
+    rejected: int
+    wall_time: float
+    fmu_time_share: float
+
+    def as_dict(self, end_time: float) -> dict[str, float]:
+        """By the names that results and JSON have."""
+        return {
+            "steps": self.steps,
+            "iterations": self.iterations,
+            "rejected_steps": self.rejected,
+            "wall_time_s": self.wall_time,
+            "real_time_factor": end_time / self.wall_time,
+            "fmu_time_share": self.fmu_time_share,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A finished run: where its result is, which master made it, headline numbers, costs, step sizes taken."""
+
+    path: Path
+    master: MasterKind
+    headline: Headline
+    costs: Costs
+    segments: tuple[tuple[float, ...], ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON: headline numbers, then costs."""
+        costs = self.costs.as_dict(self.headline.end_time)
+        return {**self.headline.as_dict(), **costs, "output": str(self.path)}
+
+
+def export(
+    assembly: Assembly,
+    directory: Path,
+    backend: Backend | None = None,
+    fmi: FmiVersion = "2.0",
+    with_sources: bool = False,
+) -> list[Path]:
+    """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for part in assembly.parts:
+        try:
+            component = REGISTRY[part.kind](**part.structure)
+            paths.append(build_fmu(component, part.name, directory, part.start, backend, fmi, with_sources))
+        except ComponentError as error:
+            raise RunError(f"{assembly.name}: {part.name}: {error}") from None
+    return paths
+
+
+@contextmanager
+def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[Participant]]:
+    """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
+        participants: list[Participant] = []
+        for path in export(assembly, folder, backend):
+            participants.append(FmuParticipant(path.stem, path))
+            stack.callback(participants[-1].close)
+        yield participants
+
+
+def run(
+    assembly: Assembly,
+    output: Path,
+    settings: Settings,
+    until: float | None = None,
+    master: MasterKind = "implicit",
+    watch: Callable[[float, float], None] = lambda time, h: None,
+    warn: Callable[[str], None] = lambda sentence: None,
+    load: Loader = as_fmus,
+) -> Outcome:
+    """Run an assembly and write its result; RunError with a sentence where it does not finish.
+
+    With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one.
+    """
+    end = assembly.until if until is None else until
+    settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
+    with ExitStack() as stack:
+        try:
+            participants = stack.enter_context(load(assembly))
+            order = settings.order or (4 if assembly.flexible else 2)
+            network = Network(participants, assembly.links, order if master == "implicit" else 2)
+        except ParticipantError as error:
+            raise RunError(f"{assembly.name}: {error}") from None
+        except NetworkError as error:
+            raise RunError("\n".join(f"{assembly.name}: {problem}" for problem in error.problems)) from None
+        fixed = ", ".join(p.name for p in participants if not p.can_restore)
+        if fixed and master == "implicit":
+            master = "gauss-seidel"
+            warn(
+                f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
+                "the explicit Gauss-Seidel master takes its place"
+            )
+        return _follow(assembly, network, output, settings, end, master)
+
+
+def _follow(
+    assembly: Assembly, network: Network, output: Path, settings: Settings, end: float, kind: MasterKind
+) -> Outcome:
+    """Step a network through time into a result file."""
+    participants: list[Participant] = [*network.bodies, *network.connections]
+    clocks = [_timed(p) for p in participants]
+    groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
+    provenance = _provenance(assembly, participants) | _settings(settings, end, kind)
+    start = perf_counter()
+    with ResultWriter(output, groups, provenance, assembly.geometry, assembly.hinge_lines) as writer:
+        runner = (
+            Master(network, assembly.hinge_lines, writer, settings)
+            if kind == "implicit"
+            else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
+        )
+        try:
+            runner.initialize(preload=assembly.preload)
+            runner.run(end)
+        except (ParticipantError, StepError) as error:
+            raise RunError(f"{assembly.name}: {error}; results up to there are in {output}") from None
+        except KeyboardInterrupt:
+            raise RunError(
+                f"{assembly.name}: interrupted at t = {runner.time:.6g} s; results up to there are in {output}"
+            ) from None
+        wall = perf_counter() - start
+        statistics = runner.statistics
+        fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
+        costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
+        writer.statistics(costs.as_dict(end))
+    segments = tuple(tuple(segment) for segment in runner.segments)
+    return Outcome(output, kind, headline(Result.open(output)), costs, segments)
+
+
+def _timed(participant: Participant) -> list[float]:
+    """Replace a participant's step by one that adds up the time it takes; the sum is the list's one number."""
+    clock = [0.0]
+    step = participant.do_step
+
+    def timed_step(time: float, h: float) -> None:
+        begin = perf_counter()
+        step(time, h)
+        clock[0] += perf_counter() - begin
+
+    participant.do_step = timed_step  # type: ignore[method-assign]
+    return clock
+
+
+def _scene_group() -> SignalGroup:
+    names, units, descriptions = zip(*SCENE_CHANNELS, strict=True)
+    return SignalGroup("scene", names, units, (1,) * len(names), descriptions)
+
+
+def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict[str, str]:
+    """The scene with its layers merged, flexible bodies, versions and the digest of every FMU file."""
+    found = {
+        "scene": assembly.name,
+        "scene_tree": json.dumps(assembly.scene_tree),
+        "flexible": json.dumps(assembly.flexible),
+        "python": platform.python_version(),
+    }
+    found.update({name: version(name) for name in _PACKAGES})
+    for participant in participants:
+        if isinstance(participant, FmuParticipant):
+            digest = hashlib.sha256(participant.path.read_bytes()).hexdigest()
+            found[f"fmu.{participant.name}"] = digest
+    return found
+
+
+def _settings(settings: Settings, end: float, kind: MasterKind) -> dict[str, str]:
+    """What this run was asked for, which its scene may not say, and when."""
+    found = {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "master": kind,
+        "until": f"{end:g} s",
+        "tolerance": f"{settings.tolerance:g}",
+    }
+    if settings.fixed_step is not None:
+        found["step"] = f"{settings.fixed_step:g} s"
+    return found

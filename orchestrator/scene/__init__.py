@@ -1,0 +1,15 @@
+"""A scene: a file with its layers, checked, as records; knows no co-simulation."""
+
+from .reader import find_scene, list_scenes, load_scene, read_scene, scene_variants
+from .schema import Scene
+from .table import SceneError
+
+__all__ = [
+    "Scene",
+    "SceneError",
+    "find_scene",
+    "list_scenes",
+    "load_scene",
+    "read_scene",
+    "scene_variants",
+]

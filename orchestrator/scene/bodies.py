@@ -1,0 +1,166 @@
+"""Bodies of a scene: their modal data, what is attached where, and where they stand when stowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+from components import ComponentError
+from components.contract.frames import (
+    Quaternion,
+    Vector3,
+    add,
+    exponential,
+    multiply,
+    rotate,
+    scaled,
+    subtract,
+)
+from components.flexible.modal import ModalData
+
+from .body_tables import Base, Body
+from .connection_tables import Ccl, Connection, Damper
+from .damping import StructuralDamping
+from .hinge_line_tables import HingeLine
+from .schema import Scene
+from .table import Seat
+
+_TWIN = "_rigid"
+
+
+class Attachment(NamedTuple):
+    """One port of a connection and the place on a body where it sits; `key` locates it in the file."""
+
+    key: str
+    connection: str
+    port: str
+    body: str
+    point: str
+    offset: Vector3
+
+
+class StartPose(NamedTuple):
+    """Position of a body's construction frame (m) and its quaternion."""
+
+    position: Vector3
+    orientation: Quaternion
+
+    def place(self, point: Vector3) -> Vector3:
+        """World position of a point of the body."""
+        return add(self.position, rotate(self.orientation, point))
+
+
+def base_model(base: Base) -> ModalData | None:
+    """Modal data of a free base, None if it is fixed."""
+    if base.free is None:
+        return None
+    free = base.free
+    return ModalData.rigid(free.mass, free.center_of_mass, free.inertia, base.points)
+
+
+def body_model(body: Body, flexible: bool, structural: StructuralDamping | None = None) -> ModalData:
+    """Modal data of a body at the given fidelity, without the modes that are switched off.
+
+    structural: the scene's damping of bodies that say nothing else.
+    """
+    if body.rigid is not None:
+        rigid = body.rigid
+        return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points)
+    entry = str(body.catalogue)
+    masses = tuple((attached.point, attached.mass) for attached in body.attached_masses)
+    if not flexible:
+        return _catalogue_model(entry, None, masses)
+    data = _catalogue_model(entry, body.fixed_interface_modes, masses)
+    data = data.switch_off(body.modes_off, body.frequencies_off)
+    if body.damping_ratio is not None:
+        return data.with_damping(body.damping_ratio)
+    own = body.structural_damping or structural
+    return data if own is None else data.with_structural_damping(own.time)
+
+
+@lru_cache(maxsize=32)
+def _catalogue_model(
+    entry: str, fixed_interface_modes: int | None, masses: tuple[tuple[str, float], ...]
+) -> ModalData:
+    """Model of a catalogue entry, its rigid twin where no number of modes is given.
+
+    An entry is a function `entry(fixed_interface_modes, masses)` of the catalogue with a twin `entry_rigid(masses)`.
+    """
+    from components import catalogue  # scikit-fem takes its time, which no command needs that builds nothing
+
+    known = [name.removesuffix(_TWIN) for name in vars(catalogue) if name.endswith(_TWIN)]
+    if entry not in known:
+        raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(known)}")
+    if fixed_interface_modes is None:
+        rigid: Callable[..., ModalData] = getattr(catalogue, entry + _TWIN)
+        return rigid(masses)
+    flexible: Callable[..., ModalData] = getattr(catalogue, entry)
+    return flexible(fixed_interface_modes, masses)
+
+
+def body_points(body: Body) -> Mapping[str, Vector3]:
+    """Undeformed positions of a body's points (m) in its construction frame."""
+    data = body_model(body, flexible=False)
+    return dict(zip(data.point_names, map(tuple, data.point_positions.tolist()), strict=True))
+
+
+def scene_points(scene: Scene) -> dict[str, Mapping[str, Vector3]]:
+    """Points of every body, base included, by body name."""
+    return {scene.base.name: scene.base.points} | {body.name: body_points(body) for body in scene.bodies}
+
+
+def attachments(
+    lines: Iterable[HingeLine],
+    loops: Iterable[Ccl],
+    dampers: Iterable[Damper],
+    connections: Iterable[Connection],
+) -> Iterator[Attachment]:
+    """Every port of every connection; a damper sits where its hinge does, if there is that hinge."""
+    at_hinge: dict[str, tuple[Seat, Seat]] = {}
+    for line in lines:
+        for hinge in line.hinges:
+            inboard = Seat(body=line.inboard, point=hinge.inboard)
+            outboard = Seat(body=line.outboard, point=hinge.outboard)
+            at_hinge[hinge.name] = (inboard, outboard)
+            key = f"hinge_line.{line.name}.hinges.{hinge.name}"
+            yield _attachment(key, hinge.name, "inboard", inboard)
+            yield _attachment(key, hinge.name, "outboard", outboard)
+    for loop in loops:
+        seats = {"pulley_1": loop.pulley_1, "pulley_2": loop.pulley_2, "guide": loop.guide}
+        for port, seat in seats.items():
+            if seat is not None:
+                yield _attachment(f"ccl.{loop.name}", loop.name, port, seat)
+    for damper in dampers:
+        for port, seat in zip(("inboard", "outboard"), at_hinge.get(damper.hinge, ()), strict=False):
+            yield _attachment(f"damper.{damper.name}", damper.name, port, seat)
+    for connection in connections:
+        for port, seat in connection.ports.items():
+            yield _attachment(f"connection.{connection.name}.ports", connection.name, port, seat)
+
+
+def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
+    return Attachment(f"{key}.{port}", connection, port, seat.body, seat.point, seat.offset)
+
+
+def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
+    """Poses at the start along the tree of hinge lines from the base, whose frame is the world's, then placed bodies.
+
+    All frames are parallel where every hinge angle is its aligned angle.
+    """
+    poses = {scene.base.name: StartPose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))}
+    waiting = list(scene.hinge_lines)
+    while ready := [line for line in waiting if line.inboard in poses]:
+        waiting = [line for line in waiting if line not in ready]
+        for line in ready:
+            inner, hinge = poses[line.inboard], line.hinges[0]
+            turn = exponential(scaled(line.initial_angle - line.aligned_angle, line.axis))
+            orientation = multiply(inner.orientation, turn)
+            arm = rotate(orientation, points[line.outboard][hinge.outboard])
+            hinge_position = inner.place(points[line.inboard][hinge.inboard])
+            poses[line.outboard] = StartPose(subtract(hinge_position, arm), orientation)
+    for body in scene.bodies:
+        if body.place is not None:
+            origin = poses[body.place.body].place(points[body.place.body][body.place.point])
+            poses[body.name] = StartPose(add(origin, body.place.offset), (1.0, 0.0, 0.0, 0.0))
+    return poses

@@ -1,0 +1,94 @@
+"""Tables of a scene file about bodies: the base, and what deploys from it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from components.body import CouplingLevel
+
+from .damping import StructuralDamping
+from .table import ORIGIN, Inertia, Name, Seat, Table
+from .units import Frequency, Mass, Position, Ratio
+
+Fidelity = Literal["rigid", "flexible"]
+
+
+class Inertial(Table):
+    """Mass properties; the inertia is about the centre of mass."""
+
+    mass: Mass
+    center_of_mass: Position = ORIGIN
+    inertia: Inertia
+
+
+class RigidBody(Inertial):
+    """A rigid body written into the scene, with the points that connections use."""
+
+    points: dict[Name, Position]
+
+
+class Base(Table):
+    """[base]: the spacecraft, fixed unless `free` gives its mass properties."""
+
+    name: Name = "base"
+    points: dict[Name, Position]
+    free: Inertial | None = None
+
+
+class AttachedMass(Table):
+    """A mass fixed to a point of a body of the catalogue, such as a bracket."""
+
+    point: str
+    mass: Mass
+
+
+class Body(Table):
+    """[[body]]: an entry of the catalogue, or a rigid body; options of its flexible model.
+
+    place: where the origin of a body that no hinge line carries starts, its offset in world axes, the body's axes
+    being those of the world. damping_ratio: of all its modes; structural_damping: in proportion to their frequency,
+    in place of the scene's. damping_scale multiplies what there is.
+    """
+
+    name: Name
+    place: Seat | None = None
+    catalogue: str | None = None
+    rigid: RigidBody | None = None
+    fidelity: Fidelity | None = None
+    fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
+    inertia_coupling: CouplingLevel = "full"
+    damping_ratio: Ratio | None = None
+    structural_damping: StructuralDamping | None = None
+    damping_scale: Ratio = 1.0
+    modes_off: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    frequencies_off: tuple[tuple[Frequency, Frequency], ...] = ()
+    attached_masses: tuple[AttachedMass, ...] = ()
+
+    @property
+    def flexible(self) -> bool:
+        """Whether the body is flexible unless the run says otherwise."""
+        return self.catalogue is not None and self.fidelity != "rigid"
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.catalogue is None) == (self.rigid is None):
+            raise ValueError("give either a catalogue entry or a table rigid")
+        if self.rigid is not None and self.fidelity == "flexible":
+            raise ValueError("only a body of the catalogue can be flexible")
+        if self.rigid is not None and self.attached_masses:
+            raise ValueError(
+                "attached_masses belong to bodies of the catalogue; add them to the mass of rigid"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _one_damping(self) -> Self:
+        if self.structural_damping is not None and self.rigid is not None:
+            raise ValueError("a rigid body has no modes that structural_damping could damp; leave it out")
+        if self.structural_damping is not None and self.damping_ratio is not None:
+            raise ValueError(
+                "damping_ratio and structural_damping are two answers to one question; give one of them"
+            )
+        return self

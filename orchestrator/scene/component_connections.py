@@ -1,0 +1,177 @@
+"""[[connection]] tables: any registered component, checked against what it declares itself."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from inspect import signature
+from math import isfinite
+from typing import Any, Literal
+
+import numpy as np
+
+from components import REGISTRY, Component, ComponentError, Quantity
+from components.contact import Contact
+from components.contract.frames import Vector3, add
+
+from .bodies import StartPose
+from .connection_tables import Connection
+from .locked_groups import joined
+from .schema import Scene
+from .units import UNITS, to_si
+
+WrenchMode = Literal["mean", "endpoint"]
+"""Wrench that connections return: the mean over a step, or that at the inputs as they are."""
+
+_DEEPEST = 10.0
+"""Penetrations, in reference penetrations, that a contact may start with."""
+
+
+def component_values(
+    connection: Connection, mode: WrenchMode
+) -> tuple[dict[str, Any], dict[str, float | tuple[float, ...]]]:
+    """Structure and start values of the component of a connection that has no problems."""
+    component = _component(connection, mode)
+    start = {
+        name: _value(_parameter(component, name), value) for name, value in connection.parameters.items()
+    }
+    return dict(component.structure), start
+
+
+def connection_problems(connection: Connection) -> Iterator[str]:
+    """Everything that the component does not accept, as sentences with their keys.
+
+    Ports may be missing where the table of the connection has problems of its own.
+    """
+    key = f"connection.{connection.name}"
+    if connection.kind not in REGISTRY:
+        yield f"{key}.kind: there is no component {connection.kind!r}; components are {', '.join(sorted(REGISTRY))}"
+        return
+    try:
+        component = _component(connection, "mean")
+    except ComponentError as error:
+        yield f"{key}.structure: {error}"
+        return
+    except (TypeError, ValueError, LookupError) as error:  # what constructors do with values of another kind
+        yield f"{key}.structure: {connection.kind} cannot be made of {connection.structure}: {error}"
+        return
+    sides = {port.name: port.side for port in component.ports}
+    if "body" in sides.values():
+        yield f"{key}.kind: {connection.kind} is a body; it cannot connect others"
+        return
+    if hasattr(connection, "ports"):
+        for name in sorted(sides.keys() ^ connection.ports.keys()):
+            yield f"{key}.ports.{name}: " + (
+                "is missing" if name in sides else f"is no port; ports are {', '.join(sides)}"
+            )
+    yield from _parameter_problems(key, connection, component)
+
+
+def buried_contacts(
+    scene: Scene,
+    points: Mapping[str, Mapping[str, Vector3]],
+    poses: Mapping[str, StartPose],
+    refused: Collection[str] = (),
+) -> Iterator[str]:
+    """Contacts that start deeper than a force could have pressed them; those with other problems are `refused`."""
+    roots = joined(scene)
+    for connection in scene.connections:
+        seats = connection.ports
+        if connection.kind != Contact.kind or connection.name in refused:
+            continue
+        if len({roots[seat.body] for seat in seats.values()}) == 1:
+            continue  # within one piece, where it never acts
+        depth, reference = _start_depth(connection, points, poses)
+        if depth > _DEEPEST * reference:
+            gap = float(np.ravel(component_values(connection, "mean")[1].get("gap", 0.0))[0])
+            touch = round(gap - depth, 9) + 0.0
+            yield (
+                f"connection.{connection.name}: the contact starts {depth:.4g} m deep, and its reference_penetration "
+                f"is {reference:.4g} m; gap is the clearance of the plane along the normal from the inboard port: the "
+                f"plane touches the outboard port where gap is {touch:.6g} m, and is clear of it "
+                "below that; check the signs of gap and normal"
+            )
+
+
+def _start_depth(
+    connection: Connection, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+) -> tuple[float, float]:
+    """Penetration (m) of a contact at the start, and its reference penetration (m)."""
+    structure, start = component_values(connection, "mean")
+    component = REGISTRY[connection.kind](**structure)
+    values = component.parameter_layout.start_values()
+    for name, value in start.items():
+        values[component.parameter_layout[name]] = value
+    inputs = component.input_layout.start_values()
+    for port, seat in connection.ports.items():
+        pose = poses[seat.body]
+        at = pose.place(add(points[seat.body][seat.point], seat.offset))
+        inputs[component.input_layout[f"{port}.position"]] = at
+        inputs[component.input_layout[f"{port}.orientation"]] = pose.orientation
+    constants = component.prepare(values)
+    seen = component.observe(constants, component.initial(constants, inputs), inputs)
+    depth = seen[component.observation_layout["penetration"]][0]
+    return float(depth), float(values[component.parameter_layout["reference_penetration"]][0])
+
+
+def _parameter_problems(key: str, connection: Connection, component: Component) -> Iterator[str]:
+    layout = component.parameter_layout
+    values = layout.start_values()
+    sound = True
+    for name, value in connection.parameters.items():
+        try:
+            quantity = _parameter(component, name)
+            values[layout[name]] = _in_range(quantity, value, _value(quantity, value))
+        except (ComponentError, ValueError) as error:
+            sound = False
+            yield f"{key}.parameters.{name}: {error}"
+    try:
+        if sound:
+            component.prepare(values)
+    except ComponentError as error:
+        yield f"{key}.parameters: {error}"
+
+
+def _component(connection: Connection, mode: WrenchMode) -> Component:
+    kind = REGISTRY[connection.kind]
+    structure: dict[str, Any] = dict(connection.structure)
+    if "wrench_mode" in signature(kind).parameters:
+        structure["wrench_mode"] = mode
+    return kind(**structure)
+
+
+def _parameter(component: Component, name: str) -> Quantity:
+    found = {quantity.name: quantity for quantity in component.parameter_layout.quantities}
+    if name not in found:
+        raise ComponentError(f"is no parameter; parameters are {', '.join(found) or 'none'}")
+    return found[name]
+
+
+def _value(quantity: Quantity, value: object) -> float | tuple[float, ...]:
+    """The value in the unit that the component declares."""
+    if quantity.size == 1:
+        return _number(quantity, value)
+    if not isinstance(value, list | tuple) or len(value) != quantity.size:
+        raise ValueError(f"is {value!r}; it must be a list of {quantity.size} values in {quantity.unit}")
+    return tuple(_number(quantity, entry) for entry in value)
+
+
+def _in_range(
+    quantity: Quantity, given: object, value: float | tuple[float, ...]
+) -> float | tuple[float, ...]:
+    """The value, where all its numbers are within the component's bounds."""
+    low, high = quantity.minimum, quantity.maximum
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    for number in (value,) if isinstance(value, float) else value:
+        if low is not None and number < low:
+            raise ValueError(f"is {given!r}; it must be at least {low:g}{unit}")
+        if high is not None and number > high:
+            raise ValueError(f"is {given!r}; it must be at most {high:g}{unit}")
+    return value
+
+
+def _number(quantity: Quantity, value: object) -> float:
+    if quantity.unit in UNITS:
+        return to_si(value, quantity.unit)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError(f"is {value!r}; it must be a finite number of {quantity.unit}")
+    return float(value)

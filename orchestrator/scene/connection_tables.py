@@ -1,0 +1,52 @@
+"""Tables of a scene file about what connects bodies beside hinges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import Field
+
+from .table import Y_AXIS, Axis, Name, Seat, Table
+from .units import Damping, Force, Length, PeakRate, Stiffness, TurningDamping
+
+
+class Pulley(Seat):
+    """A pulley fixed to a body."""
+
+    radius: Length
+
+
+class Ccl(Table):
+    """[[ccl]]: closed cable loop; values of one strand. With a guide the cables are led along that body."""
+
+    name: Name
+    axis: Axis = Y_AXIS
+    preload: Force
+    strand_stiffness: Stiffness
+    strand_damping: Damping = 0.0
+    pulley_1: Pulley
+    pulley_2: Pulley
+    guide: Seat | None = None
+
+
+class Damper(Table):
+    """[[damper]]: eddy-current damper that sits at a hinge; a peak rate of 0 is a linear damper."""
+
+    name: Name
+    hinge: str
+    damping_coefficient: TurningDamping
+    peak_rate: PeakRate = 0.0
+
+
+class Connection(Table):
+    """[[connection]]: any registered component between points of bodies, by its own ports and parameters.
+
+    structure: what its constructor takes beside `wrench_mode`, in SI units. parameters: values by the names
+    that the component declares, with units.
+    """
+
+    name: Name
+    kind: str
+    ports: dict[str, Seat]
+    structure: dict[str, Any] = Field(default_factory=dict)
+    parameters: dict[str, Any] = Field(default_factory=dict)

@@ -1,0 +1,127 @@
+"""What the tables of a scene say about each other: names, points, the tree of hinge lines."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+
+from components.contract.frames import Vector3, norm, subtract
+
+from .bodies import Attachment, StartPose
+from .body_tables import Body
+from .connection_tables import Damper
+from .hinge_line_tables import HingeLine
+from .schema import Scene
+
+_HINGE_GAP = 1e-3
+"""m; how far apart the points of a hinge may be when stowed."""
+
+
+def repeated_names(named: Iterable[tuple[str, str]]) -> Iterator[str]:
+    """Components, as (key, name), that share a name with an earlier one."""
+    seen: set[str] = set()
+    for key, name in named:
+        if name in seen:
+            yield f"{key}: two components are named {name!r}"
+        seen.add(name)
+
+
+def unknown_places(
+    found: Iterable[Attachment], points: Mapping[str, Mapping[str, Vector3] | None]
+) -> Iterator[str]:
+    """Ports at bodies or points that do not exist; the points of a body may be unknown (None)."""
+    for port in found:
+        if port.body not in points:
+            yield f"{port.key}: there is no body {port.body!r}; bodies are {', '.join(points)}"
+            continue
+        known = points[port.body]
+        if known is not None and port.point not in known:
+            yield f"{port.key}: {port.body} has no point {port.point!r}; its points are {', '.join(known)}"
+
+
+def unknown_bodies(lines: Iterable[HingeLine], bodies: Collection[str]) -> Iterator[str]:
+    """Ends of lines at bodies that do not exist."""
+    for line in lines:
+        for side, body in (("inboard", line.inboard), ("outboard", line.outboard)):
+            if body not in bodies:
+                known = ", ".join(bodies)
+                yield f"hinge_line.{line.name}.{side}: there is no body {body!r}; bodies are {known}"
+
+
+def repeated_ports(found: Iterable[Attachment]) -> Iterator[str]:
+    """Connections that take a body twice, and points of a body that carry two hinges."""
+    bodies: set[tuple[str, str]] = set()
+    places: dict[tuple[str, str], str] = {}
+    for port in found:
+        owner = port.key.rpartition(".")[0]  # names may be shared by mistake
+        if (owner, port.body) in bodies:
+            yield f"{port.key}: {port.connection} is connected to {port.body} twice"
+        bodies.add((owner, port.body))
+        if port.key.startswith("hinge_line."):
+            other = places.setdefault((port.body, port.point), port.connection)
+            if other != port.connection:
+                yield f"{port.key}: point {port.point} of {port.body} already carries hinge {other}"
+
+
+def unknown_hinges(dampers: Iterable[Damper], hinges: Collection[str]) -> Iterator[str]:
+    """Dampers at hinges that do not exist."""
+    for damper in dampers:
+        if damper.hinge not in hinges:
+            known = ", ".join(hinges)
+            yield f"damper.{damper.name}.hinge: there is no hinge {damper.hinge!r}; hinges are {known}"
+
+
+def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3] | None]) -> Iterator[str]:
+    """Placed bodies whose place is not a known point of the base or of a body that hinge lines carry."""
+    listed = list(bodies)
+    placed = {body.name for body in listed if body.place is not None}
+    for body in listed:
+        if body.place is None:
+            continue
+        key, at = f"body.{body.name}.place", body.place
+        known = points.get(at.body)
+        if at.body not in points or at.body in placed:
+            carried = ", ".join(name for name in points if name not in placed)
+            yield f"{key}.body: {at.body!r} is no body that hinge lines carry; those are {carried}"
+        elif known is not None and at.point not in known:
+            yield f"{key}.point: {at.body} has no point {at.point!r}; its points are {', '.join(known)}"
+
+
+def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) -> Iterator[str]:
+    """Lines that carry the base or a body that another carries; placed bodies that lines carry."""
+    carried: set[str] = set()
+    for line in lines:
+        if line.outboard == base:
+            yield f"hinge_line.{line.name}.outboard: {base} is the base; name it as the inboard body"
+        elif line.outboard in carried:
+            yield f"hinge_line.{line.name}.outboard: {line.outboard} is that of another line already"
+        carried.add(line.outboard)
+    for body in placed:
+        if body in carried:
+            yield f"body.{body}.place: hinge lines carry this body, so its place follows from them; leave it out"
+
+
+def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -> Iterator[str]:
+    """Bodies that are not the outboard end of a chain of hinge lines from the base."""
+    inboard_of = {line.outboard: line.inboard for line in lines}
+    for body in bodies:
+        path = [body]
+        while (inner := inboard_of.get(path[-1])) is not None and inner not in path:
+            path.append(inner)
+        if path[-1] != base:
+            yield f"body.{body}: it is disconnected; no chain of hinge lines leads to it from {base}"
+
+
+def open_hinges(
+    scene: Scene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+) -> Iterator[str]:
+    """Hinges whose two points do not meet when stowed, because they are not on one line along the axis."""
+    for line in scene.hinge_lines:
+        for hinge in line.hinges:
+            a = poses[line.inboard].place(points[line.inboard][hinge.inboard])
+            b = poses[line.outboard].place(points[line.outboard][hinge.outboard])
+            gap = norm(subtract(b, a))
+            if gap > _HINGE_GAP:
+                yield (
+                    f"hinge_line.{line.name}.hinges.{hinge.name}: its points are {gap:.4g} m apart when"
+                    " stowed; the hinges of a line must lie on one line along its axis"
+                )

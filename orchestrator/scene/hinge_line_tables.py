@@ -1,0 +1,229 @@
+"""Tables of a scene file about hinge lines: their hinges, motorisation, harness, friction and latch."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import degrees
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from .table import Axis, Name, Table
+from .units import (
+    Angle,
+    AngularRate,
+    Arm,
+    FrictionTorque,
+    Length,
+    MomentOfInertia,
+    PositiveFrequency,
+    PositiveRatio,
+    Ratio,
+    Stiffness,
+    Stiffnesses,
+    Torque,
+    TurningStiffness,
+    TurningStiffnesses,
+    damping_time,
+)
+
+_ROUNDED = 1.001
+"""Stiffnesses that are given to three or four digits may miss their series by this factor."""
+_ANGLE_ROUND_OFF = 1e-9
+HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
+
+
+class Joint(Table):
+    """[joint]: stiffnesses of every hinge, and the mode of the panel on its hinges whose damping is given.
+
+    Damping is proportional to stiffness, as structural damping is, which takes its place where the scene has that.
+    """
+
+    axial_stiffness: Stiffness = 2e6
+    radial_stiffness: Stiffness = 5e6
+    cross_stiffness: TurningStiffness = 2e4
+    damping_ratio: Annotated[Ratio, Field(le=1.0)] = 0.05
+    damping_frequency: PositiveFrequency = 184.0
+
+    @property
+    def time(self) -> float:
+        """Damping over stiffness, s."""
+        return damping_time(self.damping_ratio, self.damping_frequency)
+
+
+class Friction(Table):
+    """[friction]: pins of every hinge; the transition velocity is raised beside a flexible body."""
+
+    coefficient: Ratio = 0.0
+    static_ratio: Annotated[PositiveRatio, Field(ge=1.0)] = 1.2
+    pin_radius: Length = 0.006
+    bending_arm: Arm = 0.0
+    stiction_velocity: AngularRate = 0.0167
+    flexible_stiction_factor: PositiveRatio = 10.0
+
+
+class Hinge(Table):
+    """One hinge of a line between points of its two bodies; stiffnesses along (about) the line come first."""
+
+    name: Name
+    inboard: str
+    outboard: str
+    kind: HingeKind = "revolute"
+    translational_stiffness: Stiffnesses | None = None
+    rotational_stiffness: TurningStiffnesses | None = None
+    harness: bool = False
+    sensor: bool = False
+
+    @model_validator(mode="after")
+    def _bushing_is_complete(self) -> Self:
+        if self.kind == "bushing" and None in (self.translational_stiffness, self.rotational_stiffness):
+            raise ValueError("a bushing needs translational_stiffness and rotational_stiffness")
+        return self
+
+
+class Motor(Table):
+    """Motorisation spring of a line: torques at the stowed and at the latch angle, positive opening."""
+
+    stowed: Torque
+    deployed: Torque
+
+    @model_validator(mode="after")
+    def _falling(self) -> Self:
+        if not self.stowed > self.deployed:
+            raise ValueError("the torque of a spring falls while it opens; stowed must exceed deployed")
+        return self
+
+
+class Harness(Table):
+    """Harness of a line: table of the torque that resists opening over the hinge angle."""
+
+    angle: tuple[Angle, ...]
+    resisting_torque: tuple[Torque, ...]
+
+    @model_validator(mode="after")
+    def _table(self) -> Self:
+        if len(self.angle) < 2 or len(self.angle) != len(self.resisting_torque):
+            raise ValueError("give at least two angles and as many torques")
+        if any(b <= a for a, b in pairwise(self.angle)):
+            raise ValueError("the angles of the table must increase")
+        return self
+
+
+class MeasuredLatch(Table):
+    """Measured torque of a latched line over its deflection, both increasing through zero."""
+
+    deflection: tuple[Angle, ...]
+    torque: tuple[Torque, ...]
+
+    @model_validator(mode="after")
+    def _curve(self) -> Self:
+        if len(self.deflection) < 2 or len(self.deflection) != len(self.torque):
+            raise ValueError("give at least two deflections and as many torques")
+        for values in (self.deflection, self.torque):
+            if any(b <= a for a, b in pairwise(values)):
+                raise ValueError("deflections and torques must increase")
+        return self
+
+
+class Latch(Table):
+    """Latch of a line: its whole stiffness, and how much of the structure's compliance each side contributes.
+
+    A side that is not given adds no compliance. What neither side models is the latch spring: where bodies hold
+    all of it, the latch is kinematic. kind: "kinematic" or "spring" (of `stiffness`) whatever the bodies hold.
+    measured: the torque of the hinges, in place of a linear spring where both sides are modelled with their
+    compliance. The effective inertia turns the damping ratio into N.m.s/rad; where the scene has structural damping,
+    the latch has that instead.
+    """
+
+    kind: Literal["by_fidelity", "kinematic", "spring"] = "by_fidelity"
+    stiffness: TurningStiffness
+    inboard_stiffness: TurningStiffness | None = None
+    outboard_stiffness: TurningStiffness | None = None
+    effective_inertia: MomentOfInertia
+    damping_ratio: Ratio = 0.02
+    measured: MeasuredLatch | None = None
+
+    @model_validator(mode="after")
+    def _sides_stiffer_than_line(self) -> Self:
+        for side, stiffness in (("inboard", self.inboard_stiffness), ("outboard", self.outboard_stiffness)):
+            if stiffness is not None and stiffness < self.stiffness:
+                raise ValueError(
+                    f"{side}_stiffness {stiffness:g} N.m/rad is less than the line's {self.stiffness:g}"
+                )
+        if self.inboard_stiffness is not None and self.outboard_stiffness is not None:
+            both = 1.0 / (1.0 / self.inboard_stiffness + 1.0 / self.outboard_stiffness)
+            if self.stiffness > _ROUNDED * both:
+                raise ValueError(
+                    f"inboard_stiffness and outboard_stiffness in series are {both:g} N.m/rad, less than the line's "
+                    f"{self.stiffness:g}, which they are part of"
+                )
+        return self
+
+
+class HingeLine(Table):
+    """[[hinge_line]]: one rotation between two bodies; torques are totals that its hinges share.
+
+    start_angle: where a run begins, by default the stowed angle. held: the line does not move, and what it joins
+    is one rigid piece.
+    """
+
+    name: Name
+    inboard: str
+    outboard: str
+    axis: Axis
+    aligned_angle: Angle
+    stowed_angle: Angle = 0.0
+    start_angle: Angle | None = None
+    latch_angle: Angle | None = None
+    held: bool = False
+    motor: Motor | None = None
+    harness: Harness | None = None
+    friction_preload: FrictionTorque = 0.0
+    latch: Latch | None = None
+    hinges: tuple[Hinge, ...]
+
+    @property
+    def deployed_angle(self) -> float:
+        """Latch angle, where the motor has its deployed torque; by default the aligned angle."""
+        return self.aligned_angle if self.latch_angle is None else self.latch_angle
+
+    @property
+    def initial_angle(self) -> float:
+        """Angle at which a run begins."""
+        return self.stowed_angle if self.start_angle is None else self.start_angle
+
+    @property
+    def motor_energy(self) -> float:
+        """Energy (J) that the motorisation spring gives from the initial to the deployed angle, 0 without one."""
+        if self.motor is None:
+            return 0.0
+        left = self.deployed_angle - self.initial_angle
+        rise = (self.motor.stowed - self.motor.deployed) / (self.deployed_angle - self.stowed_angle)
+        return max(0.0, left * (self.motor.deployed + 0.5 * rise * left))
+
+    @property
+    def sensor(self) -> str:
+        """Name of the hinge whose angle latches the line: the marked one, else the first."""
+        return next((hinge.name for hinge in self.hinges if hinge.sensor), self.hinges[0].name)
+
+    @property
+    def _starts_beyond_its_latch(self) -> bool:
+        latches = self.latch is not None and not self.held
+        return latches and self.initial_angle > self.deployed_angle + _ANGLE_ROUND_OFF
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if not self.hinges:
+            raise ValueError("a line needs at least one hinge")
+        if sum(hinge.sensor for hinge in self.hinges) > 1:
+            raise ValueError("only one hinge of a line can carry the sensor")
+        if (self.harness is not None) != any(hinge.harness for hinge in self.hinges):
+            raise ValueError("give a table harness and mark the hinges that carry it, or neither")
+        if not self.deployed_angle > self.stowed_angle:
+            raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
+        if self._starts_beyond_its_latch:
+            start, latch = degrees(self.initial_angle), degrees(self.deployed_angle)
+            raise ValueError(
+                f"start_angle {start:g} deg is beyond the latch angle {latch:g} deg; the line would never latch"
+            )
+        return self

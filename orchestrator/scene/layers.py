@@ -1,0 +1,166 @@
+"""Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
+
+Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
+name away. Everything else replaces what was there. A merge that cannot be is a SceneError.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .table import SceneError
+
+Tree = dict[str, Any]
+
+_EXTENDS, _VARIANT, _REMOVE = "extends", "variant", "remove"
+
+
+@dataclass(frozen=True, slots=True)
+class Layers:
+    """A scene file over what it extends, and its variants; `added` are keys of entries that the file adds by name."""
+
+    file: str
+    tree: Tree
+    variants: Mapping[str, Tree]
+    added: frozenset[str]
+
+    def over(self, variants: Sequence[str], settings: Sequence[str] = ()) -> tuple[Tree, frozenset[str]]:
+        """The tree with variants and settings ("key.key=value") laid over it in order, and the keys of added entries.
+
+        SceneError where a variant does not exist or a layer cannot be merged.
+        """
+        unknown = [name for name in variants if name not in self.variants]
+        if unknown:
+            names = ", ".join(self.variants) or "none"
+            raise SceneError(
+                [f"{self.file}: there is no variant {name!r}; variants are {names}" for name in unknown]
+            )
+        tree, added = self.tree, set(self.added)
+        for name in variants:
+            tree = _merged_layer(f"{self.file}: variant.{name}.", tree, self.variants[name], added)
+        for setting in settings:
+            tree = _merged_layer(f"{self.file}: ", tree, _setting(self.file, setting, tree), added)
+        return tree, frozenset(added)
+
+
+def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
+    """The layers of a scene file; find: the file that a name after `extends` means.
+
+    SceneError where a layer is missing or cannot be read.
+    """
+    added: set[str] = set()
+    tree = _with_extended(path, find, (), added)
+    known = tree.pop(_VARIANT, {})
+    if not isinstance(known, dict) or not all(isinstance(layer, dict) for layer in known.values()):
+        raise SceneError([f"{path.name}: variant: give a table [variant.NAME] for each variant"])
+    return Layers(path.name, tree, known, frozenset(added))
+
+
+def _merged_layer(place: str, below: Tree, above: Tree, added: set[str]) -> Tree:
+    """A merge whose problems say where the layer is from."""
+    try:
+        return merged(below, above, added)
+    except SceneError as error:
+        raise SceneError([place + problem for problem in error.problems]) from None
+
+
+def _with_extended(
+    path: Path, find: Callable[[str], Path], within: tuple[Path, ...], added: set[str]
+) -> Tree:
+    """The tree of a file merged over the one that it extends."""
+    place = path.resolve()  # one file has many relative paths
+    if place in within:
+        raise SceneError(
+            [f"{path.name}: extends: {' -> '.join(p.name for p in (*within, place))} is a circle"]
+        )
+    tree = _read(path)
+    if _EXTENDS not in tree:
+        return tree
+    name = tree.pop(_EXTENDS)
+    if not isinstance(name, str):
+        raise SceneError([f"{path.name}: extends: is {name!r}; give the name of a scene or a file"])
+    beside = path.parent / name
+    below = beside if beside.is_file() else find(name)
+    under = _with_extended(below, find, (*within, place), added)
+    return _merged_layer(f"{path.name}: ", under, tree, added)
+
+
+def _read(path: Path) -> Tree:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except UnicodeDecodeError as error:
+        raise SceneError(
+            [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
+        ) from None
+    except (OSError, tomllib.TOMLDecodeError) as error:
+        raise SceneError([f"{path.name}: {error}"]) from None
+
+
+def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
+    """A new tree: `above` laid over `below`; keys of entries that are new in an array go into `added`."""
+    tree = deepcopy(below)
+    for key, value in above.items():
+        old, place = tree.get(key), f"{within}{key}"
+        if isinstance(old, dict) and isinstance(value, dict):
+            tree[key] = merged(old, value, added, f"{place}.")
+        elif _is_named(old) and _is_named(value):
+            tree[key] = _merged_entries(place, old, value, added)
+        else:
+            tree[key] = deepcopy(value)
+    return tree
+
+
+def _is_named(value: object) -> bool:
+    """Whether a value is an array of tables that have names."""
+    return isinstance(value, list) and all(
+        isinstance(entry, dict) and isinstance(entry.get("name"), str) for entry in value
+    )
+
+
+def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[Tree]:  # noqa: ANN401 - both are arrays of tables
+    entries = {entry["name"]: entry for entry in below}
+    if len(entries) < len(below):  # the later would hide the earlier, and nobody could say so any more
+        raise SceneError([f"{key}: two entries have the same name, so a layer cannot tell which it is about"])
+    for entry in above:
+        name = entry["name"]
+        if entry.get(_REMOVE) is not True:
+            if name not in entries:
+                added.add(f"{key}.{name}")
+            entries[name] = merged(entries.get(name, {}), entry, added, f"{key}.{name}.")
+        elif entries.pop(name, None) is None:
+            known = ", ".join(entries) or "none"
+            raise SceneError([f"{key}.{name}: there is no such entry to remove; entries are {known}"])
+    return list(entries.values())
+
+
+def _setting(file: str, setting: str, tree: Tree) -> Tree:
+    """A layer that holds one value: body.panel.fixed_interface_modes=5."""
+    key, equals, text = setting.partition("=")
+    steps = [step.strip() for step in key.split(".")]
+    if not equals or not all(steps):
+        raise SceneError([f"{file}: the setting {setting!r} is not of the form table.key=value"])
+    try:
+        value: Any = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    return _nested(file, setting, steps, value, tree)
+
+
+def _nested(file: str, setting: str, steps: Sequence[str], value: object, tree: object) -> Tree:
+    """The value under its steps; a step into an array of tables is the name of an entry."""
+    step, rest = steps[0], steps[1:]
+    if not rest:
+        return {step: value}
+    inner = tree.get(step) if isinstance(tree, dict) else None
+    if not (isinstance(inner, list) and inner and _is_named(inner)):
+        return {step: _nested(file, setting, rest, value, inner)}
+    entry = next((entry for entry in inner if entry["name"] == rest[0]), None)
+    if entry is None or len(rest) == 1:
+        known = ", ".join(str(entry["name"]) for entry in inner)
+        raise SceneError([f"{file}: the setting {setting!r} needs a key of one of {step}: {known}"])
+    return {step: [{"name": rest[0], **_nested(file, setting, rest[1:], value, entry)}]}

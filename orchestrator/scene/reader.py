@@ -1,0 +1,196 @@
+"""A scene file, with its layers, as a checked scene."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from components import ComponentError
+from components.contract.frames import Vector3
+
+from . import consistency as scene_check
+from .bodies import attachments, body_points, scene_points, start_poses
+from .body_tables import Base, Body
+from .component_connections import buried_contacts, connection_problems
+from .connection_tables import Ccl, Connection, Damper
+from .damping import StructuralDamping
+from .hinge_line_tables import Friction, HingeLine, Joint
+from .layers import Layers, Tree, read_layers
+from .schema import Header, Scene
+from .table import SceneError
+from .validation import Entries, EntryReader
+
+_STRUCTURAL = "structural_damping"
+_TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
+_ARRAYS = {"body", "hinge_line", "ccl", "damper", "connection"}
+_ANY_HEADER = Header(name="any", until=1.0)
+
+
+def _scene_folder() -> Path:
+    return Path(str(files(__package__))) / "scenes"
+
+
+def list_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with Fanfold."""
+    return tuple(sorted(path.stem for path in _scene_folder().glob("*.toml")))
+
+
+def find_scene(name_or_path: str) -> Path:
+    """The file of a named scene or at a path; SceneError if there is neither."""
+    for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
+        if path.is_file():
+            return path
+    known = ", ".join(list_scenes())
+    raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
+
+
+def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> Scene:
+    """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it.
+
+    Every variant of the file, chosen or not, must be a sound scene when it alone is laid over the file.
+    """
+    layers = read_layers(path, find_scene)
+    scene, problems = _checked(path.name, *layers.over(variants, settings))
+    below = _checked(path.name, *layers.over(()))[1] if layers.variants else []
+    own = {name: [p for p in _problems_of(layers, name) if p not in below] for name in layers.variants}
+    told = {problem for name in variants for problem in own[name]}
+    sentences = [problem for problem in problems if problem not in told]
+    sentences += [f"variant.{name}.{problem}" for name, found in own.items() for problem in found]
+    if scene is not None:
+        known = ", ".join(layers.variants) or "none"
+        sentences += [
+            f"scene.phases: there is no variant {phase!r}; variants are {known}"
+            for phase in scene.header.phases
+            if phase not in layers.variants
+        ]
+    if scene is None or sentences:
+        raise SceneError([f"{path.name}: {sentence}" for sentence in sentences])
+    return scene
+
+
+def _problems_of(layers: Layers, variant: str) -> list[str]:
+    """What is wrong with a file under one of its variants alone."""
+    try:
+        return _checked(layers.file, *layers.over([variant]))[1]
+    except SceneError as error:
+        place = f"{layers.file}: variant.{variant}."
+        return [problem.removeprefix(place) for problem in error.problems]
+
+
+def scene_variants(path: Path) -> tuple[str, ...]:
+    """Names of the variants of a scene file."""
+    return tuple(read_layers(path, find_scene).variants)
+
+
+def read_scene(file: str, tree: Tree) -> Scene:
+    """Check a tree of tables; SceneError with everything that is wrong with it."""
+    scene, problems = _checked(file, tree)
+    if scene is None:
+        raise SceneError([f"{file}: {problem}" for problem in problems])
+    return scene
+
+
+def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene | None, list[str]]:
+    """The scene of a tree, None where it has problems, and these."""
+    reader = EntryReader(tree, added)
+    known = ", ".join(sorted(_TABLES | _ARRAYS))
+    reader.note(
+        f"{key}: is not a known table; tables are {known}" for key in tree if key not in _TABLES | _ARRAYS
+    )
+    header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
+    joint, friction = (
+        reader.table("joint", Joint, required=False),
+        reader.table("friction", Friction, required=False),
+    )
+    structural = reader.table(_STRUCTURAL, StructuralDamping, required=True) if _STRUCTURAL in tree else None
+    bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
+    loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
+    connections = reader.tables("connection", Connection)
+    placed = _References(reader, base, bodies, lines, loops, dampers, connections).check()
+    refused = {c.name for c in connections.saying("kind") if reader.note(connection_problems(c))}
+    if base is None or not placed:
+        return None, reader.problems
+    # where bodies stand and touch can be told whatever else is wrong
+    scene = Scene(
+        file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
+        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
+    )  # fmt: skip
+    points = scene_points(scene)
+    poses = start_poses(scene, points)
+    if not reader.note(scene_check.open_hinges(scene, points, poses)):
+        reader.note(buried_contacts(scene, points, poses, refused))
+    return None if reader.problems else scene, reader.problems
+
+
+@dataclass(frozen=True, slots=True)
+class _References:
+    """What the tables of a scene say about each other, as far as they say enough."""
+
+    reader: EntryReader
+    base: Base | None
+    bodies: Entries[Body]
+    lines: Entries[HingeLine]
+    loops: Entries[Ccl]
+    dampers: Entries[Damper]
+    connections: Entries[Connection]
+
+    def check(self) -> bool:
+        """Note all problems; whether the start poses of all bodies can be told."""
+        note, lines = self.reader.note, self.lines.saying("inboard", "outboard", "hinges")
+        note(scene_check.repeated_names(self._named()))
+        points = self._points()
+        note(scene_check.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
+        if self.base is None:
+            return False
+        known = [line for line in lines if line.inboard in points and line.outboard in points]
+        loops, connections = self.loops.saying("pulley_1", "pulley_2"), self.connections.saying("ports")
+        found = list(attachments(known, loops, (), connections))  # dampers sit where hinges do
+        placed = [body.name for body in self.bodies.sound if body.place is not None]
+        lost = [
+            note(scene_check.unknown_bodies(lines, points)),
+            note(scene_check.unknown_places(found, points)),
+            note(scene_check.misplaced(self.bodies.sound, points)),
+            note(scene_check.repeated_ports(found)),
+            note(scene_check.misdirected(self.base.name, known, placed)),
+        ]
+        if len(known) < self.lines.total or lost[-1]:
+            return False  # of a broken tree nobody can say what hangs on it
+        carried = [body.name for body in self.bodies.sound if body.place is None]
+        lost.append(note(scene_check.disconnected(self.base.name, carried, known)))
+        all_sound = len(self.lines.sound) == self.lines.total and None not in points.values()
+        return all_sound and not any(lost)
+
+    def _named(self) -> Iterator[tuple[str, str]]:
+        """Keys and names of all components, sound or not."""
+        if self.base is not None:
+            yield "base", self.base.name
+        for key, entries in (
+            ("body", self.bodies), ("hinge_line", self.lines), ("ccl", self.loops), ("damper", self.dampers),
+            ("connection", self.connections),
+        ):  # fmt: skip
+            for name in entries.names:
+                yield f"{key}.{name}", name
+        for line in self.lines.saying("hinges"):
+            for hinge in line.hinges:
+                yield f"hinge_line.{line.name}.hinges.{hinge.name}", hinge.name
+
+    def _hinges(self) -> list[str]:
+        """Names of all hinges, those of unsound lines too."""
+        lines = [line for line in self.reader.entries("hinge_line") if isinstance(line.get("hinges"), list)]
+        hinges = [hinge for line in lines for hinge in line["hinges"] if isinstance(hinge, dict)]
+        return [hinge["name"] for hinge in hinges if isinstance(hinge.get("name"), str)]
+
+    def _points(self) -> dict[str, Mapping[str, Vector3] | None]:
+        """Points by body, the base's first; None where a body does not tell its points."""
+        points: dict[str, Mapping[str, Vector3] | None] = {}
+        if self.base is not None:
+            points[self.base.name] = self.base.points
+        points |= dict.fromkeys(self.bodies.names)
+        for body in self.bodies.sound:
+            try:
+                points[body.name] = body_points(body)
+            except ComponentError as error:
+                self.reader.note([f"body.{body.name}.catalogue: {error}"])
+        return points

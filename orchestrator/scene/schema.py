@@ -1,0 +1,47 @@
+"""A scene: every table of its file, each checked on its own; `consistency` checks what they say about each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from .body_tables import Base, Body
+from .connection_tables import Ccl, Connection, Damper
+from .damping import StructuralDamping
+from .hinge_line_tables import Friction, HingeLine, Joint
+from .table import ORIGIN, Name, SceneName, Table
+from .units import Acceleration, Duration, PositiveRatio
+
+
+class Header(Table):
+    """[scene]: what to run; `phases` are variants that run one after the other, each from its own start."""
+
+    name: SceneName
+    description: str = ""
+    until: Duration
+    tolerance: Annotated[PositiveRatio, Field(ge=1e-10, le=0.1)] = 1e-4
+    largest_step: Duration = 0.02
+    preload: bool = False
+    gravity: Acceleration = ORIGIN
+    phases: tuple[Name, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """A scene file, with its layers merged into one tree, that was read and found consistent."""
+
+    file: str
+    tree: Mapping[str, Any]
+    header: Header
+    base: Base
+    joint: Joint
+    structural_damping: StructuralDamping | None
+    friction: Friction
+    bodies: tuple[Body, ...]
+    hinge_lines: tuple[HingeLine, ...]
+    loops: tuple[Ccl, ...]
+    dampers: tuple[Damper, ...]
+    connections: tuple[Connection, ...]

@@ -1,0 +1,91 @@
+"""What every table of a scene file is made of: strict models, names, axes, inertia tensors."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
+
+from components import ComponentError
+from components.body import Body as BodyComponent
+from components.contract.frames import Vector3
+from components.flexible.modal import ModalData
+
+from .units import Position, to_si
+
+Tensor = tuple[Vector3, Vector3, Vector3]
+
+_AXES = {
+    f"{sign}{letter}": tuple(factor if i == j else 0.0 for j in range(3))
+    for sign, factor in (("+", 1.0), ("-", -1.0))
+    for i, letter in enumerate("xyz")
+}
+
+
+class SceneError(Exception):
+    """Everything that is wrong with a scene, one sentence a problem."""
+
+    def __init__(self, problems: list[str]) -> None:
+        super().__init__("\n".join(problems))
+        self.problems = problems
+
+
+def _identifier(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z]\w*", value):
+        raise ValueError(f"is {value!r}; a name starts with a letter and has only letters, digits and _")
+    return value
+
+
+def _scene_name(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z][\w-]*", value):
+        raise ValueError(f"is {value!r}; a name starts with a letter and has only letters, digits, _ and -")
+    return value
+
+
+def _axis(value: object) -> object:
+    if not isinstance(value, str) or value not in _AXES:
+        raise ValueError(f"is {value!r}; it must be one of +x, -x, +y, -y, +z, -z")
+    return _AXES[value]
+
+
+def _tensor(value: object) -> object:
+    """Principal moments (3) or xx, yy, zz, xy, xz, yz (6) of the tensor as a symmetric matrix."""
+    if not isinstance(value, list | tuple) or len(value) not in (3, 6):
+        raise ValueError(
+            f"is {value!r}; give three principal moments, or the six entries xx, yy, zz, xy, xz, yz"
+        )
+    entries = [to_si(entry, "kg.m2") for entry in value]
+    a, b, c, d, e, f = entries if len(entries) == 6 else (*entries, 0.0, 0.0, 0.0)
+    return ((a, d, e), (d, b, f), (e, f, c))
+
+
+def _physical(value: Tensor) -> Tensor:
+    """The body component itself says what it accepts."""
+    try:
+        BodyComponent(modal=ModalData.rigid(1.0, (0.0,) * 3, value, {}).to_arrays(), ports=[])
+    except ComponentError as error:
+        raise ValueError(str(error)) from None
+    return value
+
+
+Name = Annotated[str, AfterValidator(_identifier)]
+SceneName = Annotated[str, AfterValidator(_scene_name)]
+Axis = Annotated[Vector3, BeforeValidator(_axis)]
+Inertia = Annotated[Tensor, BeforeValidator(_tensor), AfterValidator(_physical)]
+Y_AXIS: Vector3 = (0.0, 1.0, 0.0)
+ORIGIN: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Table(BaseModel):
+    """A table of the file: frozen, no unknown keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Seat(Table):
+    """Where something sits on a body: a point and a rigid arm from it."""
+
+    body: str
+    point: str
+    offset: Position = ORIGIN

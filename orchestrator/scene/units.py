@@ -1,0 +1,114 @@
+"""Quantities in scene files: a plain number in SI units, or a string with a unit such as "90 deg"."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from math import degrees, isfinite, pi
+from typing import Annotated, Literal
+
+from pydantic import BeforeValidator
+
+from components.contract.frames import Vector3
+
+Sign = Literal["any", "zero or positive", "positive"]
+
+_TURNING = {"rad": 1.0, "deg": pi / 180.0}
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "1": {"1": 1.0, "%": 0.01},
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+    "rad": _TURNING,
+    "s": {"s": 1.0, "ms": 1e-3},
+    "Hz": {"Hz": 1.0, "kHz": 1e3},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
+    "m/s2": {"m/s2": 1.0, "mm/s2": 1e-3},
+    "rad/s": {f"{unit}/s": factor for unit, factor in _TURNING.items()},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg.m2": {"kg.m2": 1.0},
+    "kg/m3": {"kg/m3": 1.0},
+    "N": {"N": 1.0, "kN": 1e3},
+    "N.m": {"N.m": 1.0, "N.mm": 1e-3},
+    "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
+    "N.s/m": {"N.s/m": 1.0, "N.s/mm": 1e3},
+    "N.m/rad": {f"N.m/{unit}": 1.0 / factor for unit, factor in _TURNING.items()},
+    "N.m.s/rad": {f"N.m.s/{unit}": 1.0 / factor for unit, factor in _TURNING.items()},
+}
+"""Factors to the SI unit by SI unit, in the unit syntax of `components.Quantity`."""
+
+
+def to_si(value: object, unit: str, sign: Sign = "any") -> float:
+    """The value in the given SI unit; ValueError with a sentence if it is none or has the wrong sign."""
+    if isinstance(value, str):
+        number, _, given = value.strip().partition(" ")
+        given = given.strip()
+        factor = UNITS[unit].get(given or "1")
+        if factor is None:
+            known = " or ".join(UNITS[unit])
+            raise ValueError(f"is {value!r}; give a number, a space and the unit {known}")
+    else:
+        number, factor = str(value), 1.0
+    try:
+        if isinstance(value, bool):
+            raise ValueError
+        result = float(number) * factor
+    except ValueError:
+        raise ValueError(f"is {value!r}; it must be a number of {unit} or a text like '1 {unit}'") from None
+    if not isfinite(result):
+        raise ValueError(f"is {value!r}; it must be finite")
+    if (sign == "positive" and result <= 0.0) or (sign == "zero or positive" and result < 0.0):
+        raise ValueError(f"is {value!r}; it must be {sign}")
+    return result
+
+
+def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise ValueError(f"is {value!r}; it must be a list of three values in {unit}")
+    return tuple(to_si(entry, unit, sign) for entry in value)
+
+
+def quantity(unit: str, sign: Sign = "any") -> BeforeValidator:
+    """Annotation of a float field that is read as a quantity."""
+    return BeforeValidator(partial(to_si, unit=unit, sign=sign))
+
+
+def vector(unit: str, sign: Sign = "any") -> BeforeValidator:
+    """Annotation of a field of three floats, each read as a quantity."""
+    return BeforeValidator(partial(_vector, unit=unit, sign=sign))
+
+
+def damping_time(ratio: float, frequency: float) -> float:
+    """Damping over stiffness (s) that gives a mode of this frequency (Hz) this fraction of critical damping.
+
+    c / k = 2 zeta / w for a mode on one spring, and for every mode where C is proportional to K.
+    """
+    return 2.0 * ratio / (2.0 * pi * frequency)
+
+
+Ratio = Annotated[float, quantity("1", "zero or positive")]
+PositiveRatio = Annotated[float, quantity("1", "positive")]
+Length = Annotated[float, quantity("m", "positive")]
+Arm = Annotated[float, quantity("m", "zero or positive")]
+Position = Annotated[Vector3, vector("m")]
+Acceleration = Annotated[Vector3, vector("m/s2")]
+Angle = Annotated[float, quantity("rad")]
+AngularRate = Annotated[float, quantity("rad/s", "positive")]
+PeakRate = Annotated[float, quantity("rad/s", "zero or positive")]
+Duration = Annotated[float, quantity("s", "positive")]
+Frequency = Annotated[float, quantity("Hz", "zero or positive")]
+PositiveFrequency = Annotated[float, quantity("Hz", "positive")]
+Mass = Annotated[float, quantity("kg", "positive")]
+MomentOfInertia = Annotated[float, quantity("kg.m2", "positive")]
+Force = Annotated[float, quantity("N", "zero or positive")]
+Torque = Annotated[float, quantity("N.m")]
+FrictionTorque = Annotated[float, quantity("N.m", "zero or positive")]
+Stiffness = Annotated[float, quantity("N/m", "positive")]
+Stiffnesses = Annotated[Vector3, vector("N/m", "zero or positive")]
+TurningStiffness = Annotated[float, quantity("N.m/rad", "positive")]
+TurningStiffnesses = Annotated[Vector3, vector("N.m/rad", "zero or positive")]
+Damping = Annotated[float, quantity("N.s/m", "zero or positive")]
+TurningDamping = Annotated[float, quantity("N.m.s/rad", "zero or positive")]
+
+
+def degrees_text(angle: float, decimals: int) -> str:
+    """An angle (rad) in degrees, never as -0."""
+    return f"{round(float(degrees(angle)), decimals) + 0.0:.{decimals}f}"

@@ -1,0 +1,182 @@
+"""Overlays of two results: A drawn through, B dashed, one colour per hinge line or component."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..results.compare import in_either, labels, recording
+from ..results.key_figures import latch_times, line_latch_torque
+from ..results.result import Result
+from .plots import OTHER_FORCES, Drawing
+from .style import COLOURS, STYLE, WIDTH
+
+Vector = NDArray[np.float64]
+Both = tuple[Result, Result]
+
+_RUNS: Final[tuple[dict[str, Any], ...]] = (
+    {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.5},
+    {"color": COLOURS[1], "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
+)
+_AFTER_LATCH = 1.5
+_BEFORE_LATCH = 0.05
+
+
+class Panel(NamedTuple):
+    """Axes with one quantity of both results: curves are (time, values), None where a result has none."""
+
+    title: str
+    label: str
+    curves: tuple[tuple[Vector, Vector] | None, ...]
+    xlabel: str = "time, s"
+
+
+def plot_comparison(a: Result, b: Result, directory: Path, format: str = "png") -> list[Path]:
+    """Write every overlay that the signals allow; the paths written."""
+    directory.mkdir(parents=True, exist_ok=True)
+    written = []
+    for name, _, figure in draw_comparison(a, b):
+        written.append(directory / f"compare_{name}.{format}")
+        figure.savefig(written[-1])
+    return written
+
+
+def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
+    """Every overlay that the signals of at least one result allow."""
+    with mpl.rc_context(STYLE):
+        for name, (title, panels_of, columns) in _OVERLAYS.items():
+            panels = panels_of((a, b))
+            if panels:
+                names = labels(a, b)
+                caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
+                curves = tuple(_curve_name(text, result) for text, result in zip(names, (a, b), strict=True))
+                yield Drawing(name, caption, _overlay(title, panels, columns, (curves[0], curves[1])))
+
+
+def _curve_name(name: str, result: Result) -> str:
+    """For the legend."""
+    return name if result.complete else f"{name}, interrupted at t = {result.time[-1]:.6g} s"
+
+
+def _overlay(title: str, panels: Sequence[Panel], columns: int, names: tuple[str, str]) -> Figure:
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(WIDTH, 0.9 + 2.0 * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(title)
+    grid = figure.subplots(rows, columns, squeeze=False)
+    for axes, panel in zip(grid.flat, panels, strict=False):
+        _draw_panel(axes, panel, names)
+    for axes in list(grid.flat)[len(panels) :]:
+        axes.set_visible(False)
+    handles: dict[str, Any] = {}
+    for axes in grid.flat:
+        handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    figure.legend(list(handles.values()), list(handles), loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def _draw_panel(axes: Axes, panel: Panel, names: tuple[str, str]) -> None:
+    for name, curve, style in zip(names, panel.curves, _RUNS, strict=True):
+        if curve is not None:
+            axes.plot(*curve, label=name, **style)
+    axes.set_title(panel.title, fontsize=9)
+    axes.set(xlabel=panel.xlabel, ylabel=panel.label)
+
+
+def _signal(result: Result, name: str, variable: str, column: int = 0) -> tuple[Vector, Vector] | None:
+    if not result.has(name, variable):
+        return None
+    return result.time, result.signal(name, variable).reshape(result.time.size, -1)[:, column]
+
+
+def _angles(both: Both) -> list[Panel]:
+    """Angle of every hinge line's sensor."""
+    sensors = {line.name: line.sensor for result in both for line in result.hinge_lines}
+    panels = []
+    for line, sensor in sensors.items():
+        curves = [_signal(result, sensor, "angle") for result in both]
+        if any(curves):
+            in_degrees = tuple(curve and (curve[0], np.rad2deg(curve[1])) for curve in curves)
+            panels.append(Panel(line, "hinge angle, deg", in_degrees))
+    return panels
+
+
+def _latch_torques(both: Both) -> list[Panel]:
+    """Latch torque of every line over the run, and beside it over the time since its own latch-up."""
+    times = [latch_times(result) for result in both]
+    panels = []
+    for name in in_either(tuple(times[0]), tuple(times[1])):
+        whole, close = [], []
+        for result, latched in zip(both, times, strict=True):
+            line = next((line for line in result.hinge_lines if line.name == name), None)
+            torque = None if line is None or name not in latched else line_latch_torque(result, line)
+            whole.append(None if torque is None else (result.time, torque))
+            close.append(None if torque is None else _since(result.time, torque, latched[name]))
+        panels.append(Panel(name, "latch torque, N.m", tuple(whole)))
+        panels.append(
+            Panel(f"{name}, from latch-up", "latch torque, N.m", tuple(close), "time since latch-up, s")
+        )
+    return panels
+
+
+def _since(time: Vector, values: Vector, start: float) -> tuple[Vector, Vector]:
+    shown = (time >= start - _BEFORE_LATCH) & (time <= start + _AFTER_LATCH)
+    return time[shown] - start, values[shown]
+
+
+def _of_components(*variables: tuple[str, str], mark: str = "") -> Callable[[Both], list[Panel]]:
+    """Panels of scalar signals of every component that records them, and the mark; variables: names with labels."""
+
+    def panels(both: Both) -> list[Panel]:
+        found = []
+        for variable, label in variables:
+            for name in in_either(*(recording(result, variable, mark) for result in both)):
+                curves = tuple(_signal(result, name, variable) for result in both)
+                found.append(Panel(f"{name}: {variable.replace('_', ' ')}", label, curves))
+        return found
+
+    return panels
+
+
+def _interface_loads(both: Both) -> list[Panel]:
+    """Force and torque side by side, component by component."""
+    panels = []
+    for name in in_either(*(result.recording("interface_force") for result in both)):
+        for k, axis in enumerate("xyz"):
+            for kind, unit in (("force", "N"), ("torque", "N.m")):
+                curves = tuple(_signal(result, name, f"interface_{kind}", k) for result in both)
+                panels.append(Panel(f"{name}: {kind} {axis}", f"{kind} {axis}, {unit}", curves))
+    return panels
+
+
+_OVERLAYS: Final[dict[str, tuple[str, Callable[[Both], list[Panel]], int]]] = {
+    "angles": ("Deployment angles", _angles, 1),
+    "latch_torques": ("Latch torque, sum over the hinges of a line", _latch_torques, 2),
+    "interface_loads": ("Loads at the interface with the spacecraft", _interface_loads, 2),
+    "cable_forces": (
+        "Closed cable loops",
+        _of_components(
+            ("tension_a", "tension, N"),
+            ("tension_b", "tension, N"),
+            ("axial_force", "force, N"),
+            ("lateral_force", "force, N"),
+            mark="tension_a",
+        ),
+        2,
+    ),
+    "damper_torques": ("Damper torque", _of_components(("damper_torque", "damper torque, N.m")), 1),
+    "drive_torques": ("Drive torque", _of_components(("drive_torque", "drive torque, N.m")), 1),
+    "other_forces": (
+        "Contacts, suspensions, rails and air",
+        _of_components(*((variable, "force, N") for variable in OTHER_FORCES)),
+        1,
+    ),
+}

@@ -1,0 +1,99 @@
+"""Figures of linear analyses: mode shapes, and frequency responses as magnitude and phase."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
+from numpy.typing import NDArray
+
+from components.contract.component import Vector
+
+from ..analysis.statics.linear_model import LinearModel, NormalModes
+from ..analysis.statics.mechanism import Mechanism
+from .style import COLOURS, DASHES, STYLE, WIDTH
+
+_LARGEST_DEFLECTION = 0.12
+"""of the size of the whole, in a picture of a mode"""
+_THINNEST = 0.35
+"""of that size, for a side of the picture"""
+
+
+def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Sequence[int]) -> list[Path]:
+    """One picture a mode: the configuration in grey, the mode in colour; the paths written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for k in which:
+        rest = _nodes(model.mechanism, np.zeros(len(model.mass)))
+        moved = _nodes(model.mechanism, modes.shapes[:, k])
+        corners = np.concatenate([faces.reshape(-1, 3) for faces in rest] or [np.zeros((1, 3))])
+        size = float(np.ptp(corners, axis=0).max()) or 1.0
+        largest = max((float(np.abs(b - a).max()) for a, b in zip(rest, moved, strict=True)), default=0.0)
+        scale = _LARGEST_DEFLECTION * size / (largest or 1.0)
+        shown = [a + scale * (b - a) for a, b in zip(rest, moved, strict=True)]
+        with mpl.rc_context(STYLE):
+            figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+            FigureCanvasAgg(figure)
+            axes: Any = figure.add_subplot(projection="3d")
+            for faces, colour, alpha in ((rest, "0.6", 0.15), (shown, COLOURS[0], 0.5)):
+                for body in faces:
+                    axes.add_collection3d(
+                        Poly3DCollection(body, facecolor=colour, edgecolor=colour, alpha=alpha, linewidth=0.4)
+                    )
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            middle, spans = 0.5 * (low + high), np.maximum(1.1 * (high - low), _THINNEST * size)
+            for axis, centre, span in zip("xyz", middle, spans, strict=True):
+                limits = (centre - 0.5 * span, centre + 0.5 * span)
+                axes.set(**{f"{axis}lim": limits, f"{axis}label": f"{axis}, m"})
+            axes.set_box_aspect(spans / size, zoom=1.1)
+            axes.locator_params(nbins=5)
+            axes.set_title(f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz")
+            written.append(folder / f"mode_{k + 1:02d}.png")
+            figure.savefig(written[-1])
+    return written
+
+
+def _nodes(mechanism: Mechanism, coordinates: Vector) -> list[Vector]:
+    """Corners (F, 4, 3) of the faces of every body that has a picture, moved by small coordinates (n,)."""
+    found = []
+    for name, body in mechanism.bodies.items():
+        if body.body is None or not len(body.body.data.display_faces):
+            continue
+        data, step = body.body.data, coordinates[mechanism.rows[name]]
+        arms = data.display_positions - data.center_of_mass + data.display_shapes @ body.eta
+        world = arms @ body.axes.T
+        nodes = body.position + world + step[:3] + np.cross(step[3:6], world)
+        nodes += (data.display_shapes @ step[6:]) @ body.axes.T
+        found.append(nodes[data.display_faces])
+    return found
+
+
+def draw_responses(
+    path: Path, title: str, frequencies: Vector, curves: Sequence[tuple[str, str, NDArray[np.complex128]]]
+) -> None:
+    """Magnitude and phase of complex curves over frequency (Hz), by (name, unit, values)."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        magnitude, phase = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
+        for i, (name, unit, values) in enumerate(curves):
+            style = {
+                "color": COLOURS[i % len(COLOURS)],
+                "linestyle": DASHES[i // len(COLOURS) % len(DASHES)],
+            }
+            magnitude.loglog(frequencies, np.abs(values), label=f"{name}, {unit}", linewidth=1.3, **style)
+            phase.semilogx(frequencies, np.rad2deg(np.angle(values)), linewidth=1.3, **style)
+        units = list(dict.fromkeys(unit for _, unit, _ in curves))
+        magnitude.set(title=title, ylabel=f"magnitude, {' or '.join(units)}")
+        magnitude.legend(fontsize=8)
+        phase.set(
+            xlabel="frequency, Hz", ylabel="phase, deg", yticks=[-180, -90, 0, 90, 180], ylim=(-190, 190)
+        )
+        figure.savefig(path)

@@ -1,0 +1,69 @@
+"""The deployment as a row of pictures for a player: equal steps in time, deformation to scale."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ...results.result import Result
+from ..shapes import Structure
+from ..style import STYLE
+
+_SIZE = (6.4, 4.2)
+_DPI = 90
+_LARGEST = 2_700_000
+"""Bytes of all pictures; as text they are a third more, which leaves room for figures in a page of 5 MB."""
+
+
+class Frame(NamedTuple):
+    """A picture (PNG) and its time (s)."""
+
+    time: float
+    png: bytes
+
+
+def frames(result: Result, count: int) -> list[Frame]:
+    """At most `count` pictures from the start to the end of a run, fewer where they would be large together.
+
+    None where no body has a geometry.
+    """
+    rows = _rows(result, count)
+    structure = Structure(result, rows)
+    if not structure.names or not rows.size:
+        return []
+    found = []
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=_SIZE)
+        FigureCanvasAgg(figure)
+        figure.subplots_adjust(left=0.0, right=0.97, bottom=0.1, top=0.97)
+        structure.legend(figure)
+        axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
+        for k, time in enumerate(result.time[rows].tolist()):
+            axes.clear()
+            structure.draw(axes, k)
+            figure.suptitle(f"{time:.2f} s, axes in m", y=0.985)
+            found.append(Frame(time, _png(figure)))
+    every = -(-sum(len(frame.png) for frame in found) // _LARGEST)
+    return found[:: max(every, 1)]
+
+
+def _rows(result: Result, count: int) -> NDArray[np.int64]:
+    """Communication points nearest to equal steps in time."""
+    time = result.time
+    wanted = np.linspace(time[0], time[-1], count)
+    after = np.clip(np.searchsorted(time, wanted), 0, time.size - 1)
+    before = np.maximum(after - 1, 0)
+    nearest = np.where(wanted - time[before] < time[after] - wanted, before, after)
+    return np.unique(nearest).astype(np.int64)
+
+
+def _png(figure: Figure) -> bytes:
+    stream = BytesIO()
+    figure.savefig(stream, dpi=_DPI, format="png")
+    return stream.getvalue()

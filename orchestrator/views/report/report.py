@@ -1,0 +1,125 @@
+"""A run as one self-contained HTML file: numbers, events, animation, figures, provenance."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from html import escape
+
+from ...results.compare import by_component, cells, compare, end_note, labels
+from ...results.key_figures import headline, headline_rows
+from ...results.result import Result
+
+_SCENE = ("scene", "scene_tree", "flexible")
+_DIGEST = "fmu."
+
+
+def report(result: Result, other: Result | None = None, frame_count: int = 60) -> str:
+    """The page, as HTML text; other: a second result to set against the first; no animation for no frames."""
+    from .page import page  # matplotlib takes its time, which --help need not
+
+    title = result.provenance.get("scene", result.path.stem)
+    body = [*_opening(result, title), *_numbers(result), *_animation(result, frame_count), *_figures(result)]
+    if other is not None:
+        body += _comparison(result, other)
+    return page(f"{title}: {result.path.name}", [*body, *_provenance(result)])
+
+
+def _opening(result: Result, title: str) -> Iterator[str]:
+    from .page import paragraph
+
+    scene = _scene_tree(result).get("scene")
+    description = scene.get("description") if isinstance(scene, dict) else None
+    yield f"<h1>{escape(title)}</h1>"
+    yield paragraph(
+        f"{description}. Result {result.path.name}." if description else f"Result {result.path.name}.", "lead"
+    )
+    if not result.complete:
+        yield paragraph(
+            f"The run was interrupted at {result.time[-1]:.6g} s; numbers are up to there.", "warning"
+        )
+
+
+def _numbers(result: Result) -> Iterator[str]:
+    from .page import heading, paragraph, table
+
+    found = headline(result)
+    yield heading("Headline numbers")
+    columns = ("quantity", "of", "value", "unit", "estimated error")
+    yield table(columns, headline_rows(found), numeric=(2, 4))
+    for sentence in found.warnings:
+        yield paragraph(f"Warning: {sentence}.", "warning")
+    yield heading("Events")
+    events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
+    yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))
+
+
+def _animation(result: Result, count: int) -> Iterator[str]:
+    from .animation import frames
+    from .page import heading, player
+
+    film = frames(result, count) if count else []
+    if film:
+        yield heading("Deployment")
+        yield player(film, f"Deployment in {len(film)} pictures, deformation to scale.")
+
+
+def _figures(result: Result) -> Iterator[str]:
+    from ..plots import draw_all
+    from .page import heading, picture
+
+    yield heading("Figures")
+    for name, caption, figure in draw_all(result):
+        yield picture(figure, name, caption)
+
+
+def _comparison(result: Result, other: Result) -> Iterator[str]:
+    from ..comparison import draw_comparison
+    from .page import heading, paragraph, picture, table
+
+    found, names = compare(result, other), labels(result, other)
+    yield heading(f"{names[0]} and {names[1]}")
+    yield paragraph(f"A is {result.path.name}, B is {other.path.name}.")
+    if not other.complete:
+        yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
+    if note := end_note(result, other, names):
+        yield paragraph(f"{note}.")
+    rows = [(row.quantity, row.of, *cells(row), row.unit) for row in found.rows]
+    headings = ("quantity", "of", "A", "B", "B / A", "at A, s", "at B, s", "shift, s", "unit")
+    yield table(headings, rows, numeric=range(2, 8))
+    for name, signals in zip(names, (found.only_a, found.only_b), strict=True):
+        for component, variables in by_component(signals).items():
+            yield paragraph(f"Only {name} has {component}: {', '.join(variables)}.")
+    for name, caption, figure in draw_comparison(result, other):
+        yield picture(figure, f"compare_{name}", caption)
+
+
+def _provenance(result: Result) -> Iterator[str]:
+    from .page import folded, heading, table
+
+    known = dict(result.provenance)
+    digests = {name: known.pop(name) for name in list(known) if name.startswith(_DIGEST)}
+    yield heading("Provenance")
+    flexible = _json(known.get("flexible", "[]"))
+    bodies = ", ".join(map(str, flexible)) if isinstance(flexible, list) else ""
+    versions = [(name, text) for name, text in known.items() if name not in _SCENE]
+    statistics = [(name.replace("_", " "), f"{value}") for name, value in result.statistics.items()]
+    yield table(("what", "value"), [("flexible bodies", bodies or "none"), *versions, *statistics])
+    tree = _scene_tree(result)
+    yield folded("scene, all layers merged", json.dumps(tree, indent=1) if tree else known.get("scene", ""))
+    if digests:
+        text = "\n".join(f"{name.removeprefix(_DIGEST)}  {digest}" for name, digest in digests.items())
+        yield folded("SHA-256 of the FMUs", text)
+
+
+def _scene_tree(result: Result) -> dict[str, object]:
+    tree = _json(result.provenance.get("scene_tree", "{}"))
+    return tree if isinstance(tree, dict) else {}
+
+
+def _json(text: str) -> object:
+    """What a text of the provenance holds; nothing where it is not JSON."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None

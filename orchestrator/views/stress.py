@@ -1,0 +1,104 @@
+"""Figures of a stress recovery: the peak von Mises field over the plate, and histories of the hottest nodes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from components.flexible.finite_elements import PlateNodes
+from components.flexible.stress import PeakStress, StressRecovery
+
+from .style import COLOURS, DASHES, STYLE, WIDTH
+
+Vector = NDArray[np.float64]
+Indices = NDArray[np.int64]
+_LEVELS = 16
+_MEGA = 1e-6
+MOST_HISTORIES = len(DASHES)
+
+
+def draw_field(
+    path: Path, title: str, plate: PlateNodes, recovery: StressRecovery, peak: PeakStress, hot: Indices
+) -> None:
+    """Contours of the peak stress where whole elements were asked for, points elsewhere; hot spots numbered."""
+    with mpl.rc_context({**STYLE, "axes.grid": False}):
+        x, y = recovery.positions[:, 0], recovery.positions[:, 1]
+        length, width = np.ptp(plate.positions[:, :2], axis=0)
+        height = min(max(1.0 + 5.2 * width / length, 2.5), 9.0)
+        figure = Figure(figsize=(WIDTH, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        shown = _field(axes, x, y, _MEGA * peak.value, _triangles(plate, recovery.nodes))
+        label = "peak von Mises stress, MPa"
+        if isinstance(shown.norm, PowerNorm):
+            label += ", square-root scale"
+        figure.colorbar(shown, ax=axes, label=label, format="%.3g")
+        for (x0, x1), (y0, y1) in plate.inserts.values():
+            insert = Rectangle((x0, y0), x1 - x0, y1 - y0, facecolor="0.85", edgecolor="k", hatch="////")
+            axes.add_patch(insert)
+        axes.plot(x[hot], y[hot], "o", color="none", markeredgecolor="w", markersize=6, clip_on=False)
+        axes.plot(x[hot], y[hot], "o", color="none", markeredgecolor="k", markersize=7, clip_on=False)
+        for rank, place in enumerate(hot, 1):
+            box = {"boxstyle": "round,pad=0.15", "facecolor": "w", "alpha": 0.8, "linewidth": 0.0}
+            axes.annotate(
+                f"{rank}", (x[place], y[place]), (4, 4), textcoords="offset points", fontsize=7, bbox=box
+            )
+        low, high = plate.positions.min(axis=0), plate.positions.max(axis=0)
+        axes.set(title=title, xlabel="x, m", ylabel="y, m", aspect="equal")
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        figure.savefig(path)
+
+
+def _field(axes: Axes, x: Vector, y: Vector, value: Vector, triangles: Indices) -> Any:  # noqa: ANN401
+    """What a colour bar can be made for."""
+    if not len(triangles):
+        return axes.scatter(x, y, c=value, cmap="cividis", clip_on=False)
+    mesh = Triangulation(x, y, triangles)
+    if np.ptp(value) == 0.0:  # a field without contours
+        return axes.tripcolor(mesh, value, cmap="cividis")
+    # narrower at the low end: a few corners hold the largest values
+    levels = value.min() + np.ptp(value) * np.linspace(0.0, 1.0, _LEVELS + 1) ** 2
+    norm = PowerNorm(0.5, value.min(), value.max())
+    return axes.tricontourf(mesh, value, levels, norm=norm, cmap="cividis")
+
+
+def _triangles(plate: PlateNodes, nodes: Indices) -> Indices:
+    """Triangles (T, 3) of the deforming elements with all corners among the nodes, as places in `nodes`."""
+    place = np.full(len(plate.positions), -1)
+    place[nodes] = np.arange(nodes.size)
+    faces = place[plate.faces]
+    faces = faces[np.all(faces >= 0, axis=1)]
+    return np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
+
+
+def draw_histories(
+    path: Path, title: str, time: Vector, stress: Vector, nodes: Indices, marks: dict[str, float]
+) -> None:
+    """Von Mises stress (N, k) in Pa of at most `MOST_HISTORIES` nodes; marks: instants by name."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+        FigureCanvasAgg(figure)
+        axes = figure.subplots()
+        for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
+            axes.plot(
+                time, _MEGA * history, color=colour, linestyle=dash, linewidth=1.1, label=f"node {node}"
+            )
+        for name, instant in marks.items():
+            axes.axvline(instant, color="0.5", linewidth=0.8, linestyle=":")
+            axes.annotate(
+                name, (instant, 1.0), (-2, -9), xycoords=("data", "axes fraction"),
+                textcoords="offset points", fontsize=7, ha="right",
+            )  # fmt: skip
+        axes.set(title=title, xlabel="time, s", ylabel="von Mises stress, MPa")
+        axes.legend(fontsize=8)
+        figure.savefig(path)

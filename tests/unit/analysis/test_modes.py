@@ -1,0 +1,147 @@
+"""Table of normal modes: effective masses, mechanisms, dominant bodies, and the command."""
+
+import json
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from orchestrator.analysis.modes import DIRECTIONS, mode_table
+from orchestrator.analysis.statics.configuration import configuration, loaded, placed
+from orchestrator.analysis.statics.linear_model import effective_masses, linearise, normal_modes
+from orchestrator.cli.main import main
+from orchestrator.scene import find_scene, load_scene
+
+TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+LATCH = 'latch = { kind = "spring", stiffness = 2000, effective_inertia = 5 }\n'
+MOTORS = (
+    'motor = { stowed = "1.6 N.m", deployed = "1.0 N.m" }\n',
+    'motor = { stowed = "2.0 N.m", deployed = "1.2 N.m" }\n',
+)
+
+
+def wing(folder, motors=("", ""), latches=("", "")):
+    """The two rigid panels with other motors and with latches."""
+    text = TWO_PANELS
+    for old, motor, latch in zip(MOTORS, motors, latches, strict=True):
+        text = text.replace(old, motor + latch)
+    path = folder / "wing.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def model_of(path, *target, how=placed):
+    scene = load_scene(path)
+    return linearise(how(scene, (), (), configuration(scene, *target)))
+
+
+def test_unlatched_lines_are_free_motions(tmp_path):
+    """Counting: two lines without spring and latch move freely, one latched leaves one."""
+    path = wing(tmp_path, latches=(LATCH, LATCH))
+    for latched, expected in (("none", 2), ("root_line", 1), ("middle_line", 1), ("all", 0)):
+        for angles in ({}, {"root_line": 0.4, "middle_line": 2.0}):
+            modes = normal_modes(model_of(path, "deployed", angles, latched))
+            assert int(modes.is_free.sum()) == expected
+
+
+def test_motor_springs_hold_what_is_not_latched(tmp_path):
+    """Closed form: planar double pendulum on the motors' rates at rest, M from the sheet of the scene."""
+    path = wing(tmp_path, motors=MOTORS)
+    rates = np.array([(1.6 - 1.0) / (0.5 * pi), (2.0 - 1.2) / pi])
+    mass = np.array([8.0, 7.5])
+    arms = np.array([[0.8, 0.0], [1.6, 0.77]])
+    matrix = np.diag([1.8, 1.6]) + (arms.T * mass) @ arms
+    opening = np.array([[1.0, 0.0], [-1.0, 1.0]])
+    square = np.linalg.eigvals(np.linalg.solve(matrix, opening.T @ np.diag(rates) @ opening)).real
+    expected = np.sqrt(np.sort(square)) / (2.0 * pi)
+    modes = normal_modes(model_of(path, "deployed", {}, "none", how=loaded))
+    # bushings of 5e6 N/m carry no force; beside rates below 1 N.m/rad they are rigid to 1e-6
+    np.testing.assert_allclose(modes.frequencies[:2], expected, rtol=1e-5)
+
+
+def test_effective_masses_of_all_modes_make_the_whole(tmp_path):
+    """Identity: modes are complete, so effective masses add up to the rigid mass and inertia."""
+    for path, how in ((wing(tmp_path), placed), (find_scene("amos3"), loaded)):
+        model = model_of(path, "deployed", how=how)
+        effective, total = effective_masses(model, normal_modes(model))
+        np.testing.assert_allclose(effective.sum(axis=1), total, rtol=1e-9)
+        mass = sum(b.body.data.mass for b in model.mechanism.bodies.values() if b.body is not None)
+        np.testing.assert_allclose(total[:3], mass, rtol=1e-12)
+
+
+def test_effective_mass_of_a_latched_panel(tmp_path):
+    """Closed form: m_eff = (m a)^2 / J along the motion of the centre of mass, all of J about the line."""
+    text = TWO_PANELS[: TWO_PANELS.index('[[body]]\nname = "outer"')]
+    text += (
+        TWO_PANELS[TWO_PANELS.index('[[hinge_line]]\nname = "root_line"') :]
+        .split('[[hinge_line]]\nname = "middle_line"')[0]
+        .replace(MOTORS[0], LATCH)
+    )
+    text += "\n[joint]\naxial_stiffness = 1e11\nradial_stiffness = 1e11\ncross_stiffness = 1e11\n"
+    path = tmp_path / "one.toml"
+    path.write_text(text, encoding="utf-8")
+    model = model_of(path, "deployed")
+    listed = mode_table(model, normal_modes(model), 3)
+    inertia = 1.8 + 8.0 * 0.8**2
+    first = listed[0]
+    fractions = dict(zip(DIRECTIONS, first.effective_mass_fractions, strict=True))
+    assert first.frequency == pytest.approx(sqrt(2000.0 / inertia) / (2.0 * pi), rel=1e-6)
+    assert fractions["z"] == pytest.approx(8.0 * 0.8**2 / inertia, rel=1e-6)
+    assert fractions["ry"] == pytest.approx(1.0, rel=1e-6)
+    assert max(fractions["x"], fractions["y"], fractions["rx"]) < 1e-6
+    assert (first.number, first.body, first.share) == (1, "inner", pytest.approx(1.0))
+
+
+def test_command_prints_json_and_draws(tmp_path, monkeypatch):
+    """Interface: one JSON object with the configuration, free motions and modes; pictures where they are asked for."""
+    monkeypatch.chdir(tmp_path)
+    arguments = ["analyse", "modes", "amos3", "--rigid", "all", "--configuration", "deployed", "--json"]
+    result = CliRunner().invoke(main, [*arguments, "--count", "3", "--plot", "shapes", "--shapes", "1"])
+    assert result.exit_code == 0, result.output
+    content = json.loads(result.stdout)
+    assert content["free_motions"] == 0
+    assert content["latched"] == ["HL1", "HL2", "HL3"]
+    assert [mode["mode"] for mode in content["modes"]] == [1, 2, 3]
+    assert content["modes"][0]["body"] == "panel2"
+    assert (tmp_path / "shapes" / "mode_01.png").stat().st_size > 10_000
+    table = CliRunner().invoke(main, arguments[:-1])
+    assert "0 free motions" in table.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--angle", "HL9=1rad"], "there is no hinge line 'HL9'"),
+        (["--angle", "HL1"], "is not of the form HL1=45deg"),
+        (["--angle", "HL1=4m"], "the angle of HL1 is '4m'; give it with its unit: 4rad or 4deg"),
+        (["--angle", "HL1=45"], "the angle of HL1 is '45'; give it with its unit: 45rad or 45deg"),
+        (["--angle", "HL1=nandeg"], "must be finite"),
+        (["--angle", "HL1=1e9deg"], "give one within 360deg"),
+        (["--angle", "HL1=1deg,HL1=2deg"], "HL1 has an angle already"),
+        (["--latched", ""], "say all or none"),
+        (["--shapes", "2"], "--shapes acts only together with --plot"),
+        (["--latched", "HL8"], "there is no hinge line 'HL8'"),
+        (["--rigid", "wing"], "there is no body 'wing'"),
+        (["--configuration", "folded"], "stowed"),
+    ],
+)
+def test_command_refuses_with_a_sentence(arguments, words):
+    """Interface: exit code 1 or 2 and a sentence, no traceback."""
+    result = CliRunner().invoke(main, ["analyse", "modes", "amos3", *arguments])
+    assert result.exit_code in (1, 2)
+    assert isinstance(result.exception, SystemExit)
+    assert words in result.stderr
+
+
+def test_table_fits_80_columns():
+    """Nothing is cut: a hundred percent and the body that moves most are there."""
+    arguments = ["analyse", "modes", "amos3", "--rigid", "all", "--count", "12"]
+    result = CliRunner().invoke(main, arguments, env={"COLUMNS": "80"})
+    assert result.exit_code == 0, result.output
+    assert "\u2026" not in result.stdout
+    rows = [line.split() for line in result.stdout.splitlines() if line.split() and line.split()[0].isdigit()]
+    assert [row[0] for row in rows if len(row) == 11 and row[10].endswith("%")] == [
+        f"{k}" for k in range(1, 13)
+    ]

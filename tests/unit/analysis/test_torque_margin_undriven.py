@@ -1,0 +1,126 @@
+"""Lines without a torque margin of their own, margins where nothing resists, and the tables that tell of them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from orchestrator.analysis.torque_margin.restart import CaseRestart, Restart
+from orchestrator.analysis.torque_margin.rules import FACTORS, Found, LineTorques, margins
+from orchestrator.analysis.torque_margin.undriven import without_margin
+from orchestrator.cli.analyse._torque_margin_tables import (
+    margin_table,
+    restart_table,
+    sentences_without_margin,
+)
+from orchestrator.cli.main import main
+from orchestrator.scene import find_scene, load_scene
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def scene(name, *variants):
+    return load_scene(find_scene(name), variants)
+
+
+def test_every_line_without_a_motor_says_what_turns_it():
+    """ARABSAT data sheet: the motor turns HL1, the loops pass it on from line to line; only HL6 has springs."""
+    loops = ["yoke_loop", "panel1_loop", "panel2_loop", "panel3_loop", "panel4_loop"]
+    expected = {"HL1": "no motor; turned by drive sadm and by cable loop yoke_loop"}
+    for k, line in enumerate(("HL2", "HL3", "HL4", "HL5")):
+        expected[line] = f"no motor; turned by cable loops {loops[k]} and {loops[k + 1]}"
+    assert without_margin(scene("arabsat", "phase2")) == expected
+    held = without_margin(scene("arabsat", "phase1"))
+    assert held == dict.fromkeys(("HL1", "HL2", "HL3", "HL4", "HL5"), "held in this scene, so without motion")
+    assert without_margin(scene("bepicolombo")) == {
+        "HL1": "no motor, drive or cable loop; kept by friction of 4 N.m"
+    }
+    assert without_margin(scene("amos3")) == {}
+
+
+def test_sentences_name_lines_once_and_cases_where_they_differ():
+    cases = {"base": {"A": "x", "B": "x", "C": "y"}, "cold": {"A": "x", "B": "x"}}
+    assert sentences_without_margin(cases) == [
+        "A, B have no margin of their own: x",
+        "C (base) has no margin of its own: y",
+    ]
+
+
+def torques(motor, friction, **extra):
+    """A line at one angle."""
+    one = np.ones(1)
+    return LineTorques("line", 0.0 * one, motor * one, 0.0 * one, -friction * one, extra)
+
+
+def test_round_off_of_the_friction_resists_nothing():
+    """Frictions of 1e-9 of what drives come from round-off of the reactions; 1e-5 is a resistance."""
+    for friction, margin in ((2e-9, np.inf), (2e-5, 2.0 / 6e-5)):
+        found = margins(torques(2.0, friction), "sum", FACTORS["theoretical"])
+        assert found.margin[0] == pytest.approx(margin, rel=1e-12)
+        assert found.passes
+
+
+def fanfold(*arguments):
+    result = CliRunner().invoke(main, ["analyse", "torque-margin", *arguments], env={"COLUMNS": "80"})
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def test_nothing_resists_in_words():
+    """The workbench has no friction; a demand on top of it fails without a number that would mean nothing."""
+    shown = fanfold("workbench", "--positions", "2", "--torque", "HL.TD=10N.m")
+    assert "inf" not in shown
+    rows = {line.split()[2]: line for line in shown.splitlines() if line.strip().startswith("HL ")}
+    assert "no resisting torque" in rows["sum"]
+    assert "FAILS by TD and TL" in rows["ECSS"]
+
+
+def test_the_command_tells_of_lines_without_margin():
+    shown = fanfold("bepicolombo", "--positions", "2")
+    assert "HL1 has no margin of its own: no motor, drive or cable loop" in " ".join(shown.split())
+    assert max(map(len, shown.splitlines())) <= 80
+    content = json.loads(fanfold("bepicolombo", "--positions", "2", "--json"))
+    assert [(row["case"], row["line"]) for row in content["without_margin"]] == [
+        ("base", "HL1"),
+        ("cold", "HL1"),
+    ]
+
+
+def test_every_end_of_a_restart_has_its_verdict():
+    """Columns have their units, and a run that was too short is no failure to open."""
+    ends = {
+        "opens": {"moves": True, "still_opening": False, "opened_at": 2.5},
+        "NOT OPEN YET": {"moves": True, "still_opening": True, "opened_at": None},
+        "stops, DOES NOT OPEN": {"moves": True, "still_opening": False, "opened_at": None},
+        "DOES NOT MOVE": {"moves": False, "still_opening": False, "opened_at": None},
+    }
+    lines = [Restart(f"L{k}", 0.0, 1.0, 0.1, **end) for k, end in enumerate(ends.values())]
+    table = restart_table([CaseRestart("base", "25%", Path("run.h5"), lines)])
+    headings = [" ".join(str(column.header).split()) for column in table.columns]
+    assert headings == [
+        "case", "stopped at", "line", "start, deg", "end, deg", "fastest, deg/s", "opened after, s", "verdict",
+    ]  # fmt: skip
+    assert list(table.columns[-1].cells) == list(ends)
+    assert list(table.columns[-2].cells) == ["2.5000", "-", "-", "-"]
+    assert list(table.columns[4].cells) == ["57.30"] * 4
+
+
+def test_margins_stay_in_the_order_of_the_scene():
+    """HL10 comes after HL2, as in the scene."""
+    one = margins(torques(2.0, 0.1), "sum", FACTORS["theoretical"])
+    found = [
+        Found(case, replace(torques(2.0, 0.1), line=line), (one,))
+        for case in ("base", "cold")
+        for line in ("HL2", "HL10")
+    ]
+    table = margin_table(found, "theoretical", "sliding")
+    rows = list(zip(table.columns[0].cells, table.columns[1].cells, strict=True))
+    assert rows == [("HL2", "base"), ("HL2", "cold"), ("HL10", "base"), ("HL10", "cold")]

@@ -1,0 +1,62 @@
+"""Scenes as parts and links: fidelities by flag, modes by number, every part a component, every port linked once."""
+
+import pytest
+
+from components import REGISTRY
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.participant import InProcess
+from orchestrator.scene import SceneError, find_scene, load_scene
+from tests.unit.scene.scene_cases import SCENES, TWO_PANELS, amos3, amos3_text, load_text, parts_of
+
+
+@pytest.mark.parametrize(
+    ("rigid", "flexible", "sentence"),
+    [
+        ({"wing"}, set(), "there is no body 'wing'; bodies are inner, outer"),
+        ({"inner"}, {"inner"}, "body.inner: it cannot be both rigid and flexible"),
+        (set(), {"inner"}, "only a body of the catalogue can be flexible"),
+    ],
+)
+def test_impossible_fidelities_are_sentences(tmp_path, rigid, flexible, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        assemble(load_text(tmp_path, TWO_PANELS), rigid, flexible)
+
+
+def test_fidelity_flags_override_the_scene():
+    assembly = assemble(amos3(), rigid={"yoke", "panel1"})
+    modes = {p.name: len(p.structure["modal"]["frequency"]) for p in assembly.parts if p.kind == "body"}
+    assert modes == {"yoke": 0, "panel1": 0, "panel2": 16}
+    assert assembly.geometry["panel2"].shapes.shape[2] == 16
+
+
+def test_modes_can_be_switched_off(tmp_path):
+    """By the numbers of the full body's modes: without the first, the others are what they were."""
+    changed = '"amos3_panel2", modes_off = [0], damping_ratio = "2 %",'
+    scene = load_text(tmp_path, amos3_text().replace('"amos3_panel2",', changed))
+    full, modal = (
+        parts_of(assemble(s, rigid={"yoke", "panel1"}))["panel2"].structure["modal"] for s in (amos3(), scene)
+    )
+    assert len(modal["frequency"]) == 15
+    assert list(modal["frequency"]) == list(full["frequency"][1:])
+    assert set(modal["damping_ratio"]) == {0.02}
+
+
+@pytest.mark.parametrize("mode", ["mean", "endpoint"])
+@pytest.mark.parametrize("source", ["amos3", "two_panels", "two_panels_free"])
+def test_every_part_is_a_component_with_possible_parameters_and_every_port_is_linked_once(source, mode):
+    path = find_scene(source) if source == "amos3" else SCENES / f"{source}.toml"
+    assembly = assemble(load_scene(path), rigid={"all"}, wrench_mode=mode)
+    linked = [end for link in assembly.links for end in (link.body, link.connection)]
+    ports = []
+    for part in assembly.parts:
+        component = REGISTRY[part.kind](**part.structure)
+        InProcess(part.name, component, part.start)
+        ports += [(part.name, port.name) for port in component.ports]
+    assert sorted(linked) == sorted(ports)
+
+
+def test_a_free_base_is_a_rigid_body_of_the_same_name():
+    assembly = assemble(load_scene(SCENES / "two_panels_free.toml"))
+    base = parts_of(assembly)[assembly.base]
+    assert base.kind == "body"
+    assert base.structure["modal"]["mass"] == 1500.0

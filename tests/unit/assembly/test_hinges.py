@@ -1,0 +1,104 @@
+"""Hinge lines of a scene as hinges: latches by fidelity, shares of the line's totals, stiffnesses by kind.
+
+Against series of springs, the totals of the data sheet and the formulas of its damping ratios.
+"""
+
+from itertools import pairwise, product
+from math import pi, sqrt
+
+import pytest
+
+from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.hinges import line_latch
+from tests.unit.scene.scene_cases import AMOS3_BODIES, COMPLETE, amos3, amos3_text, load_text, parts_of
+
+
+def series(line, side):
+    """What is missing to the line stiffness where only one side is modelled."""
+    return 1.0 / (1.0 / line - 1.0 / side)
+
+
+EXPECTED_LATCHES = {
+    "HL1": {(True, False): 2500.0, (True, True): None},
+    "HL2": {
+        (False, False): 1800.0,
+        (True, False): series(1800.0, 3180.5),
+        (False, True): series(1800.0, 4147.8),
+        (True, True): None,
+    },
+    "HL3": {
+        (False, False): 2074.0,
+        (True, False): series(2074.0, 4147.8),
+        (False, True): series(2074.0, 4147.8),
+        (True, True): None,
+    },
+}
+
+
+@pytest.mark.parametrize("flexible", list(product((False, True), repeat=3)), ids=str)
+def test_latch_of_every_line_at_every_fidelity(flexible):
+    """Springs in series: a latch holds the compliance that the bodies' models lack; 2 % of critical damping."""
+    scene = amos3()
+    sides = [True, *flexible]  # the fixed base counts as flexible
+    for line, pair in zip(scene.hinge_lines, pairwise(sides), strict=True):
+        expected = EXPECTED_LATCHES[line.name][pair]
+        latch = line_latch(scene, line, dict(zip(AMOS3_BODIES, flexible, strict=True)), "mean")
+        assert latch.kind == ("kinematic" if expected is None else "spring")
+        assert latch.stiffness == pytest.approx(expected or 0.0, rel=1e-12)
+        endpoint = line_latch(scene, line, dict(zip(AMOS3_BODIES, flexible, strict=True)), "endpoint")
+        assert endpoint.kind == "spring"
+        assert endpoint.stiffness == pytest.approx(expected or line.latch.stiffness, rel=1e-12)
+        assert endpoint.damping == pytest.approx(
+            2 * 0.02 * sqrt(endpoint.stiffness * line.latch.effective_inertia), rel=1e-12
+        )
+
+
+def test_latch_of_a_free_base_follows_the_same_rule(tmp_path):
+    """Rule: a base, free or fixed, counts as flexible."""
+    free = '[base.free]\nmass = "1500 kg"\ninertia = [1500.0, 1500.0, 1500.0]\n[joint]'
+    scene = load_text(tmp_path, amos3_text().replace("[joint]", free))
+    assert scene.base.free.mass == 1500.0
+    for flexible, expected in ((True, ("kinematic", 0.0)), (False, ("spring", 2500.0))):
+        latch = line_latch(scene, scene.hinge_lines[0], dict.fromkeys(AMOS3_BODIES, flexible), "mean")
+        assert (latch.kind, latch.stiffness) == expected
+
+
+def test_hinges_share_the_totals_of_their_line():
+    """Data sheet of AMOS-3, HL2: torques of the line, stowed and deployed; both hinges together have them."""
+    parts = parts_of(assemble(amos3(), rigid={"all"}))
+    left, right = parts["hl2_left"], parts["hl2_right"]
+    wind_up = pi * 1.591 / (1.591 - 0.937)
+    for hinge in (left, right):
+        stiffness = hinge.start["motor_stiffness"]
+        assert 2 * stiffness * hinge.start["motor_wind_up"] == pytest.approx(1.591, rel=1e-12)
+        assert 2 * stiffness * (hinge.start["motor_wind_up"] - pi) == pytest.approx(0.937, rel=1e-12)
+        assert hinge.start["motor_wind_up"] == pytest.approx(wind_up, rel=1e-12)
+        assert 2 * hinge.start["friction_preload"] == pytest.approx(0.05, rel=1e-12)
+        assert 2 * hinge.start["latch_stiffness"] == pytest.approx(1800.0, rel=1e-12)
+        assert hinge.start["friction_coefficient"] == 0.10  # acts on each hinge's own reaction
+    assert left.structure["harness_torque"] == (-0.15, 0.08)  # resists when stowed, on the +y side only
+    assert "harness_torque" not in right.structure
+
+
+def test_kinds_of_hinge_are_settings_of_the_six_stiffnesses():
+    parts = parts_of(assemble(amos3(), rigid={"all"}))
+    revolute, cylindrical = parts["hl2_left"].start, parts["hl2_right"].start
+    assert revolute["translational_stiffness"] == (2e6, 5e6, 5e6)
+    assert cylindrical["translational_stiffness"] == (0.0, 5e6, 5e6)
+    assert revolute["rotational_stiffness"] == (0.0, 2e4, 2e4)
+    assert revolute["rotational_damping"][1] == pytest.approx(2 * 0.05 * 2e4 / (2 * pi * 184), rel=1e-12)
+
+
+def test_stiffnesses_of_a_hinge_can_be_overridden(tmp_path):
+    override = 'kind = "spherical", translational_stiffness = ["1 N/mm", 2, 3]'
+    parts = parts_of(assemble(load_text(tmp_path, COMPLETE.replace('kind = "cylindrical"', override))))
+    assert parts["middle_right"].start["translational_stiffness"] == (1000.0, 2.0, 3.0)
+    assert parts["middle_right"].start["rotational_stiffness"] == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("mode", ["mean", "endpoint"])
+def test_stiction_velocity_is_raised_beside_a_flexible_body(mode):
+    parts = parts_of(assemble(amos3(), rigid={"yoke", "panel1"}, wrench_mode=mode))
+    assert parts["hl2_left"].start["stiction_velocity"] == 0.0167
+    assert parts["hl3_left"].start["stiction_velocity"] == pytest.approx(0.167, rel=1e-12)
+    assert parts["hl3_left"].start["latch_automatic"] == (mode == "endpoint")

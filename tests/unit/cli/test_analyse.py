@@ -1,0 +1,151 @@
+"""Every analysis with wrong input, its help, and Ctrl-C: sentences and exit codes, never a traceback."""
+
+from __future__ import annotations
+
+import re
+import signal
+import sys
+from importlib import import_module
+
+import pytest
+from click.testing import CliRunner
+
+from orchestrator.cli.main import main
+from orchestrator.cli.progress import progress
+
+NAMES = main.commands["analyse"].list_commands(None)
+ON_RESULTS = ("impact", "stress")
+NEEDED = {"latch-tuning": ("--line", "HL1"), "stress": ("--body", "panel")}
+"""Options without which an analysis asks for them first."""
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def fanfold(*arguments):
+    """Run an analysis; no traceback, and no exception that is not click's own."""
+    result = CliRunner().invoke(main, ["analyse", *map(str, arguments)])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    assert "Traceback" not in result.output
+    return result
+
+
+def refused(*arguments):
+    """Standard error of an analysis that does not run."""
+    result = fanfold(*arguments)
+    assert result.exit_code in (1, 2)
+    assert result.stdout == ""
+    return " ".join(result.stderr.split())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_help_is_readable(name):
+    """Every option is explained, no range is open on both sides, no metavar is a type's."""
+    shown = fanfold(name, "--help").stdout
+    assert "None" not in shown
+    assert not re.search(r"RANGE|e-0\d|e\+0\d| TEXT ", shown)
+    assert all(
+        option.help for option in import_module_of(name).command.params if option.param_type_name == "option"
+    )
+
+
+def import_module_of(name):
+    """The module of an analysis."""
+    return import_module(f"orchestrator.cli.analyse.{name.replace('-', '_')}")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_not_there_is_told(name):
+    told = refused(name, "nothing", *NEEDED.get(name, ()))
+    assert "does not exist" in told if name in ON_RESULTS else "no scene and no file 'nothing'" in told
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ON_RESULTS])
+def test_what_the_scene_does_not_have_is_told(name):
+    arguments = (name, "amos3", *NEEDED.get(name, ()))
+    assert "there is no variant 'warm'" in refused(*arguments, "--variant", "warm")
+    assert "is not of the form table.key=value" in refused(*arguments, "--set", "nonsense")
+    if name != "torque-margin":
+        if name == "mode-study":
+            arguments = (*arguments, "--body", "yoke")
+        assert "there is no body 'door'" in refused(*arguments, "--rigid", "door")
+
+
+AMOS3 = ("amos3", "--rigid", "all")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("modes", *AMOS3, "--count", "-1"), "-1 is not in the range x>=1"),
+        (("modes", *AMOS3, "--plot", "file"), "'file' is a file"),
+        (("frequency-response", *AMOS3, "--from", "0"), "0.0 is not in the range 0.001<=x<=1e6"),
+        (("frequency-response", *AMOS3, "--to", "nan"), "nan is not a finite number"),
+        (("frequency-response", *AMOS3, "--from", "5", "--to", "5"), "--to 5 Hz must be above --from 5 Hz"),
+        (("frequency-response", *AMOS3, "--plot", "a.abc"), "must end with .png, .pdf or .svg"),
+        (("frequency-response", *AMOS3, "--plot", "."), "is a directory"),
+        (("frequency-response", *AMOS3, "--points", ","), "--points needs points such as panel1.center"),
+        (("frequency-response", *AMOS3, "--points", "yoke.no"), "there is no point 'yoke.no'"),
+        (("equilibrium", *AMOS3, "--sweep", "HL9=0deg:1deg"), "there is no hinge line 'HL9'"),
+        (("equilibrium", *AMOS3, "--sweep", "HL1=0deg:1deg", "--steps", "0"), "not in the range 1<=x"),
+        (("latch-tuning", "amos3", "--line", "HL9"), "there is no hinge line 'HL9'"),
+        (("latch-tuning", "amos3", "--line", "HL1", "--frequency", "0"), "0.0 is not in the range x>0"),
+        (
+            ("latch-tuning", "amos3", "--line", "HL1", "--hinge-stiffness", "51.3"),
+            "the stiffness is '51.3'; give it with its unit: 51.3N.m/rad or 51.3N.m/deg",
+        ),
+        (("mode-study", *AMOS3, "--body", "yoke"), "make only others rigid: --body yoke --rigid panel1,panel2"),
+        (("mode-study", *AMOS3), "no body has modes to count; make only others rigid: --body yoke"),
+        (("mode-study", "amos3"), "name the body to study with --body"),
+        (("mode-study", "workbench", "--modes", "2,nan"), "give whole numbers with commas between"),
+        (("mode-study", "workbench", "--modes", "0,100000"), "100000 modes asked for, but only"),
+        (("mode-study", "workbench", "--output", "file"), "'file' is a file"),
+        (("step-study", "workbench", "--steps", "0,1e-3"), "between 1e-7 and 1 s"),
+        (("step-study", "workbench", "--output", "file/x"), "file/x: Not a directory"),
+        (("torque-margin", "amos3", "--output", "file/x", "--positions", "2"), "file/x: Not a directory"),
+        (("stress", "file", "--body", "panel"), "this is not a result of Fanfold"),
+        (("stress", ".", "--body", "panel"), "is a directory"),
+        (("stress", "file", "--body", "panel", "--around", "0", "0", "-1"), "R must not be negative"),
+        (("stress", "file", "--body", "panel", "--within", "0", "nan", "0", "1"), "nan is not a finite"),
+        (("impact", "file", "--output", "a.abc"), "must end with .png, .pdf or .svg"),
+        (("impact", "file"), "this is not a result of Fanfold"),
+    ],
+)  # fmt: skip
+def test_wrong_input_is_told(tmp_path, arguments, sentence):
+    (tmp_path / "file").write_text("x", encoding="utf-8")
+    assert sentence in refused(*arguments)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]  # nothing is begun
+
+
+def test_ctrl_c_is_told_in_a_sentence(monkeypatch):
+    """As a run says it: what was interrupted and what is left, exit code 1, no bare 'Aborted!'."""
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(import_module_of("modes"), "scene_model", interrupt)
+    told = refused("modes", "amos3")
+    assert told == "fanfold: analyse modes: interrupted; what it wrote up to there stays"
+    monkeypatch.setattr("orchestrator.cli.options.find_scene", interrupt)
+    result = CliRunner().invoke(main, ["run", "amos3"])
+    assert result.exit_code == 1
+    assert result.stderr == "fanfold: run: interrupted; what it wrote up to there stays\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGINT")
+def test_ctrl_c_after_the_last_step_is_not_lost():
+    """Between the runs of a study nobody would ask for it any more."""
+
+    def study():
+        with progress("study", 1.0) as watch:
+            watch(1.0, 0.1)
+            signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            study()
+    finally:
+        signal.signal(signal.SIGINT, before)

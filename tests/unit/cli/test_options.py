@@ -1,0 +1,88 @@
+"""Options that several commands share: what is given reaches a command as one choice of a scene."""
+
+from __future__ import annotations
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from orchestrator.analysis.statics.configuration import Configuration
+from orchestrator.cli.analyse._configuration import ConfigurationChoice, configuration_choice
+from orchestrator.cli.options import SceneChoice, layered_scene, scene_choice
+from orchestrator.scene import SceneError
+
+LAYERS = ("amos3", "--variant", "cold, spring_latch", "--set", "scene.until=2", "--set", "scene.until=3")
+FIDELITIES = ("--rigid", "yoke,panel1", "--flexible", "panel2")
+
+
+def given(decorated, *arguments):
+    """What a decorated command is called with."""
+    found = []
+    command = click.command()(decorated(lambda *args, **kwargs: found.append((args, kwargs))))
+    result = CliRunner().invoke(command, arguments)
+    assert result.exit_code == 0, result.output
+    return found[0]
+
+
+def test_one_choice_holds_the_scene_its_layers_and_its_fidelities():
+    """Interface: variants and settings in their order, fidelities as sets."""
+    layers = ("amos3", ("cold", "spring_latch"), ("scene.until=2", "scene.until=3"))
+    fidelities = (frozenset({"yoke", "panel1"}), frozenset({"panel2"}))
+    assert given(scene_choice, *LAYERS, *FIDELITIES) == ((SceneChoice(*layers, *fidelities),), {})
+    assert given(layered_scene, *LAYERS) == ((SceneChoice(*layers),), {})
+    assert given(scene_choice, "amos3") == ((SceneChoice("amos3"),), {})
+
+
+def test_a_choice_without_fidelities_offers_none():
+    command = click.command()(layered_scene(lambda choice: None))
+    result = CliRunner().invoke(command, ("amos3", "--rigid", "all"))
+    assert result.exit_code == 2
+    assert "No such option" in result.output
+
+
+def test_a_configuration_comes_after_the_scene_and_other_options_by_name():
+    def decorated(command):
+        return scene_choice(configuration_choice(click.option("--count", type=int)(command)))
+
+    arguments = ("--configuration", "deployed", "--angle", "HL1=0.5rad", "--latched", "HL2", "--count", "3")
+    wanted = ConfigurationChoice("deployed", {"HL1": 0.5}, "HL2")
+    assert given(decorated, "amos3", *arguments) == ((SceneChoice("amos3"), wanted), {"count": 3})
+    assert given(decorated, "amos3")[0][1].of(SceneChoice("amos3").load()) == Configuration(
+        {line.name: line.initial_angle for line in SceneChoice("amos3").load().hinge_lines}, ()
+    )
+
+
+def test_layers_are_laid_in_their_order():
+    """The last one wins: later variants over earlier ones, settings over variants, further settings over these."""
+    choice = SceneChoice("arabsat", ("phase1",), ("scene.largest_step=0.25",))
+    assert choice.load().header.until == 14.0
+    assert choice.load("scene.until=3", "scene.until=4").header.until == 4.0
+    both = choice.with_variant("phase2")
+    assert both.load().header.description.endswith("phase 2: motor driven")
+    assert both.load().header.largest_step == 0.25  # not the 0.5 s of phase 2
+    assert both.load("scene.largest_step=0.125").header.largest_step == 0.125
+
+
+def test_one_run_of_a_scene_in_phases_is_one_of_them():
+    with pytest.raises(SceneError, match="choose one with --variant: phase1, phase2"):
+        SceneChoice("arabsat").load_one_run()
+    assert SceneChoice("arabsat", ("phase1",)).load_one_run().header.until == 14.0
+
+
+def test_a_choice_assembles_at_its_fidelities():
+    """Of ARABSAT's bodies the two outer panels, 4 and 5, are flexible by default; further settings count too."""
+    choice = SceneChoice("arabsat", rigid=frozenset({"panel5"}), flexible=frozenset({"panel1"}))
+    modes = [f"body.{name}.fixed_interface_modes={count}" for name, count in (("panel1", 2), ("panel4", 3))]
+    few, more = (
+        choice.assemble(choice.load(*modes)),
+        choice.assemble(choice.load(*modes, modes[0][:-1] + "5")),
+    )
+    assert few.flexible == more.flexible == ("panel1", "panel4")
+    kept = [{part.name: part.structure for part in one.parts if part.kind == "body"} for one in (few, more)]
+    counts = [
+        {name: len(one[name]["modal"]["frequency"]) for name in ("panel1", "panel4", "panel5")}
+        for one in kept
+    ]
+    assert counts[1]["panel1"] - counts[0]["panel1"] == 3
+    assert counts[1]["panel4"] == counts[0]["panel4"] > 3
+    assert counts[0]["panel5"] == 0

@@ -1,0 +1,81 @@
+"""Values of options: units that must be written down, ranges, pictures."""
+
+from __future__ import annotations
+
+from math import pi
+
+import click
+import pytest
+
+from orchestrator.cli.types import Count, Number, Picture, given_quantity
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("45deg", "rad", pi / 4.0),
+        (" -45 deg ", "rad", -pi / 4.0),
+        (".5rad", "rad", 0.5),
+        ("5.e-1 rad", "rad", 0.5),
+        ("51.3N.m/deg", "N.m/rad", 51.3 * 180.0 / pi),
+        ("20 N.mm", "N.m", 0.02),
+    ],
+)
+def test_a_quantity_has_its_unit(text, unit, value):
+    assert given_quantity(text, unit, "it") == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "sentence"),
+    [
+        ("45", "rad", "it is '45'; give it with its unit: 45rad or 45deg"),
+        ("0", "rad", "it is '0'; give it with its unit: 0rad or 0deg"),
+        ("", "N.m", "it is ''; give it with its unit: 1N.m or 1N.mm"),
+        ("deg", "rad", "give it with its unit: 1rad or 1deg"),
+        ("45mrad", "rad", "it is '45mrad'; give it with its unit: 45rad or 45deg"),
+        ("51.3N.m", "N.m/rad", "give it with its unit: 51.3N.m/rad or 51.3N.m/deg"),
+        ("1..deg", "rad", "give it with its unit"),
+        ("nandeg", "rad", "it is 'nan deg'; it must be finite"),
+        ("1e999rad", "rad", "it must be finite"),
+        ("-1N.m", "N.m", "it is '-1 N.m'; it must be zero or positive"),
+    ],
+)
+def test_what_is_no_quantity_is_told(text, unit, sentence):
+    """Nothing is assumed: a number without a unit, or with that of something else, is refused."""
+    with pytest.raises(click.BadParameter) as refused:
+        given_quantity(text, unit, "it", "zero or positive")
+    assert sentence in refused.value.message
+
+
+@pytest.mark.parametrize(
+    ("kind", "shown"),
+    [
+        (Number(), "number"),
+        (Number(min=0.0, min_open=True), "x>0"),
+        (Number(min=1e-10, max=0.1), "1e-10<=x<=0.1"),
+        (Number(min=1e-7), "x>=1e-7"),
+        (Number(max=1e6), "x<=1e6"),
+        (Count(min=2, max=100_000), "2<=x<=100000"),
+    ],
+)
+def test_ranges_are_shown_in_few_characters(kind, shown):
+    """Help and refusal name the same bounds; a number without bounds has no range in the help."""
+    option = click.Option(["--x"], type=kind, help="It.")
+    _, text = option.get_help_record(click.Context(click.Command("c")))
+    assert text == ("It." if shown == "number" else f"It.  [{shown}]")
+    if shown != "number":
+        with pytest.raises(click.BadParameter) as refused:
+            kind.convert("-5" if shown != "x<=1e6" else "2e6", None, None)
+        assert f"is not in the range {shown}." in refused.value.message
+
+
+def test_a_picture_ends_like_one(tmp_path):
+    assert Picture().convert(str(tmp_path / "a.PNG"), None, None) == tmp_path / "a.PNG"
+    for name, sentence in (
+        ("a.abc", "must end with .png, .pdf or .svg"),
+        ("a", "must end"),
+        ("", "is a dir"),
+    ):
+        with pytest.raises(click.BadParameter) as refused:
+            Picture().convert(str(tmp_path / name), None, None)
+        assert sentence in refused.value.message

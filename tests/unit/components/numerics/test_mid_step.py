@@ -1,0 +1,53 @@
+"""Means over steps brought to the communication point: exact for what they can know."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from components.numerics.mid_step import MidStepRate, StepMean, extrapolated
+
+SIZES = [(0.1, 0.1), (0.05, 0.2), (0.3, 0.01)]
+
+
+def of_step(u, end, h, *, sloped=True):
+    """Mean of a polynomial over a step and its slope, three times the mean of u P1."""
+    first = Polynomial([-1.0 - 2.0 * (end - h) / h, 2.0 / h])
+    mean, moment = ((f.integ()(end) - f.integ()(end - h)) / h for f in (u, u * first))
+    return StepMean(mean, 3.0 * moment if sloped else 0.0, h)
+
+
+@pytest.mark.parametrize(("h", "previous_h"), SIZES)
+def test_parabola_with_slopes_is_exact(h, previous_h):
+    """Closed form: mean and slope of two steps know a parabola, whatever their sizes."""
+    u = Polynomial([1.0, -2.0, 3.0])
+    found = extrapolated(of_step(u, 0.7, h), of_step(u, 0.7 - h, previous_h))
+    assert found == pytest.approx(u(0.7), rel=1e-10)
+
+
+@pytest.mark.parametrize(("h", "previous_h"), SIZES)
+def test_line_without_slopes_is_exact(h, previous_h):
+    """Closed form: the means of two steps know a line, and so do those of which slopes know one part only."""
+    known, unknown = Polynomial([1.0, -2.0, 3.0]), Polynomial([0.5, 4.0])
+    ends = ((0.7, h), (0.7 - h, previous_h))
+    sums = [
+        StepMean(a.mean + b.mean, a.slope, size)
+        for (end, size), a, b in (
+            (step, of_step(known, *step), of_step(unknown, *step, sloped=False)) for step in ends
+        )
+    ]
+    assert extrapolated(*sums) == pytest.approx(known(0.7) + unknown(0.7), rel=1e-12)
+
+
+def test_a_first_step_has_its_own_slope_only():
+    """After the start or an impulse the line of the one step is all there is."""
+    before = StepMean(np.zeros(2), np.zeros(2), 0.0)
+    found = extrapolated(StepMean(np.array((1.0, 2.0)), np.array((0.5, -0.5)), 0.1), before)
+    np.testing.assert_array_equal(found, (1.5, 1.5))
+
+
+def test_rate_of_a_line():
+    """Closed form: mean rates of a motion that speeds up evenly."""
+    rate = MidStepRate.starting(0.0).after(1.0, 0.2).after(1.75, 0.1)
+    assert rate.now() == pytest.approx(2.0)

@@ -1,0 +1,265 @@
+"""Hold-down point: spring and preload, release by time and by command, energy, static phase."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from components.contract.component import ComponentError
+from components.hold_down import HoldDown
+from fmus import build_fmu
+from orchestrator.assembly import Part
+from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
+from tests.conformance.programs.driver import OK
+from tests.conformance.programs.driver3 import Fmu3
+from tests.references.coupled import Recording, Run, base, between, completed, prepared, rigid
+from tests.references.native_fmus import native_errors, needs_native
+from tests.references.relative_motion import inputs, port_motion, resultant, work
+
+MASS, STIFFNESS, PRELOAD = 5.0, 2e4, 300.0
+TIGHT = Tolerance(1e-10, 1e-6, 1e-6)
+SMALL = st.floats(-0.3, 0.3)
+POINT = st.tuples(SMALL, SMALL, SMALL)
+
+
+def scene(axis=(0.0, 0.0, 1.0), start=None, **change):
+    """A body held by its centre of mass on a fixed base."""
+    values = {"translational_stiffness": (STIFFNESS,) * 3, "preload": PRELOAD, **change}
+    return (
+        [
+            base(point=(0, 0, 0)),
+            rigid("body", MASS, (1.0, 1.0, 1.0), {"point": (0, 0, 0)}, **(start or {})),
+            Part("bolt", "hold_down", {"axis": axis}, values),
+        ],
+        between("bolt", "base.point", "body.point"),
+    )
+
+
+def energy(run):
+    total = run.signal("body", "kinetic_energy") + run.signal("body", "potential_energy")
+    accounts = ("potential_energy", "dissipated_energy", "numerical_dissipation")
+    return total + sum(run.signal("bolt", name) for name in accounts)
+
+
+def place(run):
+    """Place of the body, at the end."""
+    return run.master.network.by_name["bolt"].inputs[13:16]
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 1.0), (2.0, -1.0, 2.0)])
+def test_the_preload_pulls_against_the_axis(axis):
+    """Closed form: from rest, displacement -(P / k) (1 - cos w t) along the axis, w^2 = k / m, until 0.2 s.
+
+    The mean force and its inertial terms shift frequencies by less than (w h)^2 / 4 of them, in phase w t times that.
+    """
+    h, w = 2e-4, np.sqrt(STIFFNESS / MASS)
+    unit = np.array(axis) / np.linalg.norm(axis)
+    run = completed(0.2, *scene(axis), settings=Settings(fixed_step=h), iteration=TIGHT)
+    t, error = np.array(run.times), (w * h) ** 2 / 4 * w * 0.2 * PRELOAD
+    assert run.signal("bolt", "force")[0] == pytest.approx(-PRELOAD * unit)
+    force = -PRELOAD * np.cos(w * t)[:, None] * unit
+    assert np.abs(run.signal("bolt", "force") - force).max() < error
+    assert place(run) == pytest.approx(
+        -PRELOAD / STIFFNESS * (1 - np.cos(w * 0.2)) * unit, abs=error / STIFFNESS
+    )
+    stored = 0.5 * PRELOAD**2 / STIFFNESS
+    assert run.signal("bolt", "potential_energy")[0] == pytest.approx(stored)
+
+
+@pytest.mark.parametrize("h", [0.05, 3e-3])
+@pytest.mark.parametrize("damping", [0.0, 40.0])
+def test_energy_balance_through_the_release(h, damping):
+    """Conservation law: at any step size, also over the release, which turns what was stored to heat."""
+    start = {"initial_velocity": (0.2, -0.4, 1.0)}
+    change = {"release_time": 0.31, "translational_damping": (damping,) * 3}
+    run = completed(0.6, *scene(start=start, **change), settings=Settings(fixed_step=h), iteration=TIGHT)
+    total = energy(run)
+    assert np.abs(total - total[0]).max() < 1e-6 * total[0]
+    assert run.signal("bolt", "dissipated_energy")[-1] > 0.1
+
+
+def test_release_at_the_end_of_the_step_that_reaches_the_time():
+    """Definition: held until the end of that step, free from then on at the velocity of that instant."""
+    h = 0.01
+    for release_time, last in ((0.095, 10), (0.1, 10), (0.101, 11)):
+        run = completed(
+            0.2, *scene(release_time=release_time), settings=Settings(fixed_step=h), iteration=TIGHT
+        )
+        released = run.signal("bolt", "released")
+        assert np.flatnonzero(released)[0] == last
+        assert run.signal("bolt", "potential_energy")[last] == 0.0
+        assert np.all(run.signal("bolt", "force")[:last, 2] != 0.0)
+        assert np.all(run.signal("bolt", "force")[last:] == 0.0)
+        assert np.all(run.signal("bolt", "dissipated_energy")[last:] > 0.0)
+        kinetic = run.signal("body", "kinetic_energy")
+        assert kinetic[last] != pytest.approx(kinetic[last - 1], rel=1e-3), (
+            "the step to the release is not held"
+        )
+        assert kinetic[last:] == pytest.approx(kinetic[last], rel=1e-12)
+
+
+def test_release_by_command():
+    """Definition: from the start of the next step there is no force, and what was stored is heat."""
+    run = prepared(*scene(), settings=Settings(fixed_step=0.01))
+    run.master.run(0.1)
+    before = {name: run.signal("bolt", name)[-1] for name in ("potential_energy", "dissipated_energy")}
+    bolt = run.master.network.by_name["bolt"]
+    bolt.inputs[bolt.input_layout["release_command"]] = 1.0
+    run.master.run(0.2)
+    assert run.signal("bolt", "released")[10:12].tolist() == [0.0, 1.0]
+    assert run.signal("bolt", "dissipated_energy")[11:] == pytest.approx(sum(before.values()))
+    kinetic = run.signal("body", "kinetic_energy")
+    assert kinetic[10:] == pytest.approx(kinetic[10], rel=1e-9)
+
+
+def test_a_free_body_without_a_release_time_stays_held():
+    """Definition: a release time of zero is none."""
+    run = completed(0.5, *scene(), settings=Settings(fixed_step=0.01))
+    assert np.all(run.signal("bolt", "released") == 0.0)
+
+
+def test_the_clock_starts_with_the_scene():
+    """Statics: the search before t = 0 ends where spring and preload balance; the release comes 0.05 s after t = 0."""
+    parts, links = scene(release_time=0.05)
+    network, recording = Network(in_process(parts), links), Recording()
+    master = Master(network, (), recording, Settings(fixed_step=0.01))
+    recording.run = run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
+    master.initialize(preload=True)
+    assert place(run)[2] == pytest.approx(-PRELOAD / STIFFNESS, rel=1e-6)
+    master.run(0.1)
+    assert np.flatnonzero(run.signal("bolt", "released"))[0] == 5
+    assert run.signal("body", "kinetic_energy") == pytest.approx(np.zeros(11), abs=1e-9)
+
+
+@needs_native
+def test_a_native_fmu_moves_as_in_process():
+    """Independent path: the native twin while held and released, and its derivatives against differences of steps.
+
+    Observations agree to 1e-9 of the iteration's tolerance; differences of 1e-7 m err by their rounding, 1e-16 / 1e-7.
+    """
+    start, damping = {"initial_velocity": (0.2, -0.4, 1.0)}, (40.0,) * 3
+    held = scene((1, 2, 2), start, translational_damping=damping)
+    assert max(native_errors("bolt", 0.05, *held, 0.01)) < 1e-8
+    released = scene((1, 2, 2), start, translational_damping=damping, release_time=0.055)
+    assert native_errors("bolt", 0.05, *released, 0.01)[0] < 1e-8
+    assert native_errors("bolt", 0.2, *released, 0.01)[0] < 1e-8
+
+
+def hold_down(mode="mean", axis=(0.0, 0.0, 1.0), **change):
+    component = HoldDown(axis, mode)
+    p = component.parameter_layout.start_values()
+    values = {
+        "translational_stiffness": (1e3, 2e3, 3e3), "translational_damping": (10.0, 20.0, 30.0),
+        "preload": 50.0, **change,
+    }  # fmt: skip
+    for name, value in values.items():
+        p[component.parameter_layout[name]] = value
+    return component, component.prepare(p)
+
+
+@needs_native
+def test_a_step_with_event_mode_ends_at_the_release(tmp_path):
+    """Definition of FMI 3.0: early return where the event is, exact to round-off; there is no force from it on."""
+    component = HoldDown(wrench_mode="endpoint")
+    start = {"release_time": 0.0237, "preload": 50.0}
+    path = str(build_fmu(component, "bolt", tmp_path, start=start, fmi="3.0"))
+    fmu, events, time = Fmu3(path, event_mode=True, early_return=True), [], 0.0
+    assert fmu.start() == OK
+    fmu.slave.updateDiscreteStates()
+    fmu.slave.enterStepMode()
+    while time < 0.05:
+        event, _, early, reached = fmu.slave.doStep(time, 0.01)
+        if event:
+            assert early
+            events.append(reached)
+            fmu.slave.enterEventMode()
+            fmu.slave.updateDiscreteStates()
+            fmu.slave.enterStepMode()
+        time = reached
+        force = 0.0 if events else -50.0
+        assert fmu.value("outboard.force") == pytest.approx((0.0, 0.0, force))
+    assert events == pytest.approx([0.0237], abs=1e-12)
+    assert fmu.value("dissipated_energy") == pytest.approx(0.5 * 50.0**2 / 1e6)
+
+
+@given(move=POINT, turn=SMALL, h=st.sampled_from((1e-3, 0.1)), command=st.sampled_from((0.0, 1.0)))
+def test_work_is_energy(move, turn, h, command):
+    """Conservation law of one step: work of both wrenches, elastic energy and heat sum to zero, released or not."""
+    component, c = hold_down(release_time=0.05)
+    frame = port_motion((1, 2, 3), (0, 0, turn))
+    u0 = inputs(component, frame, port_motion((1.1, 2.2, 2.7)))
+    u1 = inputs(component, frame, port_motion(np.add((1.1, 2.2, 2.7), move)), release_command=command)
+    x = component.initial(c, u0)
+    y = component.step(c, x, u1, h)
+    (*_, stored, heat, numerical), (*_, old, _, _) = component.observe(c, y, u1), component.observe(c, x, u0)
+    assert old == pytest.approx(0.5 * 50.0**2 / 3e3)
+    lost = heat + numerical
+    scale = 1.0 + stored + abs(heat) + abs(numerical)
+    assert work(component.outputs(c, y, u1), u0, u1, 2) + stored + lost == pytest.approx(
+        old, abs=1e-11 * scale
+    )
+    assert component.observe(c, y, u1)[3] == float(command > 0.5 or h > 0.05)
+
+
+@given(first=st.tuples(POINT, POINT), second=st.tuples(POINT, POINT), about=POINT)
+def test_wrenches_sum_to_zero_about_any_point(first, second, about):
+    """Conservation law: no net force and moment of the mean wrenches."""
+    component, c = hold_down()
+    before = inputs(component, port_motion(), port_motion((0.1, 0.2, 0.3)))
+    after = inputs(component, port_motion(*first), port_motion(*second))
+    y = component.step(c, component.initial(c, before), after, 0.1)
+    total = resultant(component.outputs(c, y, after), before, after, 2, about)
+    assert total == pytest.approx(np.zeros(6), abs=1e-10)
+
+
+def test_end_point_wrench():
+    """Definition: along the axes of the turned inboard port, of displacements from the offset at the start."""
+    component, c = hold_down("endpoint", (0.0, 1.0, 0.0), release_time=2.0)
+    turn = Rotation.from_rotvec((0.2, -0.4, 0.7))
+    offset, moved, rate = (
+        np.array((0.1, 0.2, -0.1)),
+        np.array((0.01, -0.02, 0.03)),
+        np.array((0.5, 0.2, -0.3)),
+    )
+    inboard = port_motion((1, 1, 1), turn.as_rotvec())
+    start = inputs(component, inboard, port_motion(1 + turn.apply(offset)))
+    u = inputs(component, inboard, port_motion(1 + turn.apply(offset + moved), velocity=turn.apply(rate)))
+    x = component.initial(c, start)
+    force = -np.array((1e3, 2e3, 3e3)) * moved - np.array((10, 20, 30)) * rate - (0, 50.0, 0)
+    y = component.outputs(c, x, u).reshape(2, 6)
+    assert y[1] == pytest.approx((*turn.apply(force), 0, 0, 0), abs=1e-10)
+    assert component.observe(c, x, u)[:3] == pytest.approx(force)
+    assert component.rates(c, x, u) == pytest.approx((1.0, np.array((10, 20, 30)) @ rate**2))
+    assert component.indicators(c, x, u) == pytest.approx(2.0)
+    stored = component.observe(c, x, u)[4]
+    x[16] = 2.0  # the clock
+    assert component.indicators(c, x, u) == pytest.approx(0.0)
+    assert np.all(component.update(c, x, u, False) == x)
+    free = component.update(c, x, u, True)
+    assert np.all(component.outputs(c, free, u) == 0.0)
+    assert component.observe(c, free, u) == pytest.approx((0, 0, 0, 1, 0, stored, 0))
+    assert (component.indicators(c, free, u), component.rates(c, free, u)[1]) == (1.0, 0.0)
+
+
+def test_an_impulse_leaves_no_memory():
+    """Closed form: after a vanishing impulse step that changes the rates, steps at those rates feel springs only."""
+    component, c = hold_down(preload=0.0, translational_damping=0.0)
+    still = port_motion()
+    x = component.initial(c, inputs(component, still, port_motion(velocity=(0.5, 0, 0))))
+    y = component.step(c, x, inputs(component, still, port_motion(velocity=(0.1, 0, 0)), impulse=1.0), 1e-7)
+    moved = inputs(component, still, port_motion((1e-3, 0, 0), velocity=(0.1, 0, 0)))
+    z = component.step(c, y, moved, 0.01)
+    assert component.outputs(c, z, moved)[6] == pytest.approx(-0.5 * 1e3 * 1e-3, rel=1e-9)
+
+
+def test_what_is_refused():
+    """An axis without length, and a preload along an axis without stiffness: a sentence each."""
+    with pytest.raises(ComponentError, match="hold-down's preload"):
+        HoldDown((0, 0, 0))
+    with pytest.raises(ComponentError, match=r"translational_stiffness\[3\] is 0 N/m"):
+        hold_down(translational_stiffness=(1e3, 1e3, 0.0))
+    hold_down(translational_stiffness=(1e3, 0.0, 1e3))

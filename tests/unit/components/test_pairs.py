@@ -1,0 +1,239 @@
+"""Connections of order 4, kind by kind: work, momentum, and order along a path; hinges have their own tests."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from components import drive as drives
+from components.ccl import CableLoop
+from components.damper import EddyCurrentDamper
+from components.drive import Drive
+from components.hold_down import HoldDown
+from components.suspension import Suspension
+from tests.references.relative_motion import (
+    angular_momentum,
+    inputs,
+    port_motion,
+    slope_work,
+    slopes,
+    with_moments,
+    work,
+)
+from tests.unit.components.prepared import prepared
+
+STRANDS = {"radius_1": 0.06, "radius_2": 0.03, "strand_damping": 4.0}
+CASES = {
+    "hold_down": (
+        HoldDown,
+        {},
+        {
+            "translational_stiffness": (3e3, 5e3, 4e3),
+            "translational_damping": (5.0, 2.0, 3.0),
+            "preload": 40.0,
+        },
+    ),
+    "drive": (
+        Drive,
+        {"profile": "step"},
+        {"stiffness": 300.0, "damping": 2.0, "end_angle": 1.0, "duration": 4.0},
+    ),
+    "damper": (EddyCurrentDamper, {}, {"damping_coefficient": 3.0, "peak_rate": 0.5}),
+    "suspension": (Suspension, {}, {"stiffness": 400.0, "damping": 6.0}),
+    "guided": (CableLoop, {"guided": True}, STRANDS),
+    "free": (CableLoop, {}, STRANDS),
+}
+TURNING = ("drive", "damper", "guided", "free")
+"""Kinds whose wrenches follow turns about y; the other two follow places."""
+PLACES = np.array(((0.0, 0.0, 0.0), (0.9, 0.0, 0.0), (0.5, 0.0, 0.0)))
+SMALL = st.floats(-0.05, 0.05)
+THREE = st.tuples(SMALL, SMALL, SMALL)
+PORTS = st.tuples(THREE, THREE, THREE)
+
+
+def case(name, mode="mean", **change):
+    kind, structure, start = CASES[name]
+    component = kind(**structure, wrench_mode=mode)
+    return component, prepared(component, **{**start, **change})
+
+
+def seen(component, c, x, u, name):
+    layout = component.observation_layout
+    return float(component.observe(c, x, u)[layout[name]][0]) if name in layout else 0.0
+
+
+def posed(name, component, moved, moments=None, **commands):
+    """Ports at their places; those that feel turns turn about y by the first of three numbers, others move by all."""
+    ports = []
+    for place, step in zip(PLACES[: len(component.ports)], moved, strict=False):
+        turn = (0.0, 10.0 * step[0], 0.0) if name in TURNING else (0.0, 0.0, 0.0)
+        ports.append(port_motion(place if name in TURNING else place + step, turn))
+    if name == "drive":
+        ports[0][3:7] = 1.0, 0.0, 0.0, 0.0
+    if name == "damper":
+        ports[0][3:7] = 1.0, 0.0, 0.0, 0.0
+    u = inputs(component, *ports, **commands)
+    if moments is None:
+        return u
+    return with_moments(component, u, np.concatenate(moments).reshape(-1, 6)[: len(component.ports)])
+
+
+@pytest.mark.parametrize("name", CASES)
+@given(st.tuples(PORTS, PORTS, PORTS), st.tuples(PORTS, PORTS), st.tuples(PORTS, PORTS))
+def test_work_is_the_change_of_energy(name, moved, first, second):
+    """Exact, whatever the moments: means on changes and slopes on moments against what is stored, lost and supplied."""
+    component, c = case(name, order=4.0)
+    states = [
+        posed(name, component, moved[0]),
+        posed(name, component, moved[1], (*first[0], *first[1])),
+        posed(name, component, moved[2], (*second[0], *second[1])),
+    ]
+    x = component.step(c, component.initial(c, states[0]), states[1], 0.1)
+    y = component.step(c, x, states[2], 0.1)
+    outputs, ports = component.outputs(c, y, states[2]), len(component.ports)
+    change = {
+        energy: seen(component, c, y, states[2], energy) - seen(component, c, x, states[1], energy)
+        for energy in (
+            "potential_energy",
+            "dissipated_energy",
+            "numerical_dissipation",
+            "supplied_energy",
+        )
+    }
+    done = work(outputs, states[1], states[2], ports) + slope_work(component, outputs, states[2], ports)
+    rest = done + change["potential_energy"] + change["dissipated_energy"] + change["numerical_dissipation"]
+    scale = 1.0 + sum(map(abs, change.values())) + seen(component, c, y, states[2], "potential_energy")
+    assert rest - change["supplied_energy"] == pytest.approx(0.0, abs=1e-12 * scale)
+    assert change["dissipated_energy"] >= -1e-13 * scale
+    assert change["numerical_dissipation"] >= 0.0
+
+
+@pytest.mark.parametrize("name", CASES)
+@given(st.tuples(PORTS, PORTS), PORTS, st.tuples(PORTS, PORTS), THREE)
+def test_wrenches_give_no_momentum(name, moved, turns, moments, about):
+    """Conservation law over a step, all ports turning and moving; round-off of forces up to 2e3 N."""
+    component, c = case(name, order=4.0)
+    count = len(component.ports)
+    before, after = (
+        inputs(
+            component,
+            *(
+                port_motion(place + np.array(step), 10.0 * np.array(turn))
+                for place, step, turn in zip(PLACES[:count], steps, turning, strict=False)
+            ),
+        )
+        for steps, turning in zip(moved, (np.zeros((3, 3)), turns), strict=True)
+    )
+    ports = np.concatenate((*moments[0], *moments[1])).reshape(-1, 6)[:count]
+    after = with_moments(component, after, ports)
+    y = component.step(c, component.initial(c, before), after, 0.1)
+    outputs = component.outputs(c, y, after)
+    total = angular_momentum(component, outputs, before, after, count, about)
+    assert total == pytest.approx(np.zeros(6), abs=1e-11)
+    force, _ = slopes(component, outputs, count)
+    assert force.sum(0) == pytest.approx(np.zeros(3), abs=1e-11)
+
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
+RATES = np.array((1.0, 1.7, 0.6))
+
+
+def along(name, component, t, h=0.0):
+    """A smooth motion at t, with the exact moments of the step of size h that ends there.
+
+    Springs are pulled along their line, pulleys and shafts turn about the axis.
+    """
+    count = len(component.ports)
+    turning = name in TURNING
+    still = name in ("drive", "damper")
+
+    def coordinates(time):
+        size, rate = (0.1, RATES[:count]) if turning else (0.02, RATES[:count])
+        values, speeds = size * np.sin(rate * time + 0.3), size * rate * np.cos(rate * time + 0.3)
+        if still:
+            values[0] = speeds[0] = 0.0
+        return values, speeds
+
+    values, speeds = coordinates(t)
+    zero = (0.0, 0.0, 0.0)
+    ports = [
+        port_motion(place, (0.0, v, 0.0), zero, (0.0, s, 0.0))
+        if turning
+        else port_motion(place + np.array((v, 0.0, 0.0)), zero, (s, 0.0, 0.0))
+        for place, v, s in zip(PLACES, values, speeds, strict=False)
+    ]
+    u = inputs(component, *ports)
+    if h == 0.0:
+        return u
+    moments = np.zeros((count, 6))
+    for node, weight in zip(NODES, WEIGHTS, strict=True):
+        speeds = coordinates(t - 0.5 * h + 0.5 * h * node)[1]
+        moments[:, 4 if turning else 0] += 0.5 * h * weight * node * speeds
+    return with_moments(component, u, moments)
+
+
+def instant_wrench(name, component, c, x, t):
+    """End-point wrench of the last port but a guide."""
+    if name == "drive":
+        x = x.copy()
+        x[drives._CLOCK] = t
+    return component.outputs(c, x, along(name, component, t))[6:12]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_mean_and_slope_are_of_order_four_and_three(name):
+    """Along a prescribed path with exact moments: the errors of the mean go with h^4, of the slope with h^3.
+
+    The mean of a linear law without numerical damping is exact, up to the rounding of energies over small changes.
+    """
+    found = []
+    for h in (0.1, 0.05, 0.025):
+        component, c = case(name, order=4.0)
+        instant, d = case(name, "endpoint")
+        x = component.initial(c, along(name, component, 0.0))
+        now = instant.initial(d, along(name, instant, 0.0))
+        errors = np.zeros(2)
+        for k in range(round(1.0 / h)):
+            u = along(name, component, (k + 1) * h, h)
+            x = component.step(c, x, u, h)
+            y = component.outputs(c, x, u)
+            exact = np.zeros((2, 6))
+            for node, weight in zip(NODES, WEIGHTS, strict=True):
+                wrench = instant_wrench(name, instant, d, now, (k + 0.5 + 0.5 * node) * h)
+                exact += 0.5 * weight * np.array((wrench, 3.0 * node * wrench))
+            force, torque = slopes(component, y, len(component.ports))
+            slope = np.concatenate((force[1], torque[1]))
+            errors = np.maximum(errors, np.abs(np.array((y[6:12], slope)) - exact).max(1))
+        found.append(errors)
+    means, parts = np.array(found).T
+    assert np.all(means < 1e-9) or means[0] / means[2] > 2.0**7
+    assert parts[0] / parts[2] > 2.0**5
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_order_two_takes_no_note_of_moments(name):
+    """The parameter's start: same bits, and slopes zero; static solutions are alike."""
+    rng = np.random.default_rng(3)
+    for change in ({}, {"order": 4.0, "end_weight": 1.0}):
+        if "end_weight" in change and name == "damper":
+            continue
+        component, c = case(name, **change)
+        u, count = posed(name, component, rng.normal(0.0, 0.01, (3, 3))), len(component.ports)
+        v = with_moments(component, u, rng.normal(0.0, 0.01, (count, 6)))
+        x = component.initial(c, posed(name, component, np.zeros((3, 3))))
+        plain, fed = component.step(c, x, u, 0.01), component.step(c, x, v, 0.01)
+        assert plain.tobytes() == fed.tobytes()
+        assert not np.any(slopes(component, component.outputs(c, fed, v), count))
+
+
+def test_damping_of_a_suspension_never_pushes():
+    """A taut spring that shortens fast: its mean tension is zero, and heat is what it loses."""
+    component, c = case("suspension", order=4.0, damping=500.0)
+    u = posed("suspension", component, np.zeros((3, 3)))
+    x = component.initial(c, u)
+    v = posed("suspension", component, ((0.0, 0.0, 0.0), (-0.05, 0.0, 0.0), (0.0, 0.0, 0.0)))
+    y = component.step(c, x, v, 0.01)
+    assert component.outputs(c, y, v)[:12] == pytest.approx(np.zeros(12), abs=1e-12)
+    lost = seen(component, c, y, v, "dissipated_energy")
+    stored = seen(component, c, x, u, "potential_energy") - seen(component, c, y, v, "potential_energy")
+    assert lost == pytest.approx(stored, rel=1e-12)

@@ -1,0 +1,90 @@
+"""Building the native library, and what happens where it was not built."""
+
+from __future__ import annotations
+
+import ctypes
+
+import pytest
+from click.testing import CliRunner
+from fmpy import read_model_description
+
+from components import REGISTRY, ComponentError
+from fmus import build_fmu, native_backend
+from fmus.native import CompileError, compile_library, compiler, equations, sources
+from orchestrator.cli import main as cli
+
+
+def without_library(monkeypatch):
+    """As after an installation without a C compiler."""
+    for module in ("fmus.build", "fmus.native", "orchestrator.cli.messages", "orchestrator.cli.options"):
+        for name in ("library", "native_library"):
+            monkeypatch.setattr(f"{module}.{name}", lambda: None, raising=False)
+
+
+def test_every_kernel_is_that_of_a_component():
+    """Rule: an equations file and the component's switch to native come together."""
+    native = {kind for kind, component in REGISTRY.items() if component.example().native_data() is not None}
+    kinds = {"damper": "eddy_current_damper"}
+    assert {kinds.get(name, name) for name in equations()} == native
+
+
+def test_sources_compile_every_equations_file_twice():
+    """Control: both number types are among the sources, and every kernel in the list."""
+    texts = sources()
+    for name in equations():
+        assert f"{name}.c" in texts
+        assert f"{name}_derivative.c" in texts
+        assert f"&{name}_kernel" in texts["kernels.c"]
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler here")
+def test_the_library_exports_the_functions_of_the_standard(tmp_path):
+    """A library of its own; FMI 2.0, section 2.2 and 4.2."""
+    target = tmp_path / "fanfold.so"
+    compile_library(target, ("-std=c99", "-O0", "-fPIC", "-fno-math-errno"))
+    library = ctypes.CDLL(str(target))
+    version = library.fmi2GetVersion
+    version.restype = ctypes.c_char_p
+    assert version() == b"2.0"
+
+
+def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    with pytest.raises(CompileError, match="there is no C compiler"):
+        compile_library(tmp_path / "fanfold.so")
+
+
+def test_the_compiler_may_have_arguments(monkeypatch):
+    if compiler() is None:
+        pytest.skip("no C compiler here")
+    command = " ".join(compiler())
+    monkeypatch.setenv("CC", f"{command} -DCHOSEN")
+    assert compiler() == [*command.split(), "-DCHOSEN"]
+
+
+def test_what_a_compiler_refuses_is_told(monkeypatch, tmp_path):
+    if compiler() is None:
+        pytest.skip("no C compiler here")
+    with pytest.raises(CompileError, match=r"failed: .*no-such-option"):
+        compile_library(tmp_path / "fanfold.so", ("--no-such-option",))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_the_library_pythonfmus_are_built(monkeypatch, tmp_path):
+    without_library(monkeypatch)
+    component = REGISTRY["eddy_current_damper"].example()
+    assert not native_backend(component)
+    description = read_model_description(str(build_fmu(component, "damper", tmp_path)))
+    assert description.generationTool == "Fanfold with PythonFMU"
+    with pytest.raises(ComponentError, match="no native library here"):
+        build_fmu(component, "damper", tmp_path, backend="native")
+
+
+def test_without_the_library_the_command_line_says_so(monkeypatch, tmp_path):
+    without_library(monkeypatch)
+    run = CliRunner().invoke(cli.main, ["export", "amos3", "--rigid", "all", "-o", str(tmp_path)])
+    assert run.exit_code == 0
+    assert "PythonFMUs are used" in run.output
+    refused = CliRunner().invoke(cli.main, ["run", "amos3", "--backend", "native"])
+    assert refused.exit_code == 2
+    assert "no native library was built" in refused.output

@@ -1,0 +1,95 @@
+"""Estimated errors: from steps twice as long, kept in the file, told of where a number cannot be vouched for."""
+
+from __future__ import annotations
+
+import pytest
+
+from fmus import native_library
+from orchestrator.cosim.master import Settings
+from orchestrator.results.estimated_errors import doubts, errors_text, estimated_errors
+from orchestrator.results.key_figures import headline, headline_rows
+from orchestrator.results.result import Result, ResultError, add_statistics
+from orchestrator.run.companion import doubled, with_estimates
+from orchestrator.run.run import run
+from tests.unit.run.test_verify import smooth_scene
+
+needs_native = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
+
+
+def test_doubled_steps():
+    """Closed form: two steps as one, segment by segment, that reach the same times; an odd one stands alone."""
+    assert doubled([[0.25, 0.25, 0.5], [], [1.0, 2.0]]) == [[0.5, 0.5], [], [3.0]]
+
+
+@pytest.fixture(scope="module")
+def estimated(tmp_path_factory):
+    """A coarse run with its estimates, and the headline of a run at a hundredth of its tolerance."""
+    folder = tmp_path_factory.mktemp("estimated")
+    assembly = smooth_scene(folder)
+    settings = Settings(tolerance=1e-3)
+    outcome = run(assembly, folder / "run.h5", settings, 2.4)
+    outcome = with_estimates(assembly, outcome, settings, 2.4)
+    tight = run(assembly, folder / "tight.h5", Settings(tolerance=1e-5), 2.4)
+    return outcome, tight.headline
+
+
+@needs_native
+@pytest.mark.parametrize("quantity", ["latch time", "latch torque peak"])
+def test_estimates_are_near_the_true_errors(estimated, quantity):
+    """Against a run at a hundredth of the tolerance: within a factor of five where there is an error to see."""
+    outcome, truth = estimated
+    true = {number.key: number.value for number in truth.numbers()}
+    found = [number for number in outcome.headline.numbers() if number.quantity == quantity]
+    assert found
+    for number in found:
+        error = abs(number.value - true[number.key])
+        seen = 1e-5 * abs(number.value)
+        assert number.error + seen >= 0.2 * error
+        assert number.error <= 5.0 * error + seen
+
+
+@needs_native
+def test_file_and_table_hold_the_estimates(estimated):
+    outcome, _ = estimated
+    again = headline(Result.open(outcome.path))
+    assert again.estimated_errors == outcome.headline.estimated_errors != {}
+    shown = {row[0]: row[-1] for row in headline_rows(again)}
+    assert float(shown["latch time"]) > 0.0
+    assert shown["end time"] == ""
+    assert again.as_dict()["estimated_errors"]["latch time"]
+
+
+@needs_native
+def test_damaged_estimates_are_told_of(estimated, tmp_path):
+    path = tmp_path / "damaged.h5"
+    path.write_bytes(estimated[0].path.read_bytes())
+    add_statistics(path, {"estimated_errors": '[["latch time", 1]]'})
+    with pytest.raises(ResultError, match="estimated errors of the result are damaged"):
+        headline(Result.open(path))
+
+
+def test_text_and_back():
+    errors = {("latch time", "L1"): 1e-6, ("interface force peak", "x"): 0.5}
+    text = errors_text(errors)
+
+    class Kept:
+        statistics = {"estimated_errors": text}  # noqa: RUF012
+        path = "kept.h5"
+
+    assert estimated_errors(Kept()) == errors
+
+
+def test_doubts_name_what_is_off_by_ten_tolerances():
+    """A load's component is judged beside the largest, everything else beside itself."""
+    numbers = [
+        (("latch time", "L1"), 4.0, 0.5e-3),
+        (("latch torque peak", "L1"), 100.0, 2.0),
+        (("interface force peak", "x"), 1000.0, 0.1),
+        (("interface force peak", "y"), 0.01, 0.009),
+        (("motor energy", ""), 1.0, 0.5),
+        (("latch torque peak", "L2"), 5.0, None),
+    ]
+    sentences = doubts(numbers, 1e-3)
+    assert len(sentences) == 1
+    assert "latch torque peak of L1 may be off by 0.02 of its size" in sentences[0]
+    assert doubts(numbers, None) == []

@@ -1,0 +1,243 @@
+"""Results: what is written can be read back, an interrupted run too, and errors are sentences."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from orchestrator.assembly import Geometry, HingeLine
+from orchestrator.results.result import Result, ResultError, ResultWriter, SignalGroup
+from tests.references import synthetic_result as reference
+
+GROUPS = (
+    SignalGroup("panel", ("pose", "energy"), ("m", "J"), (3, 1), ("Where it is", "What it has")),
+    SignalGroup("hinge", ("angle",), ("rad",), (1,), ("How far it is open",)),
+)
+LINES = (HingeLine("hl1", ("hinge",), "hinge", True, False),)
+
+RUNNING = """
+import sys
+import numpy as np
+from orchestrator.results.result import ResultWriter, SignalGroup
+names = tuple(f"v{k}" for k in range(8))
+groups = [SignalGroup(f"c{k}", names, ("1",) * 8, (1,) * 8, names) for k in range(12)]
+writer = ResultWriter(sys.argv[1], groups, {"scene": "text"}, {}, [])
+for k in range(10**9):
+    writer.append(0.5 * k, [np.full(8, float(k + i)) for i in range(12)])
+    if k == 100:
+        writer.event(50.0, "hl1", "latch-up")
+    if k == 2000:
+        print("running", flush=True)
+"""
+
+
+def write(path, rows=450):
+    geometry = {"panel": Geometry(np.eye(3), np.ones((3, 3, 2)), [[0, 1, 2]])}
+    with ResultWriter(path, GROUPS, {"scene": "a = 1\nµ = 2"}, geometry, LINES) as writer:
+        for k in range(rows):
+            writer.append(0.1 * k, [np.arange(4.0) + k, np.array([-1.0 * k])])
+        writer.event(1.5, "hinge", "latch-up at 90°")
+        writer.statistics({"steps": rows, "seconds": 2.5, "coupling": "newton"})
+    return path
+
+
+@pytest.fixture
+def result(tmp_path):
+    return Result.open(write(tmp_path / "run.h5"))
+
+
+def test_signals_come_back_in_shape_and_order(result):
+    k = np.arange(450.0)
+    assert result.components == ("panel", "hinge")
+    assert result.variables("panel") == ("pose", "energy")
+    np.testing.assert_array_equal(result.time, 0.1 * k)
+    np.testing.assert_array_equal(result.signal("panel", "pose"), k[:, None] + np.arange(3.0))
+    np.testing.assert_array_equal(result.signal("panel", "energy"), k + 3.0)
+    np.testing.assert_array_equal(result.signal("hinge", "angle"), -k)
+
+
+def test_units_and_descriptions(result):
+    assert result.unit("panel", "energy") == "J"
+    assert result.description("hinge", "angle") == "How far it is open"
+    assert result.recording("angle") == ("hinge",)
+    assert result.has("panel", "pose")
+    assert not result.has("wing", "pose")
+
+
+def test_everything_around_the_signals(result):
+    assert result.complete
+    assert result.events == [(1.5, "hinge", "latch-up at 90°")]
+    assert result.statistics == {"steps": 450, "seconds": 2.5, "coupling": "newton"}
+    assert result.provenance == {"scene": "a = 1\nµ = 2"}
+    assert result.hinge_lines == LINES
+    np.testing.assert_array_equal(result.geometry["panel"].shapes, np.ones((3, 3, 2)))
+    np.testing.assert_array_equal(result.geometry["panel"].faces, [[0, 1, 2]])
+
+
+def test_layout_of_the_file(tmp_path):
+    with h5py.File(write(tmp_path / "run.h5")) as file:
+        assert file["time"].attrs["unit"] == "s"
+        assert file["signals/panel/pose"].shape == (450, 3)
+        assert file["signals/hinge/angle"].attrs["unit"] == "rad"
+        assert {file["events"][name].shape for name in ("time", "component", "event")} == {(1,)}
+        assert file["events/event"].asstr()[0] == "latch-up at 90°"
+
+
+@pytest.mark.parametrize("rows", [1, 199, 200, 201])
+def test_any_number_of_rows(tmp_path, rows):
+    result = Result.open(write(tmp_path / "run.h5", rows))
+    assert result.time.size == rows
+    assert result.signal("hinge", "angle")[-1] == -(rows - 1.0)
+
+
+def test_long_event_text_is_cut_between_characters(tmp_path):
+    with ResultWriter(tmp_path / "run.h5", GROUPS, {}, {}, ()) as writer:
+        writer.append(0.0, [np.zeros(4), np.zeros(1)])
+        writer.event(0.0, "hinge", "a" + "é" * 200)
+    assert Result.open(tmp_path / "run.h5").events[0][2] == "a" + "é" * 127
+
+
+def test_run_that_fails_leaves_an_incomplete_result(tmp_path):
+    def run():
+        with ResultWriter(tmp_path / "run.h5", GROUPS, {}, {}, ()) as writer:
+            writer.append(0.0, [np.zeros(4), np.zeros(1)])
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        run()
+    result = Result.open(tmp_path / "run.h5")
+    assert not result.complete
+    assert result.time.size == 1
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_killed_run_is_readable_up_to_the_last_flush(tmp_path):
+    path = tmp_path / "run.h5"
+    root = Path(__file__).parents[3]
+    with subprocess.Popen(
+        [sys.executable, "-c", RUNNING, str(path)], cwd=root, stdout=subprocess.PIPE, text=True
+    ) as run:
+        assert run.stdout.readline() == "running\n"
+        run.send_signal(signal.SIGKILL)
+    result = Result.open(path)
+    assert not result.complete
+    assert result.time.size >= 2000
+    assert result.events == [(50.0, "hl1", "latch-up")]
+    k = np.arange(result.time.size)
+    np.testing.assert_array_equal(result.time, 0.5 * k)
+    for i, name in enumerate(f"c{i}" for i in range(12)):
+        np.testing.assert_array_equal(result.signal(name, "v7"), k + i)
+
+
+def test_second_run_to_the_same_file_leaves_the_first_one_unharmed(tmp_path):
+    path = tmp_path / "run.h5"
+    first = ResultWriter(path, GROUPS, {}, {}, ())
+    write(path)
+    first.append(0.0, [np.zeros(4), np.zeros(1)])
+    first.close()
+    assert Result.open(path).time.size == 450
+
+
+def test_appending_is_cheap(tmp_path):
+    groups = [SignalGroup(f"c{k}", tuple("abcdefgh"), ("1",) * 8, (1,) * 8, ("",) * 8) for k in range(12)]
+    values = [np.zeros(8) for _ in groups]
+    with ResultWriter(tmp_path / "run.h5", groups, {}, {}, ()) as writer:
+        costs = []
+        for _ in range(5):
+            start = time.process_time()
+            for k in range(1000):
+                writer.append(float(k), values)
+            costs.append((time.process_time() - start) / 1000)
+    assert min(costs) < 30e-6  # 8e-6 on an idle machine
+
+
+def message(function, *arguments):
+    with pytest.raises(ResultError) as caught:
+        function(*arguments)
+    text = str(caught.value)
+    assert "\n" not in text
+    return text
+
+
+def test_unknown_names_are_answered_with_the_known_ones(result):
+    assert "components are panel, hinge" in message(result.signal, "wing", "angle")
+    assert "its signals are angle" in message(result.unit, "hinge", "tension")
+
+
+def test_files_that_are_no_results(tmp_path):
+    assert "no such file" in message(Result.open, tmp_path / "none.h5")
+    (tmp_path / "text.h5").write_text("time,angle\n")
+    assert "nor any other HDF5 file" in message(Result.open, tmp_path / "text.h5")
+    h5py.File(tmp_path / "other.h5", "w").close()
+    assert "not a result of Fanfold" in message(Result.open, tmp_path / "other.h5")
+
+
+def test_truncated_file(tmp_path):
+    path = write(tmp_path / "run.h5")
+    path.write_bytes(path.read_bytes()[:-2000])
+    assert "truncated" in message(Result.open, path)
+
+
+def test_damaged_file(tmp_path):
+    path = write(tmp_path / "run.h5")
+    with h5py.File(path, "r+") as file:
+        del file["events"]
+    assert "damaged" in message(Result.open, path)
+
+
+def test_result_without_rows(tmp_path):
+    ResultWriter(tmp_path / "run.h5", GROUPS, {}, {}, ()).close()
+    assert "first communication point" in message(Result.open, tmp_path / "run.h5")
+
+
+def test_place_that_cannot_be_written_to(tmp_path):
+    arguments = (tmp_path / "none" / "run.h5", GROUPS, {}, {}, ())
+    assert "No such file or directory" in message(ResultWriter, *arguments)
+
+
+def test_synthetic_deployment_writes_every_signal(tmp_path):
+    time, signals = reference.signals()
+    result = Result.open(reference.write(tmp_path / "run.h5"))
+    np.testing.assert_array_equal(result.time, time)
+    for name, variables in signals.items():
+        for variable, (unit, values) in variables.items():
+            assert result.unit(name, variable) == unit
+            np.testing.assert_array_equal(result.signal(name, variable), values)
+
+
+def test_devices_and_pipes_are_no_results(tmp_path):
+    """Bad input: what is there and is no file stays what it is."""
+    pipe = tmp_path / "pipe.h5"
+    os.mkfifo(pipe)
+    with pytest.raises(ResultError, match="not a file that a result can be written to"):
+        ResultWriter(pipe, GROUPS, {}, {}, ())
+    assert pipe.is_fifo()
+
+
+def test_a_link_is_written_through(tmp_path):
+    """The file that a symbolic link points to holds the result."""
+    link, target = tmp_path / "link.h5", tmp_path / "target.h5"
+    link.symlink_to(target)
+    with ResultWriter(link, GROUPS, {}, {}, ()) as writer:
+        writer.append(0.0, [np.zeros(4), np.zeros(1)])
+    assert link.is_symlink()
+    assert Result.open(target).complete
+
+
+def test_result_that_is_taken_away_is_told_of(tmp_path):
+    """Bad input: the folder is deleted in the middle of a run, which must not go on into nothing."""
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    writer = ResultWriter(folder / "run.h5", GROUPS, {}, {}, ())
+    writer.append(0.0, [np.zeros(4), np.zeros(1)])
+    (folder / "run.h5").unlink()
+    folder.rmdir()
+    assert "removed while the run was writing it" in message(writer.flush)
+    assert "removed while the run was writing it" in message(writer.close)
+    assert not folder.exists()

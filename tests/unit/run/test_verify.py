@@ -1,0 +1,147 @@
+"""Verification runs: steps halved and quartered; the error they estimate against the true one."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.master import Settings
+from orchestrator.cosim.participant import in_process
+from orchestrator.results.result import Result
+from orchestrator.run.run import RunError, run
+from orchestrator.run.verify import halved, verify
+from orchestrator.scene import load_scene
+
+TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+LATCH = "latch = { stiffness = 200, outboard_stiffness = 200, effective_inertia = 1.5 }\n"
+SMOOTH = """
+[joint] # slow and damped enough for the steps to resolve what a release and a latch-up excite
+axial_stiffness = "4e4 N/m"
+radial_stiffness = "4e4 N/m"
+cross_stiffness = "4e3 N.m/rad"
+damping_ratio = 0.3
+damping_frequency = "15 Hz"
+"""
+
+
+def smooth_scene(folder):
+    """Two panels with strong motors and soft joints; the middle line latches at 2.04 s."""
+    text = TWO_PANELS.replace("hinges = [\n", LATCH + "hinges = [\n") + SMOOTH
+    for weak, strong in (
+        ("1.6 N.m", "6.4 N.m"),
+        ("1.0 N.m", "4.0 N.m"),
+        ("2.0 N.m", "8 N.m"),
+        ("1.2 N.m", "4.8 N.m"),
+    ):
+        text = text.replace(weak, strong)
+    (folder / "smooth.toml").write_text(text, encoding="utf-8")
+    return assemble(load_scene(folder / "smooth.toml"))
+
+
+def loader(assembly):
+    return lambda _: nullcontext(in_process(assembly.parts))
+
+
+def test_halved_steps():
+    """Closed form: twice as many steps, segment by segment, that reach the same times."""
+    segments = [[0.25, 0.5], [], [1.0]]
+    assert halved(segments) == [[0.125, 0.125, 0.25, 0.25], [], [0.5, 0.5]]
+
+
+@pytest.fixture(scope="module")
+def verified(tmp_path_factory):
+    """A coarse run with its verification, and headline numbers of a run at a hundredth of its tolerance."""
+    folder = tmp_path_factory.mktemp("verified")
+    assembly = smooth_scene(folder)
+    settings, load = Settings(tolerance=1e-3), loader(assembly)
+    outcome = run(assembly, folder / "run.h5", settings, 2.8, load=load)
+    found = verify(assembly, outcome, settings, 2.8, load=load)
+    tight = run(assembly, folder / "tight.h5", Settings(tolerance=1e-5), 2.8, load=load)
+    return outcome, found, {(n.quantity, n.of): n.value for n in tight.headline.numbers()}
+
+
+def ratios(verified, *quantities):
+    """Estimated over true error of the named quantities; what is zero by symmetry has no error to estimate."""
+    _, found, truth = verified
+    return {
+        f"{v.number.quantity} {v.number.of}": v.error
+        / abs(v.number.value - truth[v.number.quantity, v.number.of])
+        for v in found
+        if v.number.quantity in quantities and abs(v.number.value) > 1e-6
+    }
+
+
+def test_estimated_error_of_smooth_quantities(verified):
+    """Done-when 4: within a factor 2 of the true error, here a run with other steps and 20 times its accuracy."""
+    found = ratios(verified, "latch time", "motor energy")
+    assert len(found) == 2
+    assert all(0.5 < ratio < 2.0 for ratio in found.values()), found
+
+
+def test_estimated_error_of_peaks(verified):
+    """Done-when 4: within a factor 4 of the true error for peaks, which are interpolated between steps."""
+    found = ratios(verified, "latch torque peak", "interface force peak")
+    assert len(found) == 3
+    assert all(0.25 < ratio < 4.0 for ratio in found.values()), found
+
+
+def test_observed_order_is_two(verified):
+    """Convergence: what the scheme promises, seen in the verification's own three runs."""
+    _, found, _ = verified
+    orders = [v.order for v in found if v.number.quantity in ("latch time", "motor energy")]
+    assert orders == pytest.approx([2.0, 2.0], abs=0.2)
+
+
+def test_extrapolation_comes_closer(verified):
+    """Independent path: the extrapolated latch time is nearer to that of the tight run than the coarse one."""
+    _, found, truth = verified
+    v = next(v for v in found if v.number.quantity == "latch time")
+    true = truth["latch time", "middle_line"]
+    assert abs(v.extrapolated - true) < 0.2 * abs(v.number.value - true)
+
+
+def test_results_of_finer_runs_stay(verified):
+    """Consistency: the finer results stand beside the first, with two and four times its steps, give or take events."""
+    outcome, found, _ = verified
+    steps = [
+        len(Result.open(outcome.path.with_suffix(suffix)).time)
+        for suffix in (".h5", ".halved.h5", ".quartered.h5")
+    ]
+    assert steps[1] / steps[0] == pytest.approx(2.0, rel=0.02)
+    assert steps[2] / steps[1] == pytest.approx(2.0, rel=0.02)
+    assert not {"end time", "energy residual"} & {v.number.quantity for v in found}
+
+
+def test_plan_that_ends_before_its_event(tmp_path):
+    """Regression: beyond the end of a plan the last step, cut short by an event, is not repeated for ever."""
+    assembly = smooth_scene(tmp_path)
+    plan = Settings(step_plan=[[0.005] * 5 + [1e-7], [0.005]])
+    outcome = run(assembly, tmp_path / "run.h5", plan, 0.1, load=loader(assembly))
+    assert outcome.costs.steps < 30
+    assert np.all(np.diff(Result.open(outcome.path).time) > 0.0)
+
+
+def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
+    """Bad luck: numbers that not all runs have are left out, the others are still verified."""
+    assembly = smooth_scene(tmp_path)
+    settings, load = Settings(tolerance=1e-3), loader(assembly)
+    outcome = run(assembly, tmp_path / "run.h5", settings, 0.1, load=load)
+    early = replace(outcome.headline, latch_times={"middle_line": 0.09})
+    quantities = [v.number.quantity for v in verify(
+        assembly, replace(outcome, headline=early), settings, 0.1, load=load)]  # fmt: skip
+    assert "latch time" not in quantities
+    assert "motor energy" in quantities
+
+
+def test_explicit_run_is_not_verified(tmp_path):
+    """Bad input: no halving of steps that were not recorded; a sentence instead."""
+    assembly = smooth_scene(tmp_path)
+    settings = Settings(fixed_step=1e-4)
+    outcome = run(assembly, tmp_path / "run.h5", settings, 1e-3, "jacobi", load=loader(assembly))
+    with pytest.raises(RunError, match="only a run of the implicit master can be verified"):
+        verify(assembly, outcome, settings, load=loader(assembly))

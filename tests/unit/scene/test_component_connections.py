@@ -1,0 +1,102 @@
+"""[[connection]] tables: any registered component by its own ports, structure and parameters; placed bodies."""
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import SceneError, load_scene
+
+TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+DAMPER = """
+[[connection]]
+name = "brake"
+kind = "eddy_current_damper"
+structure = { axis = [0.0, 1.0, 0.0] }
+ports.inboard = { body = "base", point = "root" }
+ports.outboard = { body = "inner", point = "root", offset = ["0 m", "10 mm", "0 m"] }
+parameters = { damping_coefficient = "2 N.m.s/deg" }
+"""
+WEIGHT = """
+[[body]]
+name = "weight"
+place = { body = "inner", point = "tip_left", offset = [0.0, 1.0, 0.0] }
+rigid = { mass = 1.0, inertia = [0.1, 0.1, 0.1], points = { eye = [0.0, 0.0, 0.0] } }
+"""
+
+
+def load_text(folder, text):
+    path = folder / "wing.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_scene(path)
+
+
+def test_a_connection_becomes_a_part_with_si_values_and_the_mode_of_the_run(tmp_path):
+    assembly = assemble(load_text(tmp_path, TWO_PANELS + DAMPER), wrench_mode="endpoint")
+    part = next(part for part in assembly.parts if part.name == "brake")
+    assert part.kind == "eddy_current_damper"
+    assert part.start["damping_coefficient"] == pytest.approx(2.0 * 180.0 / 3.141592653589793)
+    assert tuple(part.structure["axis"]) == (0.0, 1.0, 0.0)
+    assert {link.body[0]: link.connection[1] for link in assembly.links if link.connection[0] == "brake"} == {
+        "base": "inboard",
+        "inner": "outboard",
+    }
+
+
+@pytest.mark.parametrize("mode", ["mean", "endpoint"])
+def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
+    assembly = assemble(load_text(tmp_path, TWO_PANELS + DAMPER), wrench_mode=mode)
+    part = next(part for part in assembly.parts if part.name == "brake")
+    assert part.structure["wrench_mode"] == mode
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ('kind = "eddy_current_damper"', 'kind = "magnet"', "connection.brake.kind: there is no component 'magnet'"),
+        ('kind = "eddy_current_damper"', 'kind = "body"', "connection.brake.structure: "),
+        ("axis = [0.0, 1.0, 0.0]", "axle = 1", "connection.brake.structure: "),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "connection.brake.structure: axis has no length"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 1.0]", "connection.brake.structure: axis has 2 numbers"),
+        ("axis = [0.0, 1.0, 0.0]", "axis = 3", "connection.brake.structure: eddy_current_damper cannot be"),
+        ("ports.outboard", "ports.tip", "connection.brake.ports.outboard: is missing"),
+        ("ports.outboard", "ports.tip", "connection.brake.ports.tip: is no port; ports are inboard, outboard"),
+        ("damping_coefficient", "damping", "connection.brake.parameters.damping: is no parameter; parameters are"),
+        ("2 N.m.s/deg", "2 N", "connection.brake.parameters.damping_coefficient: is '2 N'; give a number"),
+        ("2 N.m.s/deg", "-2 N.m.s/deg", "parameters.damping_coefficient: is '-2 N.m.s/deg'; it must be at least 0 "),
+        ('point = "root" }\nports', 'point = "rot" }\nports', "connection.brake.ports.inboard: base has no point"),
+    ],
+)  # fmt: skip
+def test_what_a_component_does_not_accept_is_a_sentence_with_its_key(tmp_path, old, new, sentence):
+    assert old in DAMPER
+    with pytest.raises(SceneError) as caught:
+        load_text(tmp_path, TWO_PANELS + DAMPER.replace(old, new, 1))
+    assert any(sentence in problem for problem in caught.value.problems), caught.value.problems
+
+
+def test_a_placed_body_starts_beside_a_point_of_another(tmp_path):
+    rope = DAMPER.replace("brake", "rope").replace(
+        'body = "inner", point = "root", offset = ["0 m", "10 mm", "0 m"]', 'body = "weight", point = "eye"'
+    )
+    assembly = assemble(load_text(tmp_path, TWO_PANELS + WEIGHT + rope))
+    start = {part.name: part.start for part in assembly.parts}
+    at = start["middle_left"]["inboard.position"]
+    assert start["weight"]["initial_position"] == pytest.approx((at[0], at[1] + 1.0, at[2]))
+    assert start["weight"]["initial_orientation"] == (1.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (
+            'place = { body = "inner"',
+            'place = { body = "weight"',
+            "body.weight.place.body: 'weight' is no body that",
+        ),
+        ('point = "tip_left"', 'point = "tip"', "body.weight.place.point: inner has no point 'tip'"),
+    ],
+)
+def test_a_place_that_does_not_exist_is_a_sentence(tmp_path, old, new, sentence):
+    with pytest.raises(SceneError) as caught:
+        load_text(tmp_path, TWO_PANELS + WEIGHT.replace(old, new))
+    assert any(sentence in problem for problem in caught.value.problems), caught.value.problems

@@ -1,0 +1,178 @@
+"""Layers of a scene: what it extends, variants, single settings; every mistake a sentence."""
+
+from pathlib import Path
+
+import pytest
+
+from orchestrator.scene import SceneError, find_scene, load_scene, scene_variants
+
+TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+VARIANTS = """
+[variant.heavy]
+body = [{ name = "inner", rigid.mass = "9 kg" }]
+[variant.fast]
+scene.until = 1.0
+hinge_line = [{ name = "root_line", motor.stowed = "3 N.m" }]
+"""
+
+
+def written(folder, name, text):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def problems_of(path, *layers):
+    with pytest.raises(SceneError) as caught:
+        load_scene(path, *layers)
+    return " ".join(caught.value.problems)
+
+
+def test_a_scene_that_extends_another_changes_only_what_it_names(tmp_path):
+    below = written(tmp_path, "below.toml", TWO_PANELS)
+    above = written(
+        tmp_path,
+        "above.toml",
+        'extends = "below.toml"\nbody = [{ name = "inner", rigid.mass = "9 kg" }]\n[scene]\nuntil = 3.0\n',
+    )
+    before, after = load_scene(below), load_scene(above)
+    assert after.bodies[0].rigid.mass == 9.0
+    assert after.bodies[0].rigid.inertia == before.bodies[0].rigid.inertia
+    assert (after.bodies[1], after.hinge_lines, after.base) == (
+        before.bodies[1],
+        before.hinge_lines,
+        before.base,
+    )
+    assert (after.header.name, after.header.until) == ("two_panels", 3.0)
+
+
+def test_entries_are_added_and_removed_by_name(tmp_path):
+    written(
+        tmp_path,
+        "below.toml",
+        TWO_PANELS + '[[damper]]\nname = "d"\nhinge = "root"\ndamping_coefficient = 1.0\n',
+    )
+    extra = '[[damper]]\nname = "d"\nremove = true\n[[damper]]\nname = "e"\nhinge = "root"\ndamping_coefficient = 2.0\n'
+    scene = load_scene(written(tmp_path, "above.toml", 'extends = "below.toml"\n' + extra))
+    assert [(damper.name, damper.damping_coefficient) for damper in scene.dampers] == [("e", 2.0)]
+
+
+def test_variants_lie_over_the_scene_in_order_and_settings_over_them(tmp_path):
+    path = written(tmp_path, "wing.toml", TWO_PANELS + VARIANTS)
+    assert scene_variants(path) == ("heavy", "fast")
+    scene = load_scene(
+        path, ("heavy", "fast"), ("scene.until=0.5", "hinge_line.root_line.friction_preload=20 N.mm")
+    )
+    line = scene.hinge_lines[0]
+    assert scene.bodies[0].rigid.mass == 9.0
+    assert scene.header.until == 0.5
+    assert (line.motor.stowed, line.motor.deployed, line.friction_preload) == (3.0, 1.0, 0.02)
+    assert load_scene(path).bodies[0].rigid.mass == 8.0
+
+
+@pytest.mark.parametrize(
+    ("layers", "sentence"),
+    [
+        ((("cold",),), "wing.toml: there is no variant 'cold'; variants are heavy, fast"),
+        (((), ("until",)), "the setting 'until' is not of the form table.key=value"),
+        (
+            ((), ("body.panel.mass=1",)),
+            "the setting 'body.panel.mass=1' needs a key of one of body: inner, outer",
+        ),
+        (((), ("scene.until=soon",)), "scene.until: is 'soon'; give a number"),
+        (((), ("scene.colour=1",)), "scene.colour: is not a known key"),
+    ],
+)
+def test_impossible_layers_are_sentences(tmp_path, layers, sentence):
+    assert sentence in problems_of(written(tmp_path, "wing.toml", TWO_PANELS + VARIANTS), *layers)
+
+
+BAD_VARIANTS = """
+[variant.slow]
+sene.until = 9.0
+[variant.stiff]
+hinge_line = [{ name = "HL7", held = true }, { name = "root_line", motor.stowed = "3 kg" }]
+[variant.less]
+body = [{ name = "outr", remove = true }]
+"""
+
+
+@pytest.mark.parametrize("chosen", [(), ("heavy",), ("slow",)])
+def test_every_variant_of_a_file_is_checked_chosen_or_not(tmp_path, chosen):
+    path = written(
+        tmp_path, "wing.toml", TWO_PANELS.replace("until = 2.0", "until = true") + VARIANTS + BAD_VARIANTS
+    )
+    with pytest.raises(SceneError) as caught:
+        load_scene(path, chosen)
+    starts = (
+        "wing.toml: scene.until: is True",
+        "wing.toml: variant.slow.sene: is not a known table",
+        "wing.toml: variant.stiff.hinge_line.HL7: there is no hinge_line 'HL7' to change; those are root_line, middle",
+        "wing.toml: variant.stiff.hinge_line.root_line.motor.stowed: is '3 kg'",
+        "wing.toml: variant.less.body.outr: there is no such entry to remove",
+    )
+    assert len(caught.value.problems) == len(starts)
+    for problem, start in zip(sorted(caught.value.problems), sorted(starts), strict=True):
+        assert problem.startswith(start)
+
+
+def test_an_entry_for_nothing_is_one_problem_and_tells_what_a_new_one_needs(tmp_path):
+    written(tmp_path, "below.toml", TWO_PANELS)
+    layer = """extends = "below.toml"
+body = [{ name = "iner", fixed_interface_modes = 3 }]
+hinge_line = [{ name = "root_line", hinges = [{ name = "rot", harness = true }] }]
+"""
+    found = problems_of(written(tmp_path, "above.toml", layer))
+    assert found == (
+        "above.toml: body.iner: there is no body 'iner' to change; those are inner, outer; "
+        "for a new one, give either a catalogue entry or a table rigid "
+        "above.toml: hinge_line.root_line.hinges.rot: there is no hinge 'rot' to change; those are root; "
+        "a new one needs inboard, outboard"
+    )
+
+
+def test_a_circle_of_scenes_and_an_unknown_one_are_sentences(tmp_path):
+    a = written(tmp_path, "a.toml", 'extends = "b.toml"\n')
+    written(tmp_path, "b.toml", 'extends = "a.toml"\n')
+    assert "extends: a.toml -> b.toml -> a.toml is a circle" in problems_of(a)
+    assert "no file 'nowhere'" in problems_of(written(tmp_path, "c.toml", 'extends = "nowhere"\n'))
+    assert "extends: is 3" in problems_of(written(tmp_path, "d.toml", "extends = 3\n"))
+
+
+def test_a_circle_over_another_folder_is_told(tmp_path):
+    """Every turn makes the relative path longer, so paths must be compared by what they mean."""
+    a = written(tmp_path, "a.toml", f'extends = "../{tmp_path.name}/a.toml"\n')
+    assert "extends: a.toml -> a.toml is a circle" in problems_of(a)
+
+
+@pytest.mark.parametrize(
+    ("extra", "sentence"),
+    [
+        (
+            '[[body]]\nname = "outr"\nremove = true\n',
+            "body.outr: there is no such entry to remove; entries are inner, outer",
+        ),
+        ('[[body]]\nname = ["inner"]\n', "body[1].name: is ['inner']"),
+        (
+            '[scene]\nphases = ["one"]\n',
+            "above.toml: scene.phases: there is no variant 'one'; variants are none",
+        ),
+    ],
+)
+def test_a_layer_about_nothing_is_told(tmp_path, extra, sentence):
+    written(tmp_path, "below.toml", TWO_PANELS)
+    assert sentence in problems_of(written(tmp_path, "above.toml", 'extends = "below.toml"\n' + extra))
+
+
+def test_a_layer_over_two_entries_of_one_name_is_told(tmp_path):
+    twice = TWO_PANELS.replace('name = "outer"', 'name = "inner"', 1)
+    path = written(tmp_path, "wing.toml", twice)
+    assert "two entries have the same name" in problems_of(path, (), ("body.inner.rigid.mass=2",))
+    assert "two components are named 'inner'" in problems_of(path)
+
+
+def test_a_named_scene_can_be_extended(tmp_path):
+    scene = load_scene(written(tmp_path, "mine.toml", 'extends = "amos3"\n[scene]\nuntil = 2.0\n'))
+    assert [body.name for body in scene.bodies] == [
+        body.name for body in load_scene(find_scene("amos3")).bodies
+    ]

@@ -1,0 +1,233 @@
+"""Mistakes in scene files: each one a sentence that names file and key, all of them at once, none that is not one."""
+
+import pytest
+
+from orchestrator.scene import SceneError, find_scene, list_scenes
+from tests.unit.scene.scene_cases import COMPLETE, HINGES, LATCH, SCENES, STOP, load_text, problems_of
+
+BAD = {
+    "unknown key": ('name = "inner"', 'name = "inner"\ncolour = 1', "body.inner.colour: is not a known key"),
+    "unknown table": ("[base]", "[bases]\n[base]", "bases: is not a known table"),
+    "missing value": ('mass = "8 kg"\n', "", "body.inner.rigid.mass: is missing"),
+    "missing table": ("[base]\npoints", "[joint]\npoints", "base: is missing"),
+    "missing pulley": ("pulley_2 =", "# pulley_2 =", "ccl.loop.pulley_2: is missing"),
+    "wrong type": ("until = 2.0", "until = true", "scene.until: is True; it must be a number of s"),
+    "no number": ("until = 2.0", 'until = "soon"', "scene.until: is 'soon'; give a number"),
+    "not finite": ("until = 2.0", "until = inf", "scene.until: is inf; it must be finite"),
+    "no vector": ("[0.8, 0.0, 0.0]", "[0.8, 0.0]", "body.inner.rigid.center_of_mass: is [0.8, 0.0]"),
+    "wrong unit": ('"8 kg"', '"8 m"', "body.inner.rigid.mass: is '8 m'; give"),
+    "wrong unit in a list": ('"770 mm"', '"770 N"', "body.outer.rigid.center_of_mass: is '770 N'"),
+    "one table": ("[[damper]]", "[damper]", "damper: is one table; write it as [[damper]]"),
+    "bad name": ('name = "two_panels"', 'name = "two panels"', "scene.name: is 'two panels'; a name"),
+    "bad axis": ('axis = "+y"', 'axis = "up"', "hinge_line.root_line.axis: is 'up'; it must be one of +x"),
+    "negative mass": ('"8 kg"', '"-8 kg"', "body.inner.rigid.mass: is '-8 kg'; it must be positive"),
+    "inertia, triangle": (
+        "[0.9, 1.8, 2.7]",
+        "[0.9, 1.8, 3.7]",
+        "body.inner.rigid.inertia: principal moments",
+    ),
+    "inertia, shape": (
+        "[0.9, 1.8, 2.7]",
+        "[0.9, 1.8]",
+        "body.inner.rigid.inertia: is [0.9, 1.8]; give three",
+    ),
+    "stiffness": ("stiffness = 2000", "stiffness = 0", "latch.stiffness: is 0; it must be positive"),
+    "soft side": ("stiffness = 2500", "stiffness = 9", "latch: outboard_stiffness 9 N.m/rad is less than"),
+    "strand": ('"5 N/mm"', '"-5 N/mm"', "ccl.loop.strand_stiffness: is '-5 N/mm'; it must be positive"),
+    "rising motor": ('"1.6 N.m"', '"0.6 N.m"', "hinge_line.root_line.motor: the torque of a spring falls"),
+    "hinge kind": (
+        'kind = "cylindrical"',
+        'kind = "ball"',
+        "hinge_line.middle_line.hinges.middle_right.kind: is 'ball'; it must be 'revolute'",
+    ),
+    "incomplete bushing": ('"cylindrical"', '"bushing"', "a bushing needs translational_stiffness"),
+    "harness on no hinge": (
+        LATCH,
+        LATCH + "harness = { angle = [0, 1], resisting_torque = [1, 0] }\n",
+        "hinge_line.root_line: give a table harness and mark the hinges",
+    ),
+    "no hinges": (HINGES, "hinges = []", "hinge_line.root_line: a line needs at least one hinge"),
+    "angles": ('"180 deg"', '"-1 deg"', "latch_angle, by default aligned_angle"),
+    "same name": ('name = "loop"', 'name = "root"', "root_line.hinges.root: two components are named"),
+    "same body name": ('name = "outer"', 'name = "inner"', "body.inner: two components are named 'inner'"),
+    "unknown body": ('body = "outer"', 'body = "tail"', "ccl.loop.pulley_2: there is no body 'tail'"),
+    "unknown point": ('point = "left"', 'point = "top"', "ccl.loop.pulley_2: outer has no point 'top'"),
+    "unknown hinge": ('hinge = "root"', 'hinge = "axle"', "damper.damper.hinge: there is no hinge 'axle'"),
+    "unknown fidelity": ('name = "inner"', 'name = "inner"\nfidelity = "soft"', "fidelity: is 'soft'"),
+    "unknown entry": (
+        "[[damper]]",
+        '[[body]]\nname = "x"\ncatalogue = "x"\n[[damper]]',
+        "no catalogue entry 'x'",
+    ),
+    "inline flexible": ('name = "inner"', 'name = "inner"\nfidelity = "flexible"', "only a body of the"),
+    "no source": ("[[damper]]", '[[body]]\nname = "x"\n[[damper]]', "body.x: give either a catalogue entry"),
+    "same point twice": (
+        'inboard = "tip_right"',
+        'inboard = "tip_left"',
+        "hinges.middle_right.inboard: point tip_left of inner already carries hinge middle_left",
+    ),
+    "same body twice": ('body = "outer", point = "left"', 'body = "base", point = "root"', "to base twice"),
+    "disconnected": (
+        'inboard = "inner"\noutboard',
+        'inboard = "outer"\noutboard',
+        "outer: it is disconnected",
+    ),
+    "base outboard": ('outboard = "inner"', 'outboard = "base"', "base is the base"),
+    "two inboard lines": (
+        '[[hinge_line]]\nname = "middle_line"',
+        '[[hinge_line]]\nname = "extra"\ninboard = "base"\noutboard = "inner"\naxis = "+y"\n'
+        "aligned_angle = 1\n"
+        'hinges = [{ name = "extra_hinge", inboard = "root", outboard = "tip_left" }]\n'
+        '[[hinge_line]]\nname = "middle_line"',
+        "hinge_line.extra.outboard: inner is that of another line already",
+    ),
+    "hinges off the line": (
+        "right = [0.0, -0.5, 0.0]",
+        "right = [0.1, -0.5, 0.0]",
+        "middle_right: its points",
+    ),
+    "overdamped joint": (
+        "[base]",
+        "[joint]\ndamping_ratio = 5\n[base]",
+        "joint.damping_ratio: is 5; it must be at most 1",
+    ),
+    "tolerance, high": (
+        "until = 2.0",
+        "until = 2.0\ntolerance = 1",
+        "scene.tolerance: is 1; it must be at most 0.1",
+    ),
+    "tolerance, low": (
+        "until = 2.0",
+        "until = 2.0\ntolerance = 1e-11",
+        "tolerance: is 1e-11; it must be at least 1e-10",
+    ),
+    "beyond the latch": (
+        LATCH,
+        LATCH + 'start_angle = "90.1 deg"\n',
+        "hinge_line.root_line: start_angle 90.1 deg is beyond the latch angle 90 deg",
+    ),
+    "soft sides": (
+        "outboard_stiffness = 2500",
+        "inboard_stiffness = 9950, outboard_stiffness = 2500",
+        "inboard_stiffness and outboard_stiffness in series are 1997.99 N.m/rad, less than the line's 2000",
+    ),
+    "unknown component": ('"contact"', '"springy"', "connection.stop.kind: there is no component 'springy'"),
+    "refused parameter": (
+        '"1 mm"',
+        '"-1 mm"',
+        "connection.stop.parameters.reference_penetration: is '-1 mm'; it must be at least 1e-09 m",
+    ),
+    "buried contact": (
+        'gap = "0 m"',
+        'gap = "11 mm"',
+        "connection.stop: the contact starts 0.011 m deep, and its reference_penetration is 0.001 m; gap is",
+    ),
+    "unknown outboard body": (
+        'outboard = "inner"',
+        'outboard = "iner"',
+        "root_line.outboard: there is no body 'iner'",
+    ),
+    "no TOML": ("[base]", "[base", "wing.toml: "),
+}
+
+
+# mistakes that leave other tables without what they name: those are told as well
+FOLLOWED = {
+    "missing table", "no hinges", "same body name",
+    "unknown entry", "disconnected", "base outboard", "two inboard lines",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_bad_input_is_a_sentence_that_names_file_and_key(tmp_path, kind):
+    """One mistake is one problem, but where others follow from it."""
+    old, new, sentence = BAD[kind]
+    assert old in COMPLETE
+    found = problems_of(tmp_path, COMPLETE.replace(old, new, 1))
+    assert any(sentence in problem for problem in found), found
+    assert all(problem.startswith("wing.toml: ") for problem in found)
+    assert len(found) == 1 or kind in FOLLOWED, found
+
+
+def test_all_problems_are_reported_at_once(tmp_path):
+    kinds = ("wrong unit", "wrong unit in a list", "rising motor", "bad axis", "unknown body", "not finite")
+    text = COMPLETE
+    for kind in kinds:
+        text = text.replace(*BAD[kind][:2], 1)
+    found = problems_of(tmp_path, text)
+    for kind in kinds:
+        assert any(BAD[kind][2] in problem for problem in found), kind
+    assert len(found) == len(kinds)
+
+
+def test_problems_of_different_tables_do_not_hide_each_other(tmp_path):
+    """Also what needs other tables: references, components, where bodies stand."""
+    kinds = (
+        "not finite",
+        "unknown hinge",
+        "unknown component",
+        "strand",
+        "hinges off the line",
+        "overdamped joint",
+    )
+    text = COMPLETE + STOP.replace('"stop"', '"rest"').replace('"1 mm"', '"-1 mm"')
+    for kind in kinds:
+        text = text.replace(*BAD[kind][:2], 1)
+    found = problems_of(tmp_path, text)
+    for sentence in (
+        *(BAD[kind][2] for kind in kinds),
+        "connection.rest.parameters.reference_penetration: is '-1 mm'",
+    ):
+        assert any(sentence in problem for problem in found), sentence
+    assert len(found) == len(kinds) + 1
+
+
+def test_places_and_hinges_of_tables_with_other_problems_are_still_checked(tmp_path):
+    """A line with a bad axis still names its bodies, and its hinges still carry the damper."""
+    text = COMPLETE.replace('axis = "-y"', 'axis = "down"').replace('hinge = "root"', 'hinge = "middle_left"')
+    text = text.replace('outboard = "left"', 'outboard = "port"').replace('"5 N/mm"', '"5 N"')
+    found = problems_of(tmp_path, text.replace('point = "left"', 'point = "top"'))
+    assert len(found) == 4
+    for words in (
+        "axis: is 'down'",
+        "outer has no point 'port'",
+        "strand_stiffness",
+        "outer has no point 'top'",
+    ):
+        assert any(words in problem for problem in found), words
+
+
+def test_a_misspelt_body_of_a_line_is_one_problem(tmp_path):
+    """Two hinges, a damper and every body further out depend on it."""
+    text = COMPLETE.replace('hinge = "root"', 'hinge = "middle_left"')
+    for old, new in (('outboard = "outer"', 'outboard = "outr"'), ('inboard = "inner"', 'inboard = "iner"')):
+        assert len(problems_of(tmp_path, text.replace(old, new, 1))) == 1
+    assert len(problems_of(tmp_path, text.replace(*BAD["unknown outboard body"][:2], 1))) == 1
+
+
+def test_what_only_just_holds_is_accepted(tmp_path):
+    """Bounds are inclusive; ten reference penetrations, sides rounded to a part in a thousand, a start at the latch."""
+    changes = (
+        ('gap = "0 m"', 'gap = "10 mm"'),
+        ("outboard_stiffness = 2500", "inboard_stiffness = 9995, outboard_stiffness = 2500"),
+        ("until = 2.0", "until = 2.0\ntolerance = 0.1"),
+        (LATCH, LATCH + 'start_angle = "90 deg"\n'),
+    )
+    for old, new in changes:
+        assert old in COMPLETE
+        load_text(tmp_path, COMPLETE.replace(old, new, 1))
+    beyond = COMPLETE.replace(LATCH, LATCH + 'held = true\nstart_angle = "91 deg"\n', 1)
+    assert load_text(tmp_path, beyond).hinge_lines[0].held
+
+
+def test_a_sound_scene_has_no_problems(tmp_path):
+    scene = load_text(tmp_path, COMPLETE)
+    assert [body.name for body in scene.bodies] == ["inner", "outer"]
+
+
+def test_named_scenes_are_found_and_unknown_ones_named():
+    assert "amos3" in list_scenes()
+    assert find_scene("amos3").is_file()
+    assert find_scene(str(SCENES / "two_panels.toml")) == SCENES / "two_panels.toml"
+    with pytest.raises(SceneError, match=r"no scene and no file 'amos4'; scenes are .*amos3"):
+        find_scene("amos4")

@@ -1,0 +1,40 @@
+"""Quantities of scene files: factors to SI units by definition, and that every component's units are known."""
+
+from math import pi
+
+import pytest
+
+from components import REGISTRY
+from orchestrator.scene.units import UNITS, to_si
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        (2, "m", 2.0),
+        ("30 mm", "m", 0.03),
+        ("90 deg", "rad", pi / 2),
+        ("-90 deg", "rad", -pi / 2),
+        ("10 N.m/deg", "N.m/rad", 1800 / pi),
+        ("28.76 N.m.s/rad", "N.m.s/rad", 28.76),
+        ("2e6 N/m", "N/m", 2e6),
+        ("5 %", "1", 0.05),
+        ("0.1", "1", 0.1),
+    ],
+)
+def test_quantities_are_converted_to_si(value, unit, expected):
+    """Definitions of the units, to round-off."""
+    assert to_si(value, unit) == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_every_unit_accepts_itself_and_refuses_others(unit):
+    assert to_si(f"3 {unit}", unit) == 3.0
+    with pytest.raises(ValueError, match="give a number, a space and the unit"):
+        to_si("3 furlong", unit)
+
+
+def test_units_are_those_of_the_components():
+    """Completeness: a scene can give every parameter of every component with its unit."""
+    used = {q.unit for kind in REGISTRY.values() for q in kind.example().parameter_layout.quantities}
+    assert used <= set(UNITS)

@@ -1,0 +1,172 @@
+"""Figures: which are drawn, what is marked in them, and where the bodies are."""
+
+from dataclasses import replace
+
+import h5py
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from mpl_toolkits.mplot3d.proj3d import proj_transform
+
+from orchestrator.results.result import Result
+from orchestrator.views import plots
+from orchestrator.views import shapes as plot_shapes
+from orchestrator.views.depth import back_to_front
+from tests.references import synthetic_result as reference
+
+EVERY_FIGURE = {
+    "deployment_angles",
+    "latch_torques",
+    "cable_forces",
+    "damper_torques",
+    "interface_loads",
+    "energy_balance",
+    "steps",
+    "shapes",
+}
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    return Result.open(reference.write(tmp_path_factory.mktemp("plots") / "run.h5"))
+
+
+def test_every_figure_is_written_and_not_blank(result, tmp_path):
+    before = dict(mpl.rcParams)
+    written = plots.plot_all(result, tmp_path / "figures")
+    assert {path.stem for path in written} == EVERY_FIGURE
+    for path in written:
+        assert imread(path)[..., :3].std() > 0.02
+    assert dict(mpl.rcParams) == before
+
+
+def test_figures_without_signals_are_skipped(tmp_path):
+    bodies = tuple(reference.LENGTHS)
+    path = reference.write(tmp_path / "run.h5", leave_out=("ccl", "damper", "base", "scene", *bodies))
+    written = plots.plot_all(Result.open(path), tmp_path, format="svg")
+    assert [path.name for path in written] == ["deployment_angles.svg", "latch_torques.svg"]
+
+
+def test_close_ups_begin_before_the_latch_and_hold_the_true_peak(result):
+    figure = plots.latch_torques(result)
+    assert len(figure.axes) == 1 + len(reference.LINES)
+    for axes, line in zip(figure.axes[1:], reference.LINES, strict=True):
+        left, right = axes.get_xlim()
+        assert left < line.latch_time < right < reference.END
+        marked = axes.lines[1].get_ydata()
+        assert abs(np.ravel(marked)[0]) == pytest.approx(line.torque_peak, rel=2e-5)
+
+
+def test_curves_of_one_axes_differ_in_colour_and_in_line_style(result):
+    lines = [line for line in plots.energy_balance(result).axes[1].lines if line.get_label()[0] != "_"]
+    assert len(lines) == 7
+    assert len({(line.get_color(), line.get_linestyle()) for line in lines}) == 7
+    assert len({line.get_linestyle() for line in lines[:4]}) == 4
+
+
+def test_events_are_marked_with_the_name_of_the_line(result):
+    axes = plots.deployment_angles(result).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["hl1", "hl2", "hl3"]
+    assert [text.xy[0] for text in axes.texts] == [6.0, 8.2, 9.7]
+
+
+def test_axes_carry_units(result):
+    assert plots.deployment_angles(result).axes[0].get_ylabel() == "hinge angle, deg"
+    for draw in (plots.damper_torques, plots.interface_loads, plots.cable_forces, plots.steps):
+        for axes in draw(result).axes:
+            assert axes.get_xlabel() == "time, s"
+            assert axes.get_ylabel()
+
+
+def test_instants_run_from_folded_over_the_last_latch_up_to_the_end(result):
+    times = result.time[plot_shapes.instants(result)]
+    assert times.size == 6
+    assert times[0] < 0.2
+    assert list(times[-2:]) == [reference.LINES[-1].latch_time, reference.END]
+
+
+def test_deformed_bodies_meet_where_they_are_hinged(result):
+    rows = np.array([0, 400, result.time.size - 1])
+    nodes = {n: plot_shapes.placed(result, n, body, rows) for n, body in result.geometry.items()}
+    hinge_of_panel1 = nodes["panel1"][:, :5].mean(1)
+    end_of_yoke = nodes["yoke"][:, -5:].mean(1)
+    np.testing.assert_allclose(
+        np.linalg.norm(hinge_of_panel1 - end_of_yoke, axis=1), reference.GAP, atol=1e-12
+    )
+    coordinates = result.signal("panel1", "modal_coordinate")[rows]
+    tip = nodes["panel1"][:, -5:].mean(1) - hinge_of_panel1
+    expected = np.hypot(reference.LENGTHS["panel1"], coordinates[:, 0])
+    np.testing.assert_allclose(np.linalg.norm(tip, axis=1), expected, rtol=1e-12)
+
+
+def test_base_without_motion_is_drawn_where_it_is(result):
+    body = result.geometry["yoke"]
+    np.testing.assert_array_equal(
+        plot_shapes.placed(result, "base", body, np.array([0, 5]))[1], body.positions
+    )
+
+
+def test_close_up_marks_the_peak_of_the_lines_own_ringing(result, tmp_path):
+    """A later and tenfold torque, after other lines latched: told of beside the whole run only."""
+    path = reference.write(tmp_path / "later.h5")
+    late = reference.LINES[-1].latch_time
+    with h5py.File(path, "r+") as file:
+        after = file["time"][:] > late
+        for hinge in result.hinge_lines[0].hinges:
+            if "latch_torque" in file["signals"][hinge]:
+                file["signals"][hinge]["latch_torque"][after] = 10.0 * reference.LINES[0].torque_peak
+    figure = plots.latch_torques(Result.open(path))
+    line, axes = reference.LINES[0], figure.axes[1]
+    assert abs(np.ravel(axes.lines[1].get_ydata())[0]) == pytest.approx(line.torque_peak, rel=2e-5)
+    assert line.latch_time <= np.ravel(axes.lines[1].get_xdata())[0] < axes.get_xlim()[1]
+    assert axes.get_xlim()[1] <= reference.LINES[1].latch_time
+    assert max(map(abs, axes.get_ylim())) < 1.5 * line.torque_peak
+    texts = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert texts[0].startswith("hl1, largest")
+    assert texts[1:] == ["hl2", "hl3"]
+
+
+def test_labels_of_close_events_are_merged(result):
+    near = [(8.0, "a", "x"), (8.01, "b", "x"), (8.02, "a", "x"), (12.0, "c", "x")]
+    axes = plots.deployment_angles(replace(result, events=near)).axes[0]
+    assert [text.get_text() for text in axes.texts] == ["a, b", "c"]
+
+
+def test_interrupted_runs_say_so_in_every_title(result):
+    stopped = replace(result, complete=False)
+    for drawing in plots.draw_all(stopped):
+        assert drawing.figure.get_suptitle().endswith("; interrupted at t = 14 s")
+    assert all("interrupted" not in d.figure.get_suptitle() for d in plots.draw_all(result))
+
+
+def test_everything_fits_into_the_axes(result):
+    """Independent: matplotlib's own projection of the corners of every body, in parts of the square it draws in."""
+    structure = plot_shapes.Structure(result, plot_shapes.instants(result))
+    for axes in plot_shapes.shapes(result).axes:
+        size = axes.get_position(original=True).size * axes.figure.get_size_inches()
+        corners = np.concatenate([nodes.reshape(-1, 3) for nodes in structure._nodes.values()])
+        x, y, _ = proj_transform(*corners.T, axes.get_proj())
+        inches = np.array([np.abs(x).max(), np.abs(y).max()]) / axes.viewLim.width * 2.0 * size.min()
+        assert np.all(inches < size - 0.5)
+        assert np.any(inches > 0.6 * (size - plot_shapes._MARGINS))
+
+
+PLATE = np.array([[x, y, 0.0] for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0)])
+RIGHT, UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, np.cos(1.0), np.sin(1.0)])
+
+
+def test_stacked_plates_are_drawn_from_the_back_whatever_their_middles():
+    """Closed form: of parallel plates the one on the viewer's side is in front, though its middle lies deeper."""
+    towards = np.cross(RIGHT, UP)
+    shifted = PLATE + np.array([0.0, 0.5 * np.sign(-towards[1]), 0.01 * np.sign(towards[2])])
+    assert np.mean(shifted @ towards) < np.mean(PLATE @ towards)
+    assert back_to_front({"front": shifted, "back": PLATE}, RIGHT, UP) == ["back", "front"]
+    assert back_to_front({"back": PLATE, "front": shifted}, RIGHT, UP) == ["back", "front"]
+
+
+def test_a_beam_has_no_plane_and_goes_by_the_plate():
+    beam = np.array([[0.5, 0.5, -0.1], [1.5, 0.5, -0.1]])
+    below = np.sign(np.cross(RIGHT, UP)[2])
+    first = "beam" if below > 0.0 else "plate"
+    assert back_to_front({"plate": PLATE, "beam": beam}, RIGHT, UP)[0] == first

@@ -1,0 +1,284 @@
+"""The report: one file with everything inside, true numbers, a player that plays, bodies where they are."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+from base64 import b64decode
+from dataclasses import replace
+from html.parser import HTMLParser
+from io import BytesIO
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib.image import imread
+
+from orchestrator.cli.main import main
+from orchestrator.results.result import Result
+from orchestrator.views import plots
+from orchestrator.views import shapes as plot_shapes
+from orchestrator.views.report import animation as report_animation
+from orchestrator.views.report.page import player
+from orchestrator.views.report.report import report
+from tests.references import synthetic_result as reference
+
+SCENE = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+VOID = {"meta", "img", "input", "br", "link"}
+FRAMES = 3
+
+
+class Page(HTMLParser):
+    """Tags that stay open, addresses, texts by tag, and pictures of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.addresses, self.ids, self.cells, self.captions = [], [], [], [], []
+        self.film = ""
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        values = dict(attrs)
+        self.addresses += [values[key] for key in ("src", "href") if key in values]
+        self.ids += [values["id"]] if "id" in values else []
+        if tag not in VOID:
+            self.open.append((tag, values.get("id")))
+
+    def handle_endtag(self, tag):
+        assert self.open.pop()[0] == tag
+
+    def handle_data(self, data):
+        tag, identity = self.open[-1] if self.open else ("", None)
+        if identity == "film":
+            self.film += data
+        if tag == "td":
+            self.cells.append(data)
+        if tag == "figcaption":
+            self.captions.append(data)
+
+
+def picture(address):
+    kind, _, data = address.partition(",")
+    assert kind == "data:image/png;base64"
+    return imread(BytesIO(b64decode(data, validate=True)))
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    return Result.open(reference.write(tmp_path_factory.mktemp("report") / "run.h5"))
+
+
+@pytest.fixture(scope="module")
+def text(result):
+    return report(result, frame_count=FRAMES)
+
+
+@pytest.fixture(scope="module")
+def page(text):
+    return Page(text)
+
+
+def fanfold(*arguments):
+    result = CliRunner().invoke(main, [str(a) for a in arguments])
+    assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
+    return result
+
+
+def test_page_is_whole_and_needs_nothing_else(page, text):
+    """Every tag is closed, and every address is a picture inside the file."""
+    assert page.open == []
+    assert all(address.startswith("data:image/png;base64,") for address in page.addresses)
+    assert not re.search(r"https?://|@import|url\(", text)
+    assert len(page.ids) == len(set(page.ids))
+    assert "@media print" in text
+
+
+def test_every_figure_is_inside_with_a_caption(page, result):
+    drawn = list(plots.draw_all(result))
+    assert {drawing.name for drawing in drawn} <= set(page.ids)
+    assert {drawing.caption for drawing in drawn} <= set(page.captions)
+    assert len(page.addresses) == len(drawn) + 1
+    for address in page.addresses:
+        assert picture(address)[..., :3].std() > 0.02
+
+
+def test_numbers_and_events_are_those_of_the_run(page):
+    line = reference.LINES[1]
+    assert f"{line.latch_time:.6f}" in page.cells
+    assert any(
+        c.replace(".", "").isdigit() and float(c) == pytest.approx(line.torque_peak, rel=1e-4)
+        for c in page.cells
+    )
+    assert f"{line.name} latch-up" in page.cells
+
+
+def test_provenance_is_shown(page, text):
+    assert np.__version__ in page.cells
+    assert "name = &#x27;synthetic&#x27;" in text
+
+
+def test_animation_runs_from_start_to_end(page):
+    film = json.loads(page.film)
+    assert [frame["time"] for frame in film] == pytest.approx([0.0, 7.0, 14.0], abs=reference.LARGEST_STEP)
+    pictures = [picture(f"data:image/png;base64,{frame['png']}") for frame in film]
+    assert len({p.shape for p in pictures}) == 1
+    # the structure moves: pictures differ by more than their title
+    lower = [p[p.shape[0] // 5 :, :, :3] for p in pictures]
+    assert np.mean(np.abs(lower[1] - lower[0]) > 0.1) > 0.01
+
+
+def test_pictures_that_are_large_together_are_fewer(result, monkeypatch):
+    film = report_animation.frames(result, 5)
+    monkeypatch.setattr(report_animation, "_LARGEST", sum(len(frame.png) for frame in film) // 2 + 100)
+    fewer = report_animation.frames(result, 5)
+    assert [frame.time for frame in fewer] == [frame.time for frame in film[::2]]
+
+
+def test_bodies_without_a_pose_stand_where_they_are(result):
+    """A fixed base with geometry: drawn in every picture at the positions of its geometry."""
+    still = replace(result, geometry={**result.geometry, "base": result.geometry["yoke"]})
+    structure = plot_shapes.Structure(still, np.array([0, 400]))
+    assert set(structure.names) == {"yoke", "panel1", "panel2", "base"}
+    for k in range(2):
+        np.testing.assert_array_equal(structure._nodes["base"][k], result.geometry["yoke"].positions)
+    assert len(report_animation.frames(still, 2)) == 2
+
+
+def test_comparison_with_a_second_result(result, tmp_path):
+    other = Result.open(reference.write(tmp_path / "other.h5", leave_out=("damper",)))
+    found = report(result, other, frame_count=0)
+    page = Page(found)
+    assert page.open == []
+    assert {"compare_angles", "compare_interface_loads"} <= set(page.ids)
+    assert "animation" not in page.ids
+    assert "Only run has damper: damper_torque, dissipated_energy." in found
+    assert "1.0000" in page.cells
+    assert "+0.0000" in page.cells
+
+
+def test_texts_are_escaped(result):
+    """Bad input: names from a scene cannot become markup."""
+    tree = {"scene": {"description": "<script>alert(1)</script> & more"}}
+    hostile = replace(
+        result,
+        provenance={"scene": "<b>bold</b>", "scene_tree": json.dumps(tree), "flexible": "no JSON"},
+        events=[(1.0, "<i>", "latch & co")],
+        geometry={},
+    )
+    found = report(hostile, frame_count=2)
+    assert "<script>alert" not in found
+    assert "<b>bold" not in found
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; more" in found
+    assert Page(found).open == []
+
+
+def test_scene_with_nothing_to_draw(tmp_path):
+    everything = tuple(reference.signals()[1])
+    bare = Result.open(reference.write(tmp_path / "bare.h5", leave_out=everything[:-1]))
+    found = Page(report(bare))
+    assert found.open == []
+    assert "steps" in found.ids
+    assert "animation" not in found.ids
+
+
+DOCUMENT = """
+const film = %s, made = {};
+const listeners = {};
+const element = id => made[id] ??= {
+  id, value: id === "speed" ? "2" : "0", src: "", textContent: id === "film" ? JSON.stringify(film) : "Play",
+  addEventListener(kind, act) { listeners[id + "." + kind] = act; },
+};
+globalThis.document = { getElementById: element };
+globalThis.addEventListener = (kind, act) => { listeners[kind] = act; };
+const queue = [];
+globalThis.setTimeout = (act, wait) => { queue.push([act, wait]); return queue.length; };
+globalThis.clearTimeout = () => { queue.length = 0; };
+const seen = [], state = () => seen.push([element("slider").value, element("clock").value, element("play").textContent,
+  element("picture").src.split(",")[1]]);
+"""
+PLAY = """
+state();
+listeners["play.click"](); state();
+const waits = [];
+while (queue.length) { const [act, wait] = queue.shift(); waits.push(wait); act(); state(); }
+listeners["play.click"](); state();
+listeners["play.click"](); state();
+element("slider").value = "1"; listeners["slider.input"](); state();
+console.log(JSON.stringify({ seen, waits, left: queue.length }));
+"""
+
+
+def test_player_plays_pauses_and_slides(tmp_path):
+    """The script itself, on a made-up document: order, real time at the chosen speed, pause, rewind, slider."""
+    node = shutil.which("node")
+    if node is None:
+        pytest.skip("node is not installed")
+    film = [report_animation.Frame(time, bytes([k])) for k, time in enumerate((0.0, 0.5, 2.0))]
+    page = Page(player(film, "caption"))
+    script = re.search(r"<script>(.*)</script>", player(film, "caption"), re.DOTALL)[1]
+    path = tmp_path / "play.js"
+    path.write_text(DOCUMENT % page.film + script + PLAY, encoding="utf-8")
+    run = subprocess.run([node, path], capture_output=True, text=True, timeout=60, check=False)
+    assert run.returncode == 0, run.stderr
+    content = json.loads(run.stdout)
+    first, second, third = (["AA==", "AQ==", "Ag=="][k] for k in range(3))
+    assert [[str(k), *rest] for k, *rest in content["seen"]] == [
+        ["0", "0.00 s", "Play", first],
+        ["0", "0.00 s", "Pause", first],
+        ["1", "0.50 s", "Pause", second],
+        ["2", "2.00 s", "Play", third],
+        ["0", "0.00 s", "Pause", first],
+        ["0", "0.00 s", "Play", first],
+        ["1", "0.50 s", "Play", second],
+    ]
+    assert content["waits"] == [250, 750]
+    assert content["left"] == 0
+
+
+def test_report_of_a_real_run(tmp_path):
+    """End to end: a short run, its report beside it, one file below 5 MB."""
+    run = tmp_path / "run.h5"
+    assert fanfold("run", SCENE, "--until", 0.05, "--output", run).exit_code == 0
+    result = fanfold("report", run)
+    assert result.exit_code == 0
+    path = tmp_path / "run.html"
+    assert result.stdout.strip() == str(path)
+    assert path.stat().st_size < 5_000_000
+    page = Page(path.read_text(encoding="utf-8"))
+    assert page.open == []
+    assert "deployment_angles" in page.ids
+    assert "fanfold" in page.cells
+
+
+def test_interrupted_run_is_told(tmp_path):
+    path = reference.write(tmp_path / "run.h5", leave_out=tuple(reference.LENGTHS))
+    with h5py.File(path, "r+") as file:
+        file.attrs["complete"] = False
+    result = fanfold("report", path, "--output", tmp_path / "a.html")
+    assert result.exit_code == 0
+    assert "The run was interrupted at 14 s" in (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(("name", "sentence"), [("run.h5", "end in .html"), ("scene.toml", "end in .html")])
+def test_no_other_file_is_overwritten(tmp_path, name, sentence):
+    """Bad input: neither the result nor a scene is lost to a report of that name."""
+    path = reference.write(tmp_path / "run.h5")
+    target = tmp_path / name
+    before = target.read_bytes() if target.exists() else None
+    result = fanfold("report", path, "--output", target)
+    assert result.exit_code == 1
+    assert sentence in result.stderr
+    assert (target.read_bytes() if target.exists() else None) == before
+
+
+def test_result_named_as_a_page_is_not_overwritten(tmp_path):
+    path = reference.write(tmp_path / "run.html")
+    result = fanfold("report", path)
+    assert result.exit_code == 1
+    assert "the result itself" in result.stderr
+    assert Result.open(path).complete
