@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from components import Layout
+from components import FanfoldError, Layout
 
 from ..assembly import Link
 from .participant import Participant, Vector
@@ -68,7 +68,7 @@ class Meeting(NamedTuple):
     connection_port: int
 
 
-class NetworkError(Exception):
+class NetworkError(FanfoldError):
     """Everything wrong with a set of connections, one sentence each, in `problems`."""
 
     def __init__(self, problems: Sequence[str]) -> None:

@@ -370,8 +370,8 @@ def test_phases_run_one_after_the_other_and_are_one_json_object(tmp_path):
 
 def test_what_takes_one_run_asks_for_a_phase(tmp_path):
     path = phased(tmp_path)
-    assert "choose one with --variant: first, second" in refused("export", path, "-o", tmp_path)
-    assert "choose one with --variant: first, second" in refused("analyse", "modes", path)
+    assert "choose one of its variants first, second" in refused("export", path, "-o", tmp_path)
+    assert "choose one of its variants first, second" in refused("analyse", "modes", path)
     ended = fanfold("run", path, "--until", 0.01)
     assert ended.exit_code == 2
     assert "choose a phase with --variant: first, second" in ended.stderr

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.assembly import Assembly, Part
-from orchestrator.scene import Scene, SceneError, find_scene, load_scene
+from orchestrator.scene import CheckedScene, SceneError, find_scene, load_scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TWO_PANELS = (SCENES / "two_panels.toml").read_text(encoding="utf-8")
@@ -28,7 +28,7 @@ AMOS3_BODIES = ("yoke", "panel1", "panel2")
 COMPLETE = TWO_PANELS.replace(HINGES, LATCH + HINGES) + DAMPER + CCL + STOP
 
 
-def load_text(folder: Path, text: str) -> Scene:
+def load_text(folder: Path, text: str) -> CheckedScene:
     """The scene of a text, as the file wing.toml."""
     path = folder / "wing.toml"
     path.write_text(text, encoding="utf-8")
@@ -42,7 +42,7 @@ def problems_of(folder: Path, text: str) -> list[str]:
     return caught.value.problems
 
 
-def amos3() -> Scene:
+def amos3() -> CheckedScene:
     """The AMOS-3 wing in orbit."""
     return load_scene(find_scene("amos3"))
 
