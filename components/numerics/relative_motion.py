@@ -171,6 +171,12 @@ class Passage(NamedTuple):
         """Mean wrenches on A and B, 12 numbers, from loads on B in hinge axes that have no slopes."""
         return pair(self.forward(force), self.forward(torque), mean(self.gap0, self.gap1))
 
+    def twist_wrench(self, torque: float, swing: tuple[float, float]) -> tuple[float, ...]:
+        """The same of a torque on the twist alone; `swing` is the one in the middle of the step."""
+        if torque == 0.0:
+            return (0.0,) * 12
+        return self.wrench((0.0, 0.0, 0.0), conjugate_torque(torque, (0.0, 0.0), swing))
+
     def wrenches(
         self, force: Vector3, torque: Vector3, force_slope: Vector3, torque_slope: Vector3
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -15,7 +15,7 @@ from .network import Order
 from .participant import ParticipantError
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARES = {2: 0.0025, 4: 0.0025}
+_ERROR_SHARES = {2: 0.0025, 4: 0.01}
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4

@@ -22,7 +22,7 @@ from ..assembly import Assembly
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
 from ..cosim.master import SCENE_CHANNELS, Master, Settings
-from ..cosim.network import Network, NetworkError
+from ..cosim.network import Network, NetworkError, Order
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline
@@ -71,10 +71,11 @@ class Costs:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A finished run: its result, which master made it, headline numbers, costs, step sizes taken."""
+    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken."""
 
     result: Result
     master: MasterKind
+    order: Order
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
@@ -165,7 +166,7 @@ def _follow(
     participants: list[Participant] = [*network.bodies, *network.connections]
     clocks = [_timed(p) for p in participants]
     groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
-    provenance = _provenance(assembly, participants) | _settings(settings, end, kind)
+    provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     start = perf_counter()
     around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
     recorder = MemoryRecorder(*around) if output is None else ResultWriter(output, *around)
@@ -189,7 +190,7 @@ def _follow(
         writer.statistics(costs.as_dict(end))
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    return Outcome(result, kind, headline(result), costs, segments)
+    return Outcome(result, kind, network.order, headline(result), costs, segments)
 
 
 def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunError:
@@ -236,11 +237,12 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
     return found
 
 
-def _settings(settings: Settings, end: float, kind: MasterKind) -> dict[str, str]:
+def _settings(settings: Settings, end: float, kind: MasterKind, order: Order) -> dict[str, str]:
     """What this run was asked for, which its scene may not say, and when."""
     found = {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "master": kind,
+        "order": str(order),
         "until": f"{end:g} s",
         "tolerance": f"{settings.tolerance:g}",
     }

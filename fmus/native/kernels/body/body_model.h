@@ -12,10 +12,10 @@
 enum { POSITION = 0, ORIENTATION = 3, MOMENTUM = 7, SPIN = 10, OMEGA = 13, HEAT = 16, MODES = 17 };
 enum { WRENCH = 6, MOTION = 13 };
 
-/* B of the modal coordinates it was last evaluated for: a state is asked for it several times. */
+/* B and J - B B^T at the modal coordinates they were last evaluated for: a state is asked for them several times. */
 typedef struct {
     int known;
-    void *eta, *b;
+    void *eta, *b, *inertia;
 } Remembered;
 
 typedef struct {
@@ -134,11 +134,12 @@ static inline Load load_of(const Body *body, const real *u) {
     return load;
 }
 
-/* Sum of the moments of the ports' forces on arms in the axes of rotation a. */
-static inline Vector3 moment_of(const Body *body, const real *wrenches, const real *arms, const real a[9]) {
+/* Sum of the moments of the ports' mean forces on arms in the axes of rotation a. */
+static inline Vector3 moment_of(const Body *body, const Load *load, const real *arms, const real a[9]) {
     Vector3 sum = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < body->ports; k++)
-        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)), vector_of(wrenches + WRENCH * k)));
+        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)),
+                                           vector_of(load->wrenches + WRENCH * k)));
     return sum;
 }
 
@@ -147,10 +148,18 @@ typedef struct {
     Vector3 mean, slope;
 } Course;
 
-/* Sums of the moments that means and slopes of the forces have on arms of one instant. */
+/* The same of means and slopes. */
 static inline Course moments_at(const Body *body, const Load *load, const real *arms, const real a[9]) {
-    Course found = {moment_of(body, load->wrenches, arms, a), {0.0, 0.0, 0.0}};
-    if (load->sloped) found.slope = moment_of(body, load->slopes, arms, a);
+    Course found = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    if (!load->sloped) {
+        found.mean = moment_of(body, load, arms, a);
+        return found;
+    }
+    for (size_t k = 0; k < body->ports; k++) {
+        Vector3 arm = matrix_times(a, vector_of(arms + 3 * k));
+        found.mean = vector_add(found.mean, vector_cross(arm, vector_of(load->wrenches + WRENCH * k)));
+        found.slope = vector_add(found.slope, vector_cross(arm, vector_of(load->slopes + WRENCH * k)));
+    }
     return found;
 }
 
