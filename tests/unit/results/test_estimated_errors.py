@@ -26,7 +26,7 @@ def test_doubled_steps():
 def estimated(tmp_path_factory):
     """A coarse run with its estimates, and the headline of a run at a hundredth of its tolerance."""
     folder = tmp_path_factory.mktemp("estimated")
-    assembly = smooth_scene(folder)
+    assembly = smooth_scene()
     settings = Settings(tolerance=1e-3)
     outcome = run(assembly, folder / "run.h5", settings, 2.4)
     outcome = with_estimates(assembly, outcome, settings, 2.4)
