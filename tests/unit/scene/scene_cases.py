@@ -8,6 +8,7 @@ import pytest
 
 from orchestrator.assembly import Assembly, Part
 from orchestrator.scene import CheckedScene, SceneError, find_scene, load_scene
+from tests.references.edits import edited
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TWO_PANELS = (SCENES / "two_panels.toml").read_text(encoding="utf-8")
@@ -25,7 +26,7 @@ STOP = (
     'parameters = { gap = "0 m", reference_penetration = "1 mm" }\n'
 )
 AMOS3_BODIES = ("yoke", "panel1", "panel2")
-COMPLETE = TWO_PANELS.replace(HINGES, LATCH + HINGES) + DAMPER + CCL + STOP
+COMPLETE = edited(TWO_PANELS, (HINGES, LATCH + HINGES)) + DAMPER + CCL + STOP
 
 
 def load_text(folder: Path, text: str) -> CheckedScene:
