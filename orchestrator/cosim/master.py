@@ -99,7 +99,9 @@ class Master:
         self.segments: list[list[float]] = [[]]
         self._participants = [*network.bodies, *network.connections]
         self._pending = [line for line in hinge_lines if line.latches]
-        self._coupling = Coupling(network, Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6)))
+        self._coupling = Coupling(
+            network, Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
+        )
         self._coupling.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
