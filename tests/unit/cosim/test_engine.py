@@ -56,7 +56,7 @@ class Wired:
     """Participants without equations, joined as said: connections are tuples of the bodies at their ports."""
 
     def __init__(self, bodies, connections, order=2):
-        self.width = WIDTHS[order]
+        self.order, self.width = order, WIDTHS[order]
         wrench = self.width.wrench
         self.rng = np.random.default_rng(3)
         ends = [(body, c, side) for c, found in enumerate(connections) for side, body in enumerate(found)]
