@@ -204,6 +204,14 @@ def _places(wrenches: Layout, motions: Layout, ports: Sequence[str], order: Orde
     return PortPlaces(len(ports), found[0][0], found[1][0])
 
 
+def carried(layout: Layout, order: Order) -> int:
+    """How many numbers of inputs or outputs a network exchanges: slopes, which come last, only at order 4."""
+    if order == 4:
+        return layout.size
+    slopes = (q for q in layout.quantities if q.name.rpartition(".")[2] in (*SLOPES, *MOMENTS))
+    return min((layout[q.name].start for q in slopes), default=layout.size)
+
+
 def _port_table(values: Vector, first: int, width: int, ports: int) -> Matrix:
     """A view (ports, width) of what the ports hold in an array."""
     return values[first : first + width * ports].reshape(ports, width)
