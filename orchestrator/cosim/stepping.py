@@ -7,13 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, log, sqrt
 
+from components import FanfoldError
+
 from .implicit.convergence import Solution
 from .implicit.coupling import Coupling
 from .network import Order
 from .participant import ParticipantError
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARES = {2: 0.0025, 4: 0.0025}
+_ERROR_SHARES = {2: 0.0025, 4: 0.01}
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
@@ -29,7 +31,7 @@ _EVENT_SEARCH = 40
 _SEARCH = "the static search before the run"
 
 
-class StepError(Exception):
+class StepError(FanfoldError):
     """A step failed at every size: a sentence with the connection, the residual and the time."""
 
 

@@ -1,8 +1,9 @@
 """How far off are the headline numbers of a run? A companion takes every two of its steps as one.
 
 The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
-it differs by is three times the error of the run where the error goes with the square of the step size, and once
-where friction, stops or unresolved vibrations leave order one. The estimate is the middle of both in the logarithm.
+it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
+the coupling where vibrations are resolved, half of it where friction, stops or rotations leave less. The estimate is
+the middle of both in the logarithm.
 """
 
 from __future__ import annotations
@@ -11,17 +12,15 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
 from ..results.estimated_errors import ESTIMATED_ERRORS, Key, errors_text
 from ..results.key_figures import Headline, headline
-from ..results.result import Result, add_statistics
+from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARE = 1.0 / sqrt(3.0)
+_SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(3.0 * 15.0)}
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
@@ -45,18 +44,18 @@ def with_estimates(
     errors: Mapping[Key, float] = {}
     if outcome.master == "implicit":
         plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-        with TemporaryDirectory(prefix="fanfold_") as folder, suppress(RunError):
-            coarse = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
-            errors = _errors(outcome.headline, coarse.headline)
-    add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
-    return replace(outcome, headline=headline(Result.open(outcome.path)))
+        with suppress(RunError):
+            coarse = run(assembly, None, plan, until, watch=watch, load=load)
+            errors = _errors(outcome.headline, coarse.headline, _SHARES[outcome.order])
+    result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, result=result, headline=headline(result))
 
 
-def _errors(fine: Headline, coarse: Headline) -> dict[Key, float]:
-    """Estimated errors by key, in the units of the numbers; what only one of both runs has is left out."""
+def _errors(fine: Headline, coarse: Headline, share: float) -> dict[Key, float]:
+    """Shares of differences by key, in the units of the numbers; what only one of both runs has is left out."""
     others = {number.key: number.value for number in coarse.numbers()}
     return {
-        number.key: _SHARE * abs(number.value - others[number.key])
+        number.key: share * abs(number.value - others[number.key])
         for number in fine.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }

@@ -16,7 +16,7 @@ from orchestrator.cli import main as cli
 
 def without_library(monkeypatch):
     """As after an installation without a C compiler."""
-    for module in ("fmus.build", "fmus.native", "orchestrator.cli.messages", "orchestrator.cli.options"):
+    for module in ("fmus", "fmus.build", "fmus.native", "orchestrator.run.simulation"):
         for name in ("library", "native_library"):
             monkeypatch.setattr(f"{module}.{name}", lambda: None, raising=False)
 
