@@ -351,10 +351,12 @@ class Master:
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""
         self._command("impulse", 1.0)
-        usual, self._coupling.tolerance = self._coupling.tolerance, Tolerance(_IMPULSE_TOLERANCE)
-        self._coupling.forget()
-        solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
-        self._coupling.tolerance = usual
+        coupling = self._coupling
+        usual = coupling.tolerance, coupling.persistent
+        coupling.tolerance, coupling.persistent = Tolerance(_IMPULSE_TOLERANCE), True
+        coupling.forget()
+        solution = coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
+        coupling.tolerance, coupling.persistent = usual
         if not solution.converged:
             raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
         self.time += _IMPULSE_STEP
