@@ -36,7 +36,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
 @click.option(
     "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
-    help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4 with flexible bodies.",
+    help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4.",
 )  # fmt: skip
 @click.option(
     "--master",

@@ -138,7 +138,7 @@ def run(
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))
-            order = settings.order or (4 if assembly.flexible else 2)
+            order = settings.order or 4
             network = Network(participants, assembly.links, order if master == "implicit" else 2)
         except ParticipantError as error:
             raise RunError(f"{assembly.name}: {error}") from None

@@ -89,7 +89,7 @@ def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tu
     record, rates = Record(), np.sqrt(2.0) * modes.shapes[:, number]
     period = 1.0 / float(modes.frequencies[number])
     with as_fmus(wing) as participants:
-        network = Network(participants, wing.links)
+        network = Network(participants, wing.links, settings.order or 2)
         master = Master(network, (), record, settings)
         for hinge in hinges:
             joint = network.by_name[hinge]
@@ -114,6 +114,6 @@ def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: V
     x = np.frombuffer(state, dtype=float, count=size, offset=_HEADER + 8 * known)
     x[7:13] = mass[:6, :6] @ rates[:6]
     x[13:16] = placed.axes.T @ rates[3:6]
-    x[17 + placed.modes :] = rates[6:]
+    x[17 + placed.modes : 17 + 2 * placed.modes] = rates[6:]
     body._fmu.setFMUstate(body._fmu.deSerializeFMUstate(bytes(state)))
     body.save()
