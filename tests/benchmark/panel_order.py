@@ -41,16 +41,52 @@ _ITERATION, _ROUND_OFF = 1e-6, 1e-14
 """Tolerance (1) that has wrenches iterated to 1e-8, and what it is for each N/m of a joint where that is more."""
 _ROWS = [2, 4]
 """Of the wrench on the panel: force along z, torque about y."""
+_LEFT = 2
+"""Of the bodies' ports, the panel's left one: those of the base come first."""
 
 
 @dataclass
 class Followed:
-    """What a run recorded, the steps (s) it took, and its wrenches on the panel's left hinge, (steps, 6)."""
+    """What a run recorded; of its steps the ends (s), the sizes (s) and the wrenches on bodies, (steps, ports, 6)."""
 
     record: Record
     ends: np.ndarray
     sizes: np.ndarray
     wrenches: np.ndarray
+
+    def means(self, points: np.ndarray) -> np.ndarray:
+        """Mean wrenches between times (s) at which steps ended, (points - 1, ports, 6)."""
+        rows = np.searchsorted(self.ends, points + 0.5 * FINEST)
+        impulses = np.cumsum(self.wrenches * self.sizes[:, None, None], axis=0)[rows - 1]
+        result: np.ndarray = np.diff(impulses, axis=0) / np.diff(points)[:, None, None]
+        return result
+
+
+def follow(
+    parts: Sequence[Part],
+    links: Sequence[Link],
+    lines: Sequence[HingeLine],
+    until: float,
+    plan: Sequence[Sequence[float]],
+    order: Order,
+    tolerance: float = _ITERATION,
+) -> Followed:
+    """Native FMUs in planned steps."""
+    steps: list[tuple[float, float, np.ndarray]] = []
+
+    def keep(time: float, size: float) -> None:
+        table = master._coupling.accepted.reshape(len(network.port_names), -1)
+        steps.append((time, size, table[:, :6].copy()))
+
+    settings = Settings(tolerance=tolerance, step_plan=plan, order=order, progress=keep)
+    with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
+        network = Network(participants, links, order)
+        record = Record(network)
+        master = Master(network, lines, record, settings)
+        master.initialize(preload=False)
+        master.run(until)
+    ends, sizes, wrenches = (np.array(values) for values in zip(*steps, strict=True))
+    return Followed(record, ends, sizes, wrenches)
 
 
 def scene(joint: float, holds: Holds) -> tuple[list[Part], list[Link], list[HingeLine]]:
@@ -69,32 +105,14 @@ def run(joint: float, holds: Holds, h: float, order: Order) -> Followed:
     """Latched, settled, and then followed in steps of h (s) until all have passed the window."""
     parts, links, lines = scene(joint, holds)
     plan = ((SETTLING,), (SETTLING,) * round(SETTLED / SETTLING) + (h,) * round(WINDOW / h))
-    steps: list[tuple[float, float, np.ndarray]] = []
-
-    def keep(time: float, size: float) -> None:
-        table = master._coupling.accepted.reshape(len(network.port_names), -1)
-        steps.append((time, size, table[place, :6].copy()))
-
-    settings = Settings(
-        tolerance=max(_ITERATION, _ROUND_OFF * joint), step_plan=plan, order=order, progress=keep
-    )
-    with as_fmus(SimpleNamespace(name="panel", parts=parts), "native") as participants:  # type: ignore[arg-type]
-        network = Network(participants, links, order)
-        place = network.port_names.index(("panel", "left"))
-        record = Record(network)
-        master = Master(network, lines, record, settings)
-        master.initialize(preload=False)
-        master.run(SETTLED + WINDOW + 0.5 * h)
-    ends, sizes, wrenches = (np.array(values) for values in zip(*steps, strict=True))
-    return Followed(record, ends, sizes, wrenches)
+    tolerance = max(_ITERATION, _ROUND_OFF * joint)
+    return follow(parts, links, lines, SETTLED + WINDOW + 0.5 * h, plan, order, tolerance)
 
 
 def means(found: Followed) -> np.ndarray:
     """Loads over the common steps of the window, (steps, 2)."""
-    start, length = found.record.events[0][0] + SETTLED, STEPS[0]
-    limits = np.searchsorted(found.ends, start + length * np.arange(round(WINDOW / length)) + 0.5 * FINEST)
-    impulses = found.wrenches[:, _ROWS] * found.sizes[:, None]
-    result: np.ndarray = np.add.reduceat(impulses, limits, axis=0)[:-1] / length
+    points = found.record.events[0][0] + SETTLED + STEPS[0] * np.arange(round(WINDOW / STEPS[0]))
+    result: np.ndarray = found.means(points)[:, _LEFT][:, _ROWS]
     return result
 
 
