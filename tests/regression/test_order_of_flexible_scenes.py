@@ -84,7 +84,7 @@ def test_two_panels_that_open_turn():
 
 @pytest.mark.parametrize("holds", ["spring", "lock"])
 @pytest.mark.parametrize("h", [4e-3, 1e-3, 2.5e-4])
-def test_energy_is_as_exact_as_at_order_two(holds, h):
+def test_energy_of_a_held_panel_closes(holds, h):
     """Conservation, up to what the rotation leaves at either order (of order 2 in h, 1e-6 of the energy at 4 ms).
 
     A lock whose own frequency no step resolves rings on at order 4 where order 2 damps it, which costs up to ten
