@@ -16,7 +16,7 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import load_scene
-from tests.benchmark.panel_order import FINEST, SETTLED, Followed, errors, follow, run
+from tests.benchmark.order.panel import FINEST, SETTLED, Followed, errors, follow, run
 from tests.references.native_fmus import needs_native
 
 pytestmark = needs_native

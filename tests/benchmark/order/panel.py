@@ -1,6 +1,6 @@
 """Error over step size of one flexible panel on a latch spring or a lock, at orders 2 and 4, over joint stiffness.
 
-    python -m tests.benchmark.panel_order
+    python -m tests.benchmark.order.panel
 
 The workbench panel with 16 modes on two hinges, as native FMUs. It latches at its rate and goes on in steps of
 `SETTLING`, at the order under test, until what the latch stirs up in the highest modes has died; from there the step
