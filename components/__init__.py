@@ -22,6 +22,7 @@ from .contract.component import (
     Quantity,
     port_layout,
 )
+from .contract.errors import FanfoldError
 from .contract.frames import left_product, rotation_matrix
 
 for _module in iter_modules(__path__):
@@ -38,6 +39,7 @@ __all__ = [
     "Component",
     "ComponentError",
     "ContinuousStates",
+    "FanfoldError",
     "Layout",
     "Port",
     "Quantity",

@@ -284,7 +284,7 @@ class Body(Component):
             if h * change < _ANGLE_TOLERANCE:
                 break
         rate = (eta1 - eta0) / h
-        growth = self._inertia.growth(omega, eta_mean, rate)
+        growth = self._inertia.growth(omega, eta0, eta1, h)
         momenta_moment = prop.moment(eta0, rate0, force, slope)
         gyroscopic = np.cross(omega, body_momentum) + growth.momentum + growth.b @ (rate + drag)
         torque = (h * h / 6.0) * (moment @ a_mid - gyroscopic) - b @ momenta_moment

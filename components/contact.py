@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, Port, Quantity, Vector
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point, pair, unit_direction
 
 _NORMAL, _ARM, _HEAT, _WRENCH, _RATE = slice(0, 3), slice(3, 6), 6, slice(7, 19), slice(19, 23)
@@ -99,7 +99,7 @@ class Contact(Component):
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs."""
         normal, arm, rate = self._place(as_floats(u))
-        return np.array((*normal, *arm, 0.0, *(0.0,) * 12, *MidStepRate.starting(rate)))
+        return np.array((*normal, *arm, 0.0, *(0.0,) * 12, *MidStep.starting(rate)))
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step: the mean force from the penetrations at both ends, and the heat it makes."""
@@ -112,7 +112,7 @@ class Contact(Component):
         # with both means the work on the ports is the force times the change of penetration
         wrench = pair(scaled(force, mean(old_normal, normal)), (0.0, 0.0, 0.0), mean(old_arm, arm))
         rate = (after - before) / h
-        felt = MidStepRate(*v[_RATE]).after(rate, h) if u[-1] < 0.5 else MidStepRate.starting(end_rate)
+        felt = MidStep(*v[_RATE]).after(rate, h) if u[-1] < 0.5 else MidStep.starting(end_rate)
         return np.array((*normal, *arm, heat, *wrench, *felt))
 
     def _place(self, u: list[float]) -> tuple[Vector3, Vector3, float]:
@@ -134,7 +134,7 @@ class Contact(Component):
         """Penetration and force at the communication point, energies."""
         normal, arm, rate = self._place(as_floats(u))
         penetration = c.gap - dot(normal, arm)
-        felt = rate if self._endpoint else MidStepRate(*as_floats(x[_RATE])).now()
+        felt = rate if self._endpoint else MidStep(*as_floats(x[_RATE])).now()
         return np.array(
             (
                 penetration,

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, Port, Quantity, Vector
 from .contract.frames import nearest_turn, rotate
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import (
     Passage,
     Pose,
@@ -92,7 +92,7 @@ class EddyCurrentDamper(Component):
     def initial(self, c: _Constants, u: Vector) -> Vector:
         """At the pose of the inputs."""
         pose, rate = self._rate(as_floats(u))
-        slide = MidStepRate.starting(rate)
+        slide = MidStep.starting(rate)
         return np.array((pose.twist, *pose.frame, *pose.gap, *(0.0,) * 13, *slide, *pose.swing, *(0.0,) * 12))
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
@@ -103,16 +103,16 @@ class EddyCurrentDamper(Component):
         change = angle - v[_ANGLE]
         swing = (0.5 * (v[25] + pose.swing[0]), 0.5 * (v[26] + pose.swing[1]))
         passage = Passage((v[1], v[2], v[3], v[4]), pose.frame, (v[5], v[6], v[7]), pose.gap)
-        rate = MidStepRate.starting(end_rate)
+        rate = MidStep.starting(end_rate)
         if c.paired and inputs[_IMPULSE] < 0.5:
             moment = passage.rate_moments(inputs[_MOMENTS], swing).twist
             load = viscous_load(c.torque, change, moment, h)
-            rate = MidStepRate.starting((change + 3.0 * moment) / h)
+            rate = MidStep.starting((change + 3.0 * moment) / h)
         else:
             torque = c.torque(change / h)
             load = MeanLoad(torque, -torque * change, 0.0)
             if inputs[_IMPULSE] < 0.5:
-                rate = MidStepRate(*v[_RATE]).after(change / h, h)
+                rate = MidStep(*v[_RATE]).after(change / h, h)
         wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
         heat = v[_HEAT] + load.heat
         return np.array((angle, *pose.frame, *pose.gap, heat, *wrench, *rate, *pose.swing, *slopes))
@@ -132,7 +132,7 @@ class EddyCurrentDamper(Component):
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Rate and torque at the communication point, energy dissipated."""
         rate = self._rate(as_floats(u))[1]
-        felt = rate if self._endpoint else MidStepRate(*as_floats(x[_RATE])).now()
+        felt = rate if self._endpoint else MidStep(*as_floats(x[_RATE])).now()
         return np.array((rate, c.torque(felt), x[_HEAT]))
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:

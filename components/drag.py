@@ -26,7 +26,7 @@ from .contract.frames import (
     scaled,
     subtract,
 )
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point
 
 _POSITION, _ORIENTATION, _HEAT, _WRENCH = slice(0, 3), slice(3, 7), 7, slice(8, 14)
@@ -99,7 +99,7 @@ class PlateDrag(Component):
         """At the pose of the inputs."""
         v = as_floats(u)
         velocity, turn = _rates(v)
-        slides = (*MidStepRate.starting(velocity), *MidStepRate.starting(turn))
+        slides = (*MidStep.starting(velocity), *MidStep.starting(turn))
         return np.array((*v[:7], 0.0, *(0.0,) * 6, *slides))
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
@@ -114,11 +114,11 @@ class PlateDrag(Component):
         heat = v[_HEAT] - (force * velocity + torque * turn) * h
         if u[-1] < 0.5:
             slides = (
-                MidStepRate(*v[_NORMAL_RATE]).after(velocity, h),
-                MidStepRate(*v[_TURN_RATE]).after(turn, h),
+                MidStep(*v[_NORMAL_RATE]).after(velocity, h),
+                MidStep(*v[_TURN_RATE]).after(turn, h),
             )
         else:
-            slides = MidStepRate.starting(_rates(w)[0]), MidStepRate.starting(_rates(w)[1])
+            slides = MidStep.starting(_rates(w)[0]), MidStep.starting(_rates(w)[1])
         return np.array((*w[:7], heat, *_wrench(halfway, force, torque), *slides[0], *slides[1]))
 
     def _felt(self, x: Vector, u: Vector) -> tuple[float, float]:
@@ -126,7 +126,7 @@ class PlateDrag(Component):
         if self._endpoint:
             return _rates(as_floats(u))
         v = as_floats(x)
-        return MidStepRate(*v[_NORMAL_RATE]).now(), MidStepRate(*v[_TURN_RATE]).now()
+        return MidStep(*v[_NORMAL_RATE]).now(), MidStep(*v[_TURN_RATE]).now()
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrench on the port."""

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
 from .contract.frames import nearest_turn, rotate
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import (
     Passage,
     Pose,
@@ -32,7 +32,7 @@ from .numerics.workless_pair import remembered_path, workless_spring
 _PROFILES = ("step", "step5")
 _ANGLE, _SWING, _MEAN_RATE, _CLOCK, _HEAT, _WORK = 0, 5, 7, 9, 10, 11
 _SLIDE, _WRENCH, _NUMERICAL = slice(12, 16), slice(16, 28), 28
-_ROUGHNESS, _SLOPES = 29, slice(30, 42)
+_ROUGHNESS, _SLOPES, _LOAD = 29, slice(30, 42), slice(42, 46)
 _IMPULSE, _HOLD, _MOMENTS = 26, 27, slice(28, 40)
 _GAUSS = 0.6**0.5
 _NOWHERE = (0.0, 0.0, 0.0)
@@ -172,9 +172,9 @@ class Drive(Component):
         """At the pose of the inputs; the angle is the one nearest the start angle."""
         now = self._instant(c, as_floats(u), 0.0, c.motion.start)
         rate = now.deflection_rate
-        slide = MidStepRate.starting(rate)
+        slide = MidStep.starting(rate)
         return np.array(
-            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 26)
+            (now.angle, *now.pose.frame, *now.pose.swing, rate, rate, 0.0, 0.0, 0.0, *slide, *(0.0,) * 30)
         )
 
     def _instant(self, c: _Constants, u: list[float], clock: float, reference: float) -> _Instant:
@@ -207,20 +207,20 @@ class Drive(Component):
         if not self._endpoint:
             memory = Memory(v[_MEAN_RATE], v[_MEAN_RATE + 1], v[_ROUGHNESS])
         motion = StepMotion(start, now.deflection, h, memory, turned - driven)
-        slide = MidStepRate.starting(rate)
+        slide, last = MidStep.starting(rate), MidStep.starting(0.0)
         if fourth:
             load, memory = workless_spring(c.stiffness, c.damping, motion), remembered_path(motion)
-            slide = MidStepRate.starting(memory.end_rate)
+            slide, last = MidStep.starting(memory.end_rate), MidStep(*v[_LOAD]).after(load.force, h)
         else:
             load = bushing_load(c.stiffness, c.damping, motion, c.end_weight)
             memory = Memory(rate, rate) if impulse else remembered(motion, rate)
-            slide = slide if impulse else MidStepRate(*v[_SLIDE]).after(mean_rate, h)
+            slide = slide if impulse else MidStep(*v[_SLIDE]).after(mean_rate, h)
         wrench, slopes = (passage.twist_wrench(torque, swing) for torque in (load.force, load.slope))
         work = load.force * (now.commanded - commanded) + load.slope * driven
         energies = (v[_HEAT] + load.heat, v[_WORK] + work)
         motions = (now.angle, *pose.frame, *pose.swing, memory.mean_rate, memory.end_rate, clock)
         losses = (v[_NUMERICAL] + load.numerical, memory.roughness)
-        return np.array((*motions, *energies, *slide, *wrench, *losses, *slopes))
+        return np.array((*motions, *energies, *slide, *wrench, *losses, *slopes, *last))
 
     def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports, slopes of mean wrenches."""
@@ -232,16 +232,22 @@ class Drive(Component):
         return np.array(pair(_NOWHERE, rotate(now.pose.frame, conjugate), _NOWHERE))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Angles, rates and torque at the communication point, and energies."""
+        """Angles, rates and torque at the communication point, and energies.
+
+        Of order 4 the torque comes from what the last steps' loads were.
+        """
         now = self._now(c, x, u)
-        felt = now.deflection_rate if self._endpoint else MidStepRate(*as_floats(x[_SLIDE])).now()
+        felt = now.deflection_rate if self._endpoint else MidStep(*as_floats(x[_SLIDE])).now()
+        torque = c.torque(now.deflection, felt)
+        if c.paired:
+            torque = MidStep(*as_floats(x[_LOAD])).load_now(torque, float(x[_ROUGHNESS]))
         return np.array(
             (
                 now.angle,
                 now.rate,
                 now.commanded,
                 now.commanded_rate,
-                c.torque(now.deflection, felt),
+                torque,
                 x[_WORK],
                 0.5 * c.stiffness * now.deflection * now.deflection,
                 x[_HEAT],

@@ -17,17 +17,27 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, ComponentError, Port, Vector
 from .contract.frames import nearest_turn, rotate
-from .hinge_parts.loads import endpoint_loads, impulse_loads, mean_loads, stored_energy
+from .hinge_parts.loads import (
+    endpoint_loads,
+    impulse_loads,
+    instant_loads,
+    mean_loads,
+    recorded,
+    stiff_loads,
+    stored_energy,
+)
 from .hinge_parts.state import (
     ANGLE,
     HEAT,
     HEATS,
     HOLDING,
     LATCHED,
+    NO_LOADS,
     SLOPES,
     WRENCH,
     Constants,
     State,
+    StiffLoads,
     coordinates_of,
     mean_swing,
     motions_of,
@@ -36,7 +46,7 @@ from .hinge_parts.state import (
 )
 from .hinge_parts.variables import inputs, observations, outputs, parameters
 from .numerics.laws import Law, Linear, Table
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep, MidStepSlope
 from .numerics.relative_motion import (
     as_floats,
     axis_frame,
@@ -159,10 +169,11 @@ class Hinge(Component):
             *((rates_of(rates),) * 3),
             (0.0,) * 12,
             (0.0,) * 3,
-            MidStepRate.starting(rates.twist),
+            MidStep.starting(rates.twist),
             *((0.0,) * 6),
             hold_angle=angle,
             numerical_dissipation=0.0,
+            sliding=MidStepSlope.starting(rates.twist),
         ).pack()
 
     def step(self, c: Constants, x: Vector, u: Vector, h: float) -> Vector:
@@ -181,7 +192,15 @@ class Hinge(Component):
         if c.paired:
             moments = rates_of(passage.rate_moments(values[29:41], mean_swing(old, moved)))
         motions = motions_of(old, moved, moments, h)
-        loads = impulse_loads(c, old, moved, h) if impulse else mean_loads(c, old, moved, motions, h)
+        lasting, sliding = NO_LOADS, MidStepSlope.starting(rates[3])
+        if impulse:
+            loads = impulse_loads(c, old, moved, h)
+        else:
+            stiff = stiff_loads(c, old, motions)
+            loads = mean_loads(c, old, moved, motions, stiff, h)
+            if c.paired:
+                lasting = self._loads(c, old, stiff, h)
+                sliding = old.sliding.after((moved.angle - old.angle) / h, 3.0 * moments[3] / h, h)
         slopes: tuple[float, ...] = (0.0,) * 12
         if c.paired:
             wrench, slopes = passage.wrenches(
@@ -194,10 +213,12 @@ class Hinge(Component):
             mean_rates=tuple(m.mean_rate for m in memories),
             end_rates=tuple(m.end_rate for m in memories),
             roughness=tuple(m.roughness for m in memories),
-            slide=MidStepRate.starting(rates[3]) if impulse else old.slide.after(memories[3].mean_rate, h),
+            slide=MidStep.starting(rates[3]) if impulse else old.slide.after(memories[3].mean_rate, h),
             latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
             wrench=wrench,
             slopes=slopes,
+            loads=lasting,
+            sliding=sliding,
             friction_energy=old.friction_energy + loads.heat[0],
             latch_energy=old.latch_energy + loads.heat[1],
             damping_energy=old.damping_energy + loads.heat[2],
@@ -214,6 +235,14 @@ class Hinge(Component):
         if c.paired:
             return [remembered_path(m) for m in motions]
         return [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
+
+    @staticmethod
+    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStep, ...]:
+        """Loads with one step more; that of the latch begins where it engages."""
+        *bushing, latch = old.loads
+        if old.latched and c.latches:
+            latch = latch.after(loads.latch.force, h)
+        return (*(b.after(load.force, h) for b, load in zip(bushing, loads.bushing, strict=True)), latch)
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
@@ -262,16 +291,19 @@ class Hinge(Component):
         return np.array((*wrench, c.latch_angle - s.angle, s.latched))
 
     def observe(self, c: Constants, x: Vector, u: Vector) -> Vector:
-        """Angles, torques and forces at the communication point (end-point law), and energies."""
+        """Angles, torques and forces at the communication point, and energies.
+
+        Loads follow from the end-point law, of order 4 corrected by what the last steps' loads were.
+        """
         s = self._now(c, x, u)
         rate = s.rates[3]
         if not self._endpoint:
             # a command acts from the next step's start, which is this instant
             old = State.unpack(x).commanded(float(u[26]), float(u[28]))
             s = s._replace(latched=old.latched, latched_angle=old.latched_angle, hold_angle=old.hold_angle)
-            felt = s.end_rates if c.paired else (*s.mean_rates[:3], s.slide.now(), *s.mean_rates[4:])
-            s = s._replace(rates=felt)
-        loads = endpoint_loads(c, s)
+            felt, slide = (s.end_rates, s.sliding) if c.paired else (s.mean_rates, s.slide)
+            s = s._replace(rates=(*felt[:3], slide.now(), *felt[4:]))
+        loads = instant_loads(c, s, recorded(c, s)) if c.paired else endpoint_loads(c, s)
         heat = (s.friction_energy, s.latch_energy, s.damping_energy)
         return np.array(
             (

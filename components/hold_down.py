@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from .contract.component import Component, ComponentError, ContinuousStates, Port, Quantity, Vector
 from .contract.frames import Quaternion, Vector3, cross, rotate, rotate_back, subtract
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import (
     Passage,
     as_floats,
@@ -26,7 +27,7 @@ from .numerics.workless_pair import remembered_path, workless_spring
 
 _START, _MEAN_RATES, _END_RATES = slice(7, 10), 10, 13
 _CLOCK, _RELEASED, _HEAT, _RELEASE_HEAT, _WRENCH, _NUMERICAL = 16, 17, 18, 19, slice(20, 32), 32
-_ROUGHNESS, _SLOPES = 33, slice(36, 48)
+_ROUGHNESS, _SLOPES, _LOADS = 33, slice(36, 48), 48
 _COMMANDS, _MOMENTS = 26, slice(29, 41)
 _NOWHERE = (0.0, 0.0, 0.0)
 _REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave
@@ -144,7 +145,7 @@ class HoldDown(Component):
         inputs = as_floats(u)
         now = self._instant(inputs, _NOWHERE)
         rates = (*now.rate, *now.rate)
-        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 28))
+        return np.array((*now.frame, *now.gap, *now.displacement, *rates, *(0.0,) * 4, *(0.0,) * 40))
 
     @staticmethod
     def _instant(u: list[float], start: Vector3) -> _Instant:
@@ -171,6 +172,7 @@ class HoldDown(Component):
         memories = [Memory(rate, rate) for rate in now.rate]
         wrench: tuple[float, ...] = (0.0,) * 12
         slopes = wrench
+        lasting = [MidStep.starting(0.0)] * 3
         if not released:
             passage, fourth = Passage(frame, now.frame, gap, now.gap), c.paired and not impulse
             moments = passage.moments(inputs[_MOMENTS])[0] if fourth else _NOWHERE
@@ -183,6 +185,7 @@ class HoldDown(Component):
                 slope = (loads[0].slope, loads[1].slope, loads[2].slope)
                 wrench, slopes = passage.wrenches(force, _NOWHERE, slope, _NOWHERE)
                 memories = [remembered_path(m) for m in motions]
+                lasting = [_load_of(v, i).after(load.force, h) for i, load in enumerate(loads)]
             else:
                 wrench = passage.wrench(force, _NOWHERE)
                 if not impulse:
@@ -191,7 +194,8 @@ class HoldDown(Component):
                 released, bolt = 1.0, c.potential(now.displacement)
         mean_rates, end_rates, roughness = zip(*memories, strict=True)
         moved = (*now.frame, *now.gap, *start, *mean_rates, *end_rates, clock, released)
-        return np.array((*moved, heat, bolt, *wrench, numerical, *roughness, *slopes))
+        last = (value for load in lasting for value in load)
+        return np.array((*moved, heat, bolt, *wrench, numerical, *roughness, *slopes, *last))
 
     def _motion(
         self, v: list[float], i: int, before: float, after: float, moment: float, h: float
@@ -222,7 +226,7 @@ class HoldDown(Component):
         return np.array(pair(force, _NOWHERE, now.gap))
 
     def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Force at the communication point, and energies."""
+        """Force at the communication point, and energies; of order 4, from what the last steps' loads were."""
         losses = (x[_HEAT] + x[_RELEASE_HEAT], x[_NUMERICAL])
         if x[_RELEASED]:
             return np.array((0.0, 0.0, 0.0, 1.0, 0.0, *losses))
@@ -231,7 +235,11 @@ class HoldDown(Component):
         if not self._endpoint:
             first = _END_RATES if c.paired else _MEAN_RATES
             rate = (float(x[first]), float(x[first + 1]), float(x[first + 2]))
-        return np.array((*c.force(now.displacement, rate), 0.0, c.potential(now.displacement), *losses))
+        force: tuple[float, ...] = c.force(now.displacement, rate)
+        if c.paired:
+            v = as_floats(x)
+            force = tuple(_load_of(v, i).load_now(f, v[_ROUGHNESS + i]) for i, f in enumerate(force))
+        return np.array((*force, 0.0, c.potential(now.displacement), *losses))
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
         """Rate of the clock, and heat of damping (W)."""
@@ -261,6 +269,12 @@ class HoldDown(Component):
     def example(cls) -> HoldDown:
         """A hold-down point along z."""
         return cls()
+
+
+def _load_of(v: list[float], i: int) -> MidStep:
+    """Load along an axis over the last steps of order 4."""
+    first = _LOADS + 4 * i
+    return MidStep(*v[first : first + 4])
 
 
 def _parameters() -> list[Quantity]:

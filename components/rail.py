@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from .contract.component import Component, Port, Quantity, Vector
 from .contract.frames import conjugate, multiply, nearest_turn, rotate
 from .numerics.laws import stiction_factors
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import (
     Pose,
     as_floats,
@@ -111,7 +111,7 @@ class Rail(Component):
         """The plane goes through the place of the inputs."""
         inputs = as_floats(u)
         now = self._instant(inputs[:7], inputs, 0.0)
-        slide = MidStepRate.starting(now.speed)
+        slide = MidStep.starting(now.speed)
         memories = (*now.rates, *now.rates)
         return np.array((*inputs[:7], *now.pose.offset, *now.stiff[1:], *memories, *slide, *(0.0,) * 9))
 
@@ -156,9 +156,7 @@ class Rail(Component):
         force = (load[0], -resistance * slip_y, -resistance * slip_z)
         swing = (0.5 * (starts[2] + now.stiff[2]), 0.5 * (starts[3] + now.stiff[3]))
         torque = conjugate_torque(load[1], (load[2], load[3]), swing)
-        slide = (
-            MidStepRate(*v[_SLIDE]).after(speed, h) if inputs[-1] < 0.5 else MidStepRate.starting(now.speed)
-        )
+        slide = MidStep(*v[_SLIDE]).after(speed, h) if inputs[-1] < 0.5 else MidStep.starting(now.speed)
         heat, lost = sum(mean.heat for mean in loads), sum(mean.numerical for mean in loads)
         energies = (v[_FRICTION_HEAT] + resistance * speed * speed * h, v[_DAMPING_HEAT] + heat)
         wrench = (*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque))
@@ -184,7 +182,7 @@ class Rail(Component):
         now = self._now(x, u)
         rate, speed = now.rates[0], now.speed
         if not self._endpoint:
-            rate, speed = float(x[_MEAN_RATES]), MidStepRate(*as_floats(x[_SLIDE])).now()
+            rate, speed = float(x[_MEAN_RATES]), MidStep(*as_floats(x[_SLIDE])).now()
         friction_heat, damping_heat = float(x[_FRICTION_HEAT]), float(x[_DAMPING_HEAT])
         return np.array(
             (

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from .contract.component import Component, ComponentError, Port, Quantity, Vector
 from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
 from .numerics.laws import SlackSpring, mean_force
-from .numerics.mid_step import MidStepRate
+from .numerics.mid_step import MidStep
 from .numerics.relative_motion import (
     Line,
     as_floats,
@@ -97,7 +97,7 @@ class Suspension(Component):
         if norm(span) == 0.0:
             raise ComponentError("the ports of the suspension are at one point; it hangs along no line")
         rate = self._instant(inputs).rate
-        return np.array((*span, 0.0, *MidStepRate.starting(rate), *(0.0,) * 24))
+        return np.array((*span, 0.0, *MidStep.starting(rate), *(0.0,) * 24))
 
     @staticmethod
     def _instant(u: list[float]) -> _Instant:
@@ -119,16 +119,16 @@ class Suspension(Component):
             moment = line.moment((b[0] - a[0], b[1] - a[1], b[2] - a[2]))
             load = self._pair(c, StepMotion(before, after, h, Memory(0.0, 0.0), moment))
             force, slope = line.forces(-load.force, -load.slope)
-            slide = MidStepRate.starting(rate + 3.0 * moment / h)
+            slide = MidStep.starting(rate + 3.0 * moment / h)
             return np.array((*now.span, v[_HEAT] + load.heat, *slide, *_wrenches(force), *_wrenches(slope)))
         elastic = -mean_force(c.spring, before, after)
         tension = -mean_force(c.spring, before, after, c.end_weight)
         tension = max(tension + c.damping * c.spring.taut_share(before, after) * rate, 0.0)
         heat = v[_HEAT] + (tension - elastic) * (now.length - length)
         force = scaled(-tension / (length + now.length), add(old, now.span))
-        slide = MidStepRate(*v[_SLIDE]).after(rate, h)
+        slide = MidStep(*v[_SLIDE]).after(rate, h)
         if inputs[_IMPULSE] > 0.5:
-            slide = MidStepRate.starting(now.rate)
+            slide = MidStep.starting(now.rate)
         return np.array((*now.span, heat, *slide, *_wrenches(force), *(0.0,) * 12))
 
     @staticmethod
@@ -152,7 +152,7 @@ class Suspension(Component):
         """Length and tension at the communication point, and energies."""
         now = self._instant(as_floats(u))
         elongation = c.elongation(now.length)
-        rate = now.rate if self._endpoint else MidStepRate(*as_floats(x[_SLIDE])).now()
+        rate = now.rate if self._endpoint else MidStep(*as_floats(x[_SLIDE])).now()
         return np.array(
             (now.length, c.tension(elongation, rate), c.spring.potential(elongation), float(x[_HEAT]))
         )

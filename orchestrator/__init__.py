@@ -1,1 +1,82 @@
-"""Scenes, the master algorithm, results and the command line."""
+"""Fanfold from Python: deployable space structures as co-simulations of FMI components.
+
+    import orchestrator as fanfold
+
+    result = fanfold.simulate("amos3", rigid="all")
+    result.latch_times
+
+Everything that is meant to be used stands here by name and is imported when it is first asked for.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from components import FanfoldError as FanfoldError
+
+    from .api.analyses import equilibrium as equilibrium
+    from .api.analyses import frequency_response as frequency_response
+    from .api.analyses import impacts as impacts
+    from .api.analyses import latch_tuning as latch_tuning
+    from .api.analyses import mode_study as mode_study
+    from .api.analyses import modes as modes
+    from .api.analyses import quasi_static as quasi_static
+    from .api.analyses import restart as restart
+    from .api.analyses import step_study as step_study
+    from .api.analyses import stress as stress
+    from .api.analyses import torque_margin as torque_margin
+    from .api.documents import compare as compare
+    from .api.documents import plot_comparison as plot_comparison
+    from .api.documents import report as report
+    from .api.pictures import plot as plot
+    from .api.result import Result as Result
+    from .api.simulate import FanfoldWarning as FanfoldWarning
+    from .api.simulate import check as check
+    from .api.simulate import export as export
+    from .api.simulate import load as load
+    from .api.simulate import scenes as scenes
+    from .api.simulate import simulate as simulate
+    from .scene.builder import Scene as Scene
+
+_HOMES = {
+    "FanfoldError": "components",
+    "equilibrium": "orchestrator.api.analyses",
+    "frequency_response": "orchestrator.api.analyses",
+    "impacts": "orchestrator.api.analyses",
+    "latch_tuning": "orchestrator.api.analyses",
+    "mode_study": "orchestrator.api.analyses",
+    "modes": "orchestrator.api.analyses",
+    "quasi_static": "orchestrator.api.analyses",
+    "restart": "orchestrator.api.analyses",
+    "step_study": "orchestrator.api.analyses",
+    "stress": "orchestrator.api.analyses",
+    "torque_margin": "orchestrator.api.analyses",
+    "compare": "orchestrator.api.documents",
+    "plot_comparison": "orchestrator.api.documents",
+    "report": "orchestrator.api.documents",
+    "plot": "orchestrator.api.pictures",
+    "Result": "orchestrator.api.result",
+    "FanfoldWarning": "orchestrator.api.simulate",
+    "check": "orchestrator.api.simulate",
+    "export": "orchestrator.api.simulate",
+    "load": "orchestrator.api.simulate",
+    "scenes": "orchestrator.api.simulate",
+    "simulate": "orchestrator.api.simulate",
+    "Scene": "orchestrator.scene.builder",
+}
+
+__all__ = list(_HOMES)
+
+
+if not TYPE_CHECKING:  # type checkers know the names above and no others
+
+    def __getattr__(name: str) -> Any:  # noqa: ANN401 - of whatever type it has where it is defined
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

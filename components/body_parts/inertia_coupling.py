@@ -98,20 +98,12 @@ class InertiaCoupling:
         forces = -0.5 * (products @ self._slope) - products @ quadratic
         return Coupling(b, inertia, forces - omega @ stacked[6 * m :, 1].reshape(3, m))
 
-    def growth(self, omega: Vector, eta: Vector, rate: Vector) -> Growth:
-        """How fast B and the inertia change where the modal coordinates do at these rates (M,)."""
-        if not self.varies:
-            return Growth(self._none.b, np.zeros(3))
-        inertia, b_rate = -self._slope @ rate, self._none.b
-        if self.full:
-            m = self._modes
-            stacked = self._tensors @ np.array((eta, rate)).T
-            b, b_rate = stacked[6 * m :, 0].reshape(3, m), stacked[6 * m :, 1].reshape(3, m)
-            bb = b @ b_rate.T
-            inertia -= (
-                2.0 * stacked[: 6 * m, 0].reshape(6, m) @ rate + (bb + bb.T).ravel()[[0, 4, 8, 1, 2, 5]]
-            )
-        return Growth(b_rate, inertia[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3) @ omega)
+    def growth(self, omega: Vector, start: Vector, end: Vector, h: float) -> Growth:
+        """Mean rates over a step h of B and of the inertia, from the modal coordinates (M,) at both ends."""
+        zero = np.zeros_like(start)
+        before, after = (self.at(np.zeros(3), eta, zero) for eta in (start, end))
+        inertia = (after.inertia - before.inertia)[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
+        return Growth((after.b - before.b) / h, inertia @ omega / h)
 
     def modal_rate(self, omega: Vector, eta: Vector, pi: Vector) -> Vector:
         """Rates eta' = pi - B^T omega from modal momenta."""

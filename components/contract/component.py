@@ -41,6 +41,8 @@ from typing import Any, ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import FanfoldError
+
 Vector = NDArray[np.float64]
 
 KINETIC_ENERGY = "kinetic_energy"
@@ -56,7 +58,7 @@ dissipation is what the scheme takes away besides, and it may give back a part t
 """
 
 
-class ComponentError(Exception):
+class ComponentError(FanfoldError):
     """A sentence for the user: what is wrong with a value, and what it must be."""
 
 

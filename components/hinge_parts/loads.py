@@ -9,22 +9,29 @@ from ..numerics.laws import Law, mean_force, stiction_factors
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
 from ..numerics.workless_pair import workless_law, workless_spring
-from .state import Constants, Loads, State, mean_swing, shifted
+from .state import Constants, Held, Loads, State, StiffLoads, mean_swing, shifted
 
 _FORCE_SMOOTHING = 1.0
 
 
-def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], h: float) -> Loads:
-    """Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes of order 4."""
-    stiff = [
+def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoads:
+    """Mean loads of bushing and latch."""
+    bushing = tuple(
         _stiff_load(c, i, shifted(motion, c.aligned_angle) if i == 3 else motion)
         for i, motion in enumerate(motions)
-    ]
+    )
+    return StiffLoads(bushing, mean_latch_load(c, old, motions[3]))
+
+
+def mean_loads(
+    c: Constants, old: State, new: State, motions: list[StepMotion], loads: StiffLoads, h: float
+) -> Loads:
+    """Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes of order 4."""
+    stiff, latch = loads
     elastic, slope = [load.force for load in stiff], [load.slope for load in stiff]
     force_on_b = (elastic[0], elastic[1], elastic[2])
     change = new.angle - old.angle
     friction = friction_torque(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
-    latch = mean_latch_load(c, old, motions[3])
     numerical = sum(load.numerical for load in stiff) + latch.numerical
     heat = (-friction * change, latch.heat, sum(load.heat for load in stiff))
     motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
@@ -106,27 +113,48 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
     )
 
 
-def endpoint_loads(c: Constants, s: State) -> Loads:
-    """Loads of one instant from coordinates and rates; heat as power (W)."""
+def held_at(c: Constants, s: State) -> Held:
+    """What bushing and latch exert at one instant, by their laws from coordinates and rates."""
     q, w = list(s.coordinates), s.rates
     q[3] -= c.aligned_angle
-    load = [-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)]
-    force = (load[0], load[1], load[2])
-    friction = friction_torque(c, s.latched > 0.5, force, (load[4], load[5]), w[3])
-    latch = viscous = 0.0
+    latch = 0.0
     if s.latched and c.latches:
-        viscous = -c.latch_damping * w[3]
-        latch = c.latch.value(s.angle - s.latched_angle) + viscous
+        latch = c.latch.value(s.angle - s.latched_angle) + -c.latch_damping * w[3]
+    return Held(tuple(-c.stiffness[i] * q[i] - c.damping[i] * w[i] for i in range(6)), latch)
+
+
+def recorded(c: Constants, s: State) -> Held:
+    """What bushing and latch exert at a communication point of order 4, from what they did over the last steps."""
+    at_end, (*bushing, latch) = held_at(c, s), s.loads
+    by_coordinate = zip(bushing, at_end.bushing, s.roughness, strict=True)
+    return Held(
+        tuple(load.load_now(law, roughness) for load, law, roughness in by_coordinate),
+        latch.load_now(at_end.latch, s.roughness[3]),
+    )
+
+
+def endpoint_loads(c: Constants, s: State) -> Loads:
+    """Loads of one instant from coordinates and rates; heat as power (W)."""
+    return instant_loads(c, s, held_at(c, s))
+
+
+def instant_loads(c: Constants, s: State, held: Held) -> Loads:
+    """Loads of one instant; heat as power (W)."""
+    load, latch = held
+    q, w, rate = s.coordinates, s.rates, s.rates[3]
+    force = (load[0], load[1], load[2])
+    friction = friction_torque(c, s.latched > 0.5, force, (load[4], load[5]), rate)
+    viscous = -c.latch_damping * rate if s.latched and c.latches else 0.0
     twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
     if s.holding:
         twist -= c.hold_stiffness * (s.angle - s.hold_angle)
-    damping = sum(d * rate * rate for d, rate in zip(c.damping, w, strict=True))
+    damping = sum(d * v * v for d, v in zip(c.damping, w, strict=True))
     return Loads(
         force,
         conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
         latch,
         friction,
-        (-friction * w[3], -viscous * w[3], damping),
+        (-friction * rate, -viscous * rate, damping),
         0.0,
     )
 

@@ -10,11 +10,13 @@ import numpy as np
 from ..contract.component import Vector
 from ..contract.frames import Quaternion, Vector3
 from ..numerics.laws import Law
-from ..numerics.mid_step import MidStepRate
+from ..numerics.mid_step import MidStep, MidStepSlope
 from ..numerics.relative_motion import Passage, Pose, Rates, as_floats
-from ..numerics.stiff_coordinate import Memory, StepMotion
+from ..numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 
 Six = tuple[float, float, float, float, float, float]
+
+NO_LOADS: tuple[MidStep, ...] = (MidStep.starting(0.0),) * 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +53,11 @@ class Constants:
 
 
 class State(NamedTuple):
-    """The state array by name. Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes)."""
+    """The state array by name. Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes).
+
+    Of order 4, `loads` are those of the bushing in the six coordinates and of the latch over the last steps, and
+    `sliding` is the hinge rate, of which `slide` knows means only.
+    """
 
     frame: Quaternion
     gap: Vector3
@@ -61,7 +67,7 @@ class State(NamedTuple):
     end_rates: tuple[float, ...]
     wrench: tuple[float, ...]
     power: tuple[float, ...]
-    slide: MidStepRate
+    slide: MidStep
     friction_energy: float
     latch_energy: float
     damping_energy: float
@@ -72,6 +78,8 @@ class State(NamedTuple):
     numerical_dissipation: float
     roughness: tuple[float, ...] = (0.0,) * 6
     slopes: tuple[float, ...] = (0.0,) * 12
+    loads: tuple[MidStep, ...] = NO_LOADS
+    sliding: MidStepSlope = MidStepSlope.starting(0.0)
 
     def pack(self) -> Vector:
         """As one array."""
@@ -89,6 +97,8 @@ class State(NamedTuple):
                 *self[9:17],
                 *self.roughness,
                 *self.slopes,
+                *(value for load in self.loads for value in load),
+                *self.sliding,
             )
         )
 
@@ -105,10 +115,12 @@ class State(NamedTuple):
             tuple(v[25:31]),
             tuple(v[WRENCH]),
             tuple(v[43:46]),
-            MidStepRate(*v[46:50]),
+            MidStep(*v[46:50]),
             *(v[50], v[51], v[52], v[53], v[54], v[55], v[56], v[57]),
             tuple(v[58:64]),
             tuple(v[SLOPES]),
+            tuple(MidStep(*v[i : i + 4]) for i in range(_LOADS.start, _LOADS.stop, 4)),
+            MidStepSlope(*v[_SLIDING]),
         )
 
     @property
@@ -126,7 +138,7 @@ class State(NamedTuple):
         return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
 
-WRENCH, SLOPES = slice(31, 43), slice(64, 76)
+WRENCH, SLOPES, _LOADS, _SLIDING = slice(31, 43), slice(64, 76), slice(76, 104), slice(104, 110)
 ANGLE, HEAT, LATCHED, HOLDING = 10, 50, 53, 55
 HEATS = ("friction_heat", "latch_heat", "damping_heat")
 
@@ -145,6 +157,20 @@ class Loads(NamedTuple):
     numerical: float
     force_slope: Vector3 = (0.0, 0.0, 0.0)
     torque_slope: Vector3 = (0.0, 0.0, 0.0)
+
+
+class StiffLoads(NamedTuple):
+    """Mean loads of the bushing in the six coordinates and of the latch."""
+
+    bushing: tuple[MeanLoad, ...]
+    latch: MeanLoad
+
+
+class Held(NamedTuple):
+    """What bushing (six coordinates) and latch exert at one instant."""
+
+    bushing: tuple[float, ...]
+    latch: float
 
 
 def mean_swing(old: State, new: State) -> tuple[float, float]:

@@ -12,6 +12,10 @@ from ..contract.component import Vector
 
 T = TypeVar("T", float, Vector)
 
+_ROUGH = (
+    1e-2  # roughness of a motion (see `workless_pair`) from which on means tell its load better than its end
+)
+
 
 class StepMean(NamedTuple, Generic[T]):
     """Mean over a step, its slope, half the change over the step as far as it is known, and the size of the step."""
@@ -37,8 +41,8 @@ def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
     return last.mean + last.slope + bend * (last.h**2 / 12.0) + unknown * (0.5 * last.h / between)
 
 
-class MidStepRate(NamedTuple):
-    """Mean rates of the last two steps and their sizes; size 0 where there is none."""
+class MidStep(NamedTuple):
+    """Means of a rate or a load over the last two steps and the sizes of these; size 0 where there is none."""
 
     last: float
     previous: float
@@ -46,14 +50,50 @@ class MidStepRate(NamedTuple):
     previous_h: float
 
     @classmethod
-    def starting(cls, rate: float) -> MidStepRate:
-        """Before the first step, or after an impulse: only an instant's rate is known."""
-        return cls(rate, rate, 0.0, 0.0)
+    def starting(cls, value: float) -> MidStep:
+        """Before the first step, or after an impulse: only an instant's value is known."""
+        return cls(value, value, 0.0, 0.0)
 
-    def after(self, rate: float, h: float) -> MidStepRate:
+    def after(self, mean: float, h: float) -> MidStep:
         """With one step more."""
-        return MidStepRate(rate, self.last, h, self.h)
+        return MidStep(mean, self.last, h, self.h)
 
     def now(self) -> float:
-        """Rate at the communication point."""
+        """Value at the communication point."""
         return extrapolated(StepMean(self.last, 0.0, self.h), StepMean(self.previous, 0.0, self.previous_h))
+
+    def load_now(self, at_end: float, roughness: float) -> float:
+        """Load of a stiff coordinate at the communication point, from that of its law at the end of the last step.
+
+        Where steps resolve the motion, the law is right. Where they do not, the coordinate goes out and comes back
+        within steps, and the law takes the end of such a motion for its load; slopes have their share of it, so
+        what tells the load there are its means.
+        """
+        if self.h <= 0.0:
+            return at_end
+        square = roughness * roughness
+        return at_end + square / (square + _ROUGH * _ROUGH) * (self.now() - at_end)
+
+
+class MidStepSlope(NamedTuple):
+    """Means and slopes of a rate over the last two steps and the sizes of these; size 0 where there is none."""
+
+    last: float
+    slope: float
+    h: float
+    previous: float
+    previous_slope: float
+    previous_h: float
+
+    @classmethod
+    def starting(cls, value: float) -> MidStepSlope:
+        """Before the first step, or after an impulse: only an instant's value is known."""
+        return cls(value, 0.0, 0.0, value, 0.0, 0.0)
+
+    def after(self, mean: float, slope: float, h: float) -> MidStepSlope:
+        """With one step more."""
+        return MidStepSlope(mean, slope, h, self.last, self.slope, self.h)
+
+    def now(self) -> float:
+        """Value at the communication point."""
+        return extrapolated(StepMean(*self[:3]), StepMean(*self[3:]))

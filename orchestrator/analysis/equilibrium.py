@@ -18,10 +18,10 @@ from components.contract.component import Vector
 from components.contract.frames import exponential, multiply, rotate
 from components.hinge_parts.state import State
 
-from ..scene import Scene, SceneError
+from ..scene import CheckedScene, SceneError
 from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
-from .statics.configuration import Configuration, hinges_of, placed
+from .statics.configuration import Configuration, hinges_of, lines_named, placed
 from .statics.equilibrium_search import settle
 from .statics.mechanism import Mechanism
 
@@ -71,7 +71,7 @@ class Equilibrium:
 
 
 def equilibrium(
-    scene: Scene,
+    scene: CheckedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -92,7 +92,7 @@ def equilibrium(
     return mechanism, _found(scene, mechanism, held)
 
 
-def _advice(scene: Scene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
+def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
     """What to do where there is no equilibrium."""
     free = free_lines(scene, target, held)
     if not free:
@@ -104,14 +104,30 @@ def _advice(scene: Scene, target: Configuration, held: Collection[str], swept: C
     return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} with --hold {kept}"
 
 
-def free_lines(scene: Scene, target: Configuration, held: Collection[str]) -> list[str]:
+def lines_held(
+    scene: CheckedScene, target: Configuration, hold: str | None, sweeps: Collection[Sweep]
+) -> list[str]:
+    """Lines to hold: those of a text with commas between, "all" or "none"; SceneError where that cannot be.
+
+    Without a text all that are not latched, beside a sweep none. Swept lines are no part of them.
+    """
+    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
+    default = "none" if sweeps else ",".join(free_lines(scene, target, ()))
+    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
+    both = sorted({*swept, *held} & set(target.latched))
+    if both:
+        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
+    return held
+
+
+def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str]) -> list[str]:
     """Hinge lines that nothing keeps: neither latched in the configuration, nor held."""
     bound = {*target.latched, *held}
     return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
 def quasi_static(
-    scene: Scene,
+    scene: CheckedScene,
     rigid: Collection[str],
     flexible: Collection[str],
     target: Configuration,
@@ -138,7 +154,7 @@ def quasi_static(
 
 
 def _follow(
-    scene: Scene,
+    scene: CheckedScene,
     mechanism: Mechanism,
     sweeps: Collection[Sweep],
     way: tuple[float, float],
@@ -171,7 +187,7 @@ def _place(sweeps: Collection[Sweep], share: float) -> str:
     return ", ".join(f"{sweep.line} = {angle} deg" for sweep, angle in zip(sweeps, angles, strict=True))
 
 
-def _turn(scene: Scene, mechanism: Mechanism, name: str, angle: float) -> None:
+def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) -> None:
     """Turn everything outboard of a line about it, and hold its hinges there; a drive commands its new angle."""
     drives = [connection for connection in mechanism.connections.values() if connection.kind == "drive"]
     before = [drive.observe()["angle"] for drive in drives]
@@ -194,7 +210,7 @@ def _turn(scene: Scene, mechanism: Mechanism, name: str, angle: float) -> None:
             drive.set_parameter(end, drive.parameter(end) + drive.observe()["angle"] - angle_before)
 
 
-def _outboard(scene: Scene, name: str) -> set[str]:
+def _outboard(scene: CheckedScene, name: str) -> set[str]:
     """Bodies, or pieces of several, that a line carries."""
     roots = joined(scene)
     lines = [line for line in scene.hinge_lines if not line.held]
@@ -204,7 +220,7 @@ def _outboard(scene: Scene, name: str) -> set[str]:
     return found
 
 
-def _found(scene: Scene, mechanism: Mechanism, held: Collection[str]) -> Equilibrium:
+def _found(scene: CheckedScene, mechanism: Mechanism, held: Collection[str]) -> Equilibrium:
     observed = {name: connection.observe() for name, connection in mechanism.connections.items()}
     lines = {line.name: line for line in scene.hinge_lines if not line.held}
     return Equilibrium(

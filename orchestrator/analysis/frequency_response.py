@@ -6,6 +6,7 @@ Direct complex solutions of (-w^2 M + i w C + K) q = 0 with the base prescribed,
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -30,6 +31,34 @@ class Response(NamedTuple):
     name: str
     unit: str
     values: Complex
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """Responses of a scene to an acceleration of its base, of 1 m/s2 or 1 rad/s2; frequencies: Hz, shape (F,)."""
+
+    scene: str
+    excitation: str
+    frequencies: Vector
+    responses: tuple[Response, ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        curves = [
+            {
+                "output": response.name,
+                "unit": response.unit,
+                "magnitude": np.abs(response.values).tolist(),
+                "phase_deg": np.rad2deg(np.angle(response.values)).tolist(),
+            }
+            for response in self.responses
+        ]
+        return {
+            "scene": self.scene,
+            "excitation": self.excitation,
+            "frequency_hz": self.frequencies.tolist(),
+            "responses": curves,
+        }
 
 
 def base_response(model: LinearModel, excitation: int, frequencies: Vector) -> tuple[Complex, Complex]:

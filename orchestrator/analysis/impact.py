@@ -49,7 +49,7 @@ def impacts(result: Result) -> list[Impact]:
     """All touches that a result holds, in order of time; ResultError where it has no contact."""
     names = result.recording("contact_force")
     if not names:
-        raise ResultError(f"{result.path}: the scene has no contact, so there is no impact to look for")
+        raise ResultError(f"{result.name}: the scene has no contact, so there is no impact to look for")
     found = [impact for name in names for impact in _impacts_of(result, name)]
     return sorted(found, key=lambda impact: impact.start)
 

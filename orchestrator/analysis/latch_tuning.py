@@ -9,7 +9,7 @@ where the hinges are rigid; equation 2.7 adds or removes the hinges' measured st
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import Literal, NamedTuple
 
@@ -20,7 +20,7 @@ from components.contract.frames import rotate
 
 from ..assembly import Link, Part
 from ..assembly.hinges import LatchSetting, hinge_parts
-from ..scene import Scene, SceneError
+from ..scene import CheckedScene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
@@ -57,7 +57,7 @@ class Pair(NamedTuple):
         return float(modes.frequencies[k]), float(overlap[k])
 
 
-def pair(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
+def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], stiffness: float | None) -> Pair:
     """The pair of a line, its latch a spring of the given total stiffness (N.m/rad), or locked where that is None."""
     points = scene_points(scene)
     poses = start_poses(with_angles(scene, configuration(scene, "deployed").angles), points)
@@ -88,7 +88,9 @@ def pair(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], stiffness:
     return _pair(mechanism, line)
 
 
-def _body_part(scene: Scene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose) -> Part:
+def _body_part(
+    scene: CheckedScene, name: str, line: HingeLine, side: str, flexible: bool, pose: StartPose
+) -> Part:
     """A body of the pair with a port at every hinge of the line."""
     seats = {hinge.name: getattr(hinge, side) for hinge in line.hinges}
     bodies = {body.name: body for body in scene.bodies}
@@ -157,6 +159,10 @@ class Tuning:
     """Stiffnesses (N.m/rad) of a line; those that need the hinges' are None without it."""
 
     line: str
+    bodies: tuple[str, str]
+    """inboard and outboard"""
+    at_base: bool
+    """whether the inboard body is the base"""
     inertias: tuple[float, float]
     inertia: float
     frequency: float
@@ -170,10 +176,22 @@ class Tuning:
     """that share a stiffness, one a hinge"""
     check: float
     """Hz of the rigid pair with the tuned stiffness, from its linear model"""
+    law: tuple[tuple[float, float], ...] = ()
+    """deflections (rad) and torques (N.m) of the line's measured curve, the structure's rotation added"""
+
+    @property
+    def scope(self) -> str:
+        """What the stiffness is tuned for, in a sentence."""
+        inboard, outboard = self.bodies
+        if self.at_base:
+            return f"tuned for {inboard} and {outboard} alone; the rest of the wing is not part of the pair"
+        return f"tuned for {inboard} and {outboard} alone, free in space; bodies further out are not part of the pair"
 
     def as_dict(self) -> dict[str, object]:
         """For JSON."""
         first = self.inertias[0]
+        angles, torques = zip(*self.law, strict=True) if self.law else ((), ())
+        law = {"latch_law": {"deflection_rad": angles, "torque_nm": torques}} if self.law else {}
         return {
             "line": self.line,
             "inboard_inertia_kgm2": first if np.isfinite(first) else None,
@@ -186,11 +204,12 @@ class Tuning:
             "hinge_stiffness_nm_per_rad": self.hinges,
             "springs": self.springs,
             "check_frequency_hz": self.check,
+            **law,
         }
 
 
 def tune(
-    scene: Scene,
+    scene: CheckedScene,
     line: HingeLine,
     flexible: Mapping[str, bool],
     frequency: float | None = None,
@@ -222,13 +241,14 @@ def tune(
     if hinges is not None:
         structure = without(tuned, hinges) if kind == "total" else tuned
         total = tuned if kind == "total" else series(tuned, hinges)
-    return Tuning(
-        line.name, rigid.inertias, rigid.inertia, frequency, overlap, total, structure, hinges,
-        len(line.hinges), check,
+    found = Tuning(
+        line.name, (line.inboard, line.outboard), line.inboard == scene.base.name, rigid.inertias, rigid.inertia,
+        frequency, overlap, total, structure, hinges, len(line.hinges), check,
     )  # fmt: skip
+    return replace(found, law=tuple(latch_law(line, found)))
 
 
-def _refuse_held(scene: Scene, line: HingeLine) -> None:
+def _refuse_held(scene: CheckedScene, line: HingeLine) -> None:
     """A held piece turns as a whole; single bodies would give its inertia wrongly."""
     held = held_bodies(scene)
     problems = [
@@ -241,7 +261,7 @@ def _refuse_held(scene: Scene, line: HingeLine) -> None:
         raise SceneError(problems)
 
 
-def find_line(scene: Scene, name: str) -> HingeLine:
+def find_line(scene: CheckedScene, name: str) -> HingeLine:
     """The line of a name; SceneError where there is none."""
     lines = {line.name: line for line in scene.hinge_lines}
     if name not in lines:

@@ -6,10 +6,18 @@ stiffness of the connections; without friction. Modal damping is the diagonal of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from math import isnan
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from components.contract.component import Vector
+
+from ..scene import CheckedScene
+from ..scene.damping import StructuralDamping
+from .statics.configuration import Configuration, scene_model
 from .statics.linear_model import (
     LinearModel,
     NormalModes,
@@ -17,6 +25,7 @@ from .statics.linear_model import (
     effective_masses,
     kinetic_shares,
     modal_damping,
+    normal_modes,
 )
 
 _SMALLEST_SHARE = 1e-3
@@ -52,6 +61,67 @@ class Mode(NamedTuple):
             "body": self.body,
             "kinetic_energy_share": self.share,
         }
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Normal modes of a scene in a configuration.
+
+    listed: those beyond the free motions, of which there are `free_motions`. unbalanced: force (N) and torque (N.m)
+    that nothing balances there.
+    """
+
+    scene: str
+    configuration: Configuration
+    listed: tuple[Mode, ...]
+    free_motions: int
+    unbalanced: tuple[float, float]
+    structural_damping: StructuralDamping | None
+    model: LinearModel = field(repr=False)
+    shapes: NormalModes = field(repr=False)
+
+    @property
+    def frequencies(self) -> Vector:
+        """Frequencies (Hz) of the listed modes, shape (M,); negative where the motion is unstable, see `Mode`."""
+        return np.array([mode.frequency for mode in self.listed])
+
+    @property
+    def damping_ratios(self) -> Vector:
+        """Fractions of critical damping of the listed modes, shape (M,)."""
+        return np.array([mode.damping_ratio for mode in self.listed])
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        structural = self.structural_damping
+        return {
+            "scene": self.scene,
+            "angles_rad": dict(self.configuration.angles),
+            "latched": list(self.configuration.latched),
+            "unbalanced_force_n": self.unbalanced[0],
+            "unbalanced_torque_nm": self.unbalanced[1],
+            "free_motions": self.free_motions,
+            "structural_damping": None
+            if structural is None
+            else {"ratio": structural.ratio, "reference_frequency_hz": structural.reference_frequency},
+            "modes": [mode.as_dict() for mode in self.listed],
+        }
+
+
+def find_modes(
+    scene: CheckedScene,
+    rigid: Collection[str],
+    flexible: Collection[str],
+    target: Configuration,
+    as_posed: bool,
+    count: int,
+) -> Modes:
+    """The first modes of a scene in a configuration, loaded or as posed."""
+    model = scene_model(scene, rigid, flexible, target, as_posed)
+    shapes = normal_modes(model)
+    return Modes(
+        scene.header.name, target, tuple(mode_table(model, shapes, count)), int(shapes.is_free.sum()),
+        model.unbalanced, scene.structural_damping, model, shapes,
+    )  # fmt: skip
 
 
 def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]:

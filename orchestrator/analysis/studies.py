@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..run.run import Outcome, RunError
+from ..assembly import Assembly
+from ..cosim.master import Settings
+from ..run.progress import Progress, followed
+from ..run.run import Outcome, RunError, run
 
 Vector = NDArray[np.float64]
 
@@ -20,6 +24,54 @@ class Case:
     label: str
     value: float
     outcome: Outcome
+
+
+@dataclass(frozen=True)
+class LatchStudy:
+    """Finished runs of a scene with one thing changed; RunError where no line latched in the last, the reference.
+
+    changed: label of what was changed, with its unit. title, against: what the study and its reference are called.
+    """
+
+    scene: str
+    title: str
+    against: str
+    changed: str
+    cases: Sequence[Case]
+    beside: Sequence[Case] = ()
+    """runs without a value of what was changed, told of first"""
+
+    def __post_init__(self) -> None:
+        refuse_unlatched(self.reference)
+
+    @property
+    def reference(self) -> Case:
+        """What all others are set against."""
+        return self.cases[-1]
+
+    @property
+    def shown(self) -> list[Case]:
+        """All runs, in the order in which they are told of."""
+        return [*self.beside, *self.cases]
+
+    def as_dicts(self) -> list[dict[str, object]]:
+        """One plain record per run, for JSON."""
+        return as_dict(self.shown, self.reference)
+
+
+def run_case(
+    label: str,
+    value: float,
+    assembly: Assembly,
+    path: Path | None,
+    settings: Settings,
+    progress: Progress,
+) -> Case:
+    """Run an assembly as a case of a study, into a folder that is made if missing; RunError if it does not finish."""
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with followed(progress, f"{assembly.name}, {label}", assembly.until) as watch:
+        return Case(label, value, run(assembly, path, settings, assembly.until, watch=watch))
 
 
 def refuse_unlatched(reference: Case) -> None:

@@ -15,7 +15,7 @@ from ..scene.bodies import StartPose, attachments, base_model, body_model, scene
 from ..scene.body_tables import Body
 from ..scene.component_connections import WrenchMode
 from ..scene.locked_groups import Piece, held_bodies, joined_geometry, joined_model, pieces
-from ..scene.schema import Scene
+from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from .connections import connection_part
@@ -23,7 +23,9 @@ from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_pa
 from .start_values import with_port_starts
 
 
-def choose_fidelity(scene: Scene, rigid: Collection[str], flexible: Collection[str]) -> dict[str, bool]:
+def choose_fidelity(
+    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]
+) -> dict[str, bool]:
     """Whether each body is flexible: its default, unless named (or meant by "all") in one of the two sets."""
     bodies = {body.name: body for body in scene.bodies}
     problems = [
@@ -46,7 +48,7 @@ def choose_fidelity(scene: Scene, rigid: Collection[str], flexible: Collection[s
 
 
 def assemble(
-    scene: Scene,
+    scene: CheckedScene,
     rigid: Collection[str] = (),
     flexible: Collection[str] = (),
     wrench_mode: WrenchMode = "mean",
@@ -92,7 +94,7 @@ def assemble(
     )
 
 
-def _connection_parts(scene: Scene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
+def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode: WrenchMode) -> list[Part]:
     """Every connection of the scene, those of held lines included."""
     parts: list[Part] = []
     for line in scene.hinge_lines:
@@ -103,7 +105,7 @@ def _connection_parts(scene: Scene, is_flexible: Mapping[str, bool], mode: Wrenc
     return parts + [connection_part(connection, mode) for connection in scene.connections]
 
 
-def _model(scene: Scene, body: Body, flexible: bool) -> ModalData:
+def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
     try:
         return body_model(body, flexible, scene.structural_damping)
     except ComponentError as error:
@@ -111,7 +113,7 @@ def _model(scene: Scene, body: Body, flexible: bool) -> ModalData:
 
 
 def _piece_part(
-    scene: Scene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
+    scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
 ) -> tuple[Part, Geometry]:
     """A body or joined piece, at rest where it starts, and what a picture of it needs."""
     base = base_model(scene.base)
@@ -144,7 +146,7 @@ def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
     return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _fixed_part(scene: Scene, piece: Piece, poses: Mapping[str, StartPose]) -> Part:
+def _fixed_part(scene: CheckedScene, piece: Piece, poses: Mapping[str, StartPose]) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
     points = scene_points(scene)
     ports = []

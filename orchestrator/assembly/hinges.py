@@ -12,7 +12,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
 from ..scene.damping import StructuralDamping
 from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch
-from ..scene.schema import Scene
+from ..scene.schema import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
 
@@ -65,7 +65,9 @@ def latch_setting(
     return LatchSetting("spring", stiffness, damping)
 
 
-def line_latch(scene: Scene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode) -> LatchSetting:
+def line_latch(
+    scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
+) -> LatchSetting:
     """The latch of a line; the spacecraft is rigid at every fidelity, so its model lacks no compliance."""
     complete = {**flexible, scene.base.name: True}
     inboard, outboard = complete[line.inboard], complete[line.outboard]
@@ -81,7 +83,7 @@ def assembly_line(line: HingeLine, latch: LatchSetting) -> AssemblyHingeLine:
 
 
 def hinge_parts(
-    scene: Scene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
+    scene: CheckedScene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> tuple[Part, ...]:
     """Hinges of a line, each with its share of the line's totals."""
     share = 1.0 / len(line.hinges)
@@ -178,7 +180,7 @@ def loop_part(loop: Ccl, mode: WrenchMode) -> Part:
     )
 
 
-def damper_part(scene: Scene, damper: Damper, mode: WrenchMode) -> Part:
+def damper_part(scene: CheckedScene, damper: Damper, mode: WrenchMode) -> Part:
     """A damper about the line of its hinge."""
     axis = next(line.axis for line in scene.hinge_lines if damper.hinge in {h.name for h in line.hinges})
     return Part(

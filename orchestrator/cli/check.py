@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from fmus import check_fmu
+import orchestrator as fanfold
 
 
 @click.command("check")
@@ -16,7 +16,7 @@ def command(fmu: tuple[Path, ...]) -> None:
     """Print every problem of each FMU as a sentence; exit code 1 if there is any."""
     found = False
     for path in fmu:
-        problems = check_fmu(path)
+        problems = fanfold.check(path)
         found = found or bool(problems)
         for problem in problems or ["no problem found"]:
             click.echo(f"{path.name}: {problem}")

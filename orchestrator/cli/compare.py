@@ -5,21 +5,28 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
-from ..results.compare import Comparison, by_component, cells, compare, end_note, labels
-from ..results.result import Result
+import orchestrator as fanfold
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..api.result import Result
+    from ..results.compare import Comparison
 
 _NUMBER = 7
 
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    from ..results.compare import cells
+
     title = f"A = {names[0]}, B = {names[1]}"
     table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     table.add_column("quantity, of")
@@ -43,11 +50,14 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     """Set result B against result A: table of peaks and shifts in time, overlays."""
-    from ..views.comparison import plot_comparison  # matplotlib takes its time, which --help need not
+    from rich.console import Console
 
-    first, second = Result.open(a), Result.open(b)
-    found, names = compare(first, second), labels(first, second)
-    pictures = plot_comparison(first, second, output or a.with_name(f"{a.stem}_against_{b.stem}"))
+    from ..results.compare import by_component, end_note, labels
+
+    first, second = fanfold.Result.open(a), fanfold.Result.open(b)
+    found, names = fanfold.compare(first, second), labels(first, second)
+    folder = output or a.with_name(f"{a.stem}_against_{b.stem}")
+    pictures = fanfold.plot_comparison(first, second, folder)
     if as_json:
         click.echo(json.dumps(_as_dict(first, second, found, pictures)))
         return

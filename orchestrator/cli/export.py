@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from fmus import Backend, FmiVersion
+import orchestrator as fanfold
 
-from ..run.run import export
-from ..scene.component_connections import WrenchMode
-from .messages import tell_of_python
 from .options import SceneChoice, backend_option, scene_choice
+
+if TYPE_CHECKING:
+    from fmus import Backend, FmiVersion
+
+    from ..scene.component_connections import WrenchMode
 
 
 @click.command("export")
@@ -38,8 +41,13 @@ def command(
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
-    if fmi == "2.0" and not sources:
-        tell_of_python(backend)
-    assembly = choice.assemble(choice.load_one_run(), wrench_mode)
-    for path in export(assembly, output, backend, fmi, sources):
+    for path in fanfold.export(
+        choice.load(),
+        output,
+        **choice.fidelities,
+        wrench_mode=wrench_mode,
+        fmi=fmi,
+        sources=sources,
+        backend=backend,
+    ):
         click.echo(path)

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pkgutil import iter_modules
 from typing import Any
 
 import click
 
-from ..results.result import ResultError
-from ..run.run import RunError
-from ..scene import SceneError
+import orchestrator as fanfold
+
 from . import analyse, check, compare, export, listing, plot, report, run
 
-_PROBLEMS = (SceneError, RunError, ResultError)
 _INTERRUPTED = "interrupted; what it wrote up to there stays"
+_OF_CLICK = (click.ClickException, click.exceptions.Exit, click.Abort)
 
 
 class _Group(click.Group):
@@ -23,18 +25,41 @@ class _Group(click.Group):
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
         """Run a command."""
         try:
-            return super().invoke(ctx)
-        except BrokenPipeError:  # nobody reads on; click ends quietly
+            with _warnings_as_sentences():
+                return super().invoke(ctx)
+        except (
+            BrokenPipeError,
+            *_OF_CLICK,
+        ):  # nobody reads on, which click ends quietly; or its own refusals
             raise
         except OSError as error:
             problem = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
-        except _PROBLEMS as error:
-            problem = str(error)
         except KeyboardInterrupt:  # outside of a run, which says itself how far it came
             problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
+        except Exception as error:
+            if not isinstance(error, fanfold.FanfoldError):
+                raise
+            problem = str(error)
         for line in problem.splitlines():
             click.echo(f"fanfold: {line}", err=True)
         ctx.exit(1)
+
+
+@contextmanager
+def _warnings_as_sentences() -> Iterator[None]:
+    """Tell warnings about runs as sentences on standard error, every time."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("always", category=UserWarning)
+        usual = warnings.showwarning
+
+        def tell(message: Warning | str, category: type[Warning], *args: Any, **keywords: Any) -> None:  # noqa: ANN401
+            if issubclass(category, fanfold.FanfoldWarning):
+                click.echo(f"fanfold: warning: {message}", err=True)
+            else:
+                usual(message, category, *args, **keywords)
+
+        warnings.showwarning = tell
+        yield
 
 
 @click.group(cls=_Group, context_settings={"help_option_names": ["-h", "--help"]})
@@ -47,11 +72,11 @@ class _Analyses(click.Group):
     """Every module of `orchestrator.cli.analyse` is one analysis; only the one asked for is imported."""
 
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
-        """Run an analysis; a RunError says which one was interrupted."""
+        """Run an analysis; a FanfoldError says which one was interrupted."""
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            raise RunError(f"analyse {ctx.invoked_subcommand}: {_INTERRUPTED}") from None
+            raise fanfold.FanfoldError(f"analyse {ctx.invoked_subcommand}: {_INTERRUPTED}") from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Names of the analyses."""

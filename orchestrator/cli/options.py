@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import wraps
-from pathlib import Path
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Concatenate, ParamSpec, TypedDict, TypeVar
 
 import click
 from click.core import ParameterSource
 
-from fmus import Backend, native_library
+import orchestrator as fanfold
 
-from ..assembly import Assembly
-from ..assembly.assemble import assemble
-from ..scene import Scene, SceneError, find_scene, load_scene
-from ..scene.component_connections import WrenchMode
+if TYPE_CHECKING:
+    from fmus import Backend
+
+    from ..scene.builder import Scene
 
 Command = TypeVar("Command", bound=Callable[..., None])
 Others = ParamSpec("Others")
 """What else a command is given."""
+
+
+class Fidelities(TypedDict):
+    """Names of bodies to be rigid and to be flexible, by what functions call them."""
+
+    rigid: frozenset[str]
+    flexible: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,31 +41,13 @@ class SceneChoice:
     flexible: frozenset[str] = frozenset()
 
     @property
-    def file(self) -> Path:
-        """Where the scene is; SceneError where there is none."""
-        return find_scene(self.scene)
+    def fidelities(self) -> Fidelities:
+        """Bodies to be rigid and to be flexible."""
+        return {"rigid": self.rigid, "flexible": self.flexible}
 
-    def with_variant(self, name: str) -> SceneChoice:
-        """The same with one more variant over the others."""
-        return replace(self, variants=(*self.variants, name))
-
-    def load(self, *settings: str) -> Scene:
-        """The scene with its layers, and further settings over them."""
-        return load_scene(self.file, self.variants, (*self.settings, *settings))
-
-    def load_one_run(self) -> Scene:
-        """The scene with its layers; SceneError where it runs in phases and none of them is chosen."""
-        scene = self.load()
-        phases = scene.header.phases
-        if phases and not set(phases) & set(self.variants):
-            raise SceneError(
-                [f"{scene.file}: it runs in phases; choose one with --variant: {', '.join(phases)}"]
-            )
-        return scene
-
-    def assemble(self, scene: Scene, wrench_mode: WrenchMode = "mean") -> Assembly:
-        """A scene that this choice has loaded, at its fidelities."""
-        return assemble(scene, self.rigid, self.flexible, wrench_mode)
+    def load(self) -> Scene:
+        """The scene with its layers."""
+        return fanfold.load(self.scene, self.variants, self.settings)
 
 
 def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[str, ...]:
@@ -134,6 +122,8 @@ def backend_option(command: Command) -> Command:
 
 
 def _offered_backend(_: click.Context, __: click.Parameter, value: Backend | None) -> Backend | None:
+    from fmus import native_library
+
     if value == "native" and native_library() is None:
         raise click.BadParameter(
             "no native library was built; install Fanfold again where there is a C compiler"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..results.result import Result
+import orchestrator as fanfold
 
 
 @click.command("plot")
@@ -14,7 +14,5 @@ from ..results.result import Result
 @click.option("--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures.")
 def command(result: Path, output: Path | None) -> None:
     """Draw the pictures of RESULT."""
-    from ..views.plots import plot_all  # matplotlib takes its time, which no other command needs
-
-    for path in plot_all(Result.open(result), output or result.with_suffix("")):
+    for path in fanfold.Result.open(result).plot_all(output or result.with_suffix("")):
         click.echo(path)

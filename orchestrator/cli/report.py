@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..results.result import Result, ResultError
-from ..views.report.report import report
+import orchestrator as fanfold
 
 
 @click.command("report")
@@ -23,11 +22,4 @@ from ..views.report.report import report
 )  # fmt: skip
 def command(result: Path, other: Path | None, output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
-    path = output or result.with_suffix(".html")
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise ResultError(f"{path}: the report is an HTML file; let its name end in .html")
-    if path.resolve() in {p.resolve() for p in (result, other) if p is not None}:
-        raise ResultError(f"{path}: this is the result itself and would be lost; name another file")
-    second = None if other is None else Result.open(other)
-    path.write_text(report(Result.open(result), second, count), encoding="utf-8")
-    click.echo(path)
+    click.echo(fanfold.report(result, output, other, count))

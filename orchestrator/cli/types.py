@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..scene.units import UNITS, Sign, to_si
+if TYPE_CHECKING:
+    from ..scene.units import Sign
 
 _PICTURES = (".png", ".pdf", ".svg")
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
@@ -74,6 +75,8 @@ def given_quantity(text: str, unit: str, what: str, sign: Sign = "any") -> float
 
     what: whose value it is, the subject of the refusal. Only a unit that is written down is believed.
     """
+    from ..scene.units import UNITS, to_si  # takes its time, which --help need not
+
     found = _QUANTITY.fullmatch(text)
     number, given = found.groups() if found is not None else ("1", "")
     if given not in UNITS[unit]:

@@ -20,6 +20,8 @@ from .participant import Vector
 from .static_search import DURATION, StaticSearch
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
 
+_ITERATED = {2: 1e-2, 4: 1e-3}
+"""Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
 _PLAN_TAIL = 8
@@ -97,7 +99,9 @@ class Master:
         self.segments: list[list[float]] = [[]]
         self._participants = [*network.bodies, *network.connections]
         self._pending = [line for line in hinge_lines if line.latches]
-        self._coupling = Coupling(network, Tolerance(min(1e-2 * settings.tolerance, 1e-6)))
+        self._coupling = Coupling(
+            network, Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
+        )
         self._coupling.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
@@ -347,10 +351,12 @@ class Master:
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""
         self._command("impulse", 1.0)
-        usual, self._coupling.tolerance = self._coupling.tolerance, Tolerance(_IMPULSE_TOLERANCE)
-        self._coupling.forget()
-        solution = self._coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
-        self._coupling.tolerance = usual
+        coupling = self._coupling
+        usual = coupling.tolerance, coupling.persistent
+        coupling.tolerance, coupling.persistent = Tolerance(_IMPULSE_TOLERANCE), True
+        coupling.forget()
+        solution = coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
+        coupling.tolerance, coupling.persistent = usual
         if not solution.converged:
             raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
         self.time += _IMPULSE_STEP

@@ -13,7 +13,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from components import Layout
+from components import FanfoldError, Layout
 
 from ..assembly import Link
 from .participant import Participant, Vector
@@ -68,7 +68,7 @@ class Meeting(NamedTuple):
     connection_port: int
 
 
-class NetworkError(Exception):
+class NetworkError(FanfoldError):
     """Everything wrong with a set of connections, one sentence each, in `problems`."""
 
     def __init__(self, problems: Sequence[str]) -> None:
@@ -202,6 +202,14 @@ def _places(wrenches: Layout, motions: Layout, ports: Sequence[str], order: Orde
     ):
         return PortPlaces(len(ports), None, None)
     return PortPlaces(len(ports), found[0][0], found[1][0])
+
+
+def carried(layout: Layout, order: Order) -> int:
+    """How many numbers of inputs or outputs a network exchanges: slopes, which come last, only at order 4."""
+    if order == 4:
+        return layout.size
+    slopes = (q for q in layout.quantities if q.name.rpartition(".")[2] in (*SLOPES, *MOMENTS))
+    return min((layout[q.name].start for q in slopes), default=layout.size)
 
 
 def _port_table(values: Vector, first: int, width: int, ports: int) -> Matrix:

@@ -11,14 +11,14 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from components import REGISTRY, Component, ComponentError, Layout
+from components import REGISTRY, Component, ComponentError, FanfoldError, Layout
 
 from ..assembly import Part
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 
 
-class ParticipantError(Exception):
+class ParticipantError(FanfoldError):
     """A participant failed: a sentence with its name, and the time where there is one."""
 
 

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, floor, log, sqrt
 
+from components import FanfoldError
+
 from .implicit.convergence import Solution
 from .implicit.coupling import Coupling
 from .network import Order
@@ -29,7 +31,7 @@ _EVENT_SEARCH = 40
 _SEARCH = "the static search before the run"
 
 
-class StepError(Exception):
+class StepError(FanfoldError):
     """A step failed at every size: a sentence with the connection, the residual and the time."""
 
 

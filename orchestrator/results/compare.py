@@ -98,9 +98,10 @@ def compare(a: Result, b: Result) -> Comparison:
 
 def labels(a: Result, b: Result) -> tuple[str, str]:
     """Short names of two results that differ."""
-    if a.path.stem != b.path.stem:
-        return a.path.stem, b.path.stem
-    return (str(a.path), str(b.path)) if a.path != b.path else (f"A {a.path.stem}", f"B {b.path.stem}")
+    stems = [result.name if result.path is None else result.path.stem for result in (a, b)]
+    if stems[0] != stems[1]:
+        return stems[0], stems[1]
+    return (a.name, b.name) if a.name != b.name else (f"A {stems[0]}", f"B {stems[1]}")
 
 
 def in_either(first: Sequence[str], second: Sequence[str]) -> list[str]:

@@ -27,7 +27,7 @@ def estimated_errors(result: Result) -> dict[Key, float]:
     try:
         return {(str(quantity), str(of)): float(error) for quantity, of, error in json.loads(text)}
     except (ValueError, TypeError):
-        raise ResultError(f"{result.path}: the estimated errors of the result are damaged") from None
+        raise ResultError(f"{result.name}: the estimated errors of the result are damaged") from None
 
 
 def doubts(numbers: Sequence[tuple[Key, float, float | None]], tolerance: float | None) -> list[str]:

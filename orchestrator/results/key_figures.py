@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from math import degrees
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,11 +19,10 @@ from .energy_ledger import energy_ledger, tolerance_asked
 from .estimated_errors import Key, doubts, estimated_errors
 from .result import Result
 from .round_off import noise_floor, without_noise
+from .signal import EVENT_WIDTH
 
 Vector = NDArray[np.float64]
 
-_EVENT_WIDTH = 2e-7
-"""Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
@@ -85,6 +85,16 @@ class Headline:
         for (quantity, of), error in self.estimated_errors.items():
             nested.setdefault(quantity, {})[of] = error
         return {**asdict(self), "estimated_errors": nested}
+
+    def open_ends(self) -> Iterator[str]:
+        """Sentences on lines that have not latched, and on peaks that may lie beyond the end."""
+        for line, angle in self.unlatched_angles.items():
+            yield f"{line} has not latched; at {self.end_time:g} s it stands at {degrees(angle):.2f} deg"
+        for line in self.peaks_at_end:
+            yield (
+                f"the latch torque of {line} is largest at the very end, {self.end_time:g} s; "
+                "run longer for its peak"
+            )
 
     def numbers(self) -> Iterator[Number]:
         """Every number in a row of its own, with its estimated error where there is one."""
@@ -248,10 +258,10 @@ def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
     """Samples strictly between events, where there are enough of them for a cubic."""
     start = 0
     for event in (*sorted(events), np.inf):
-        end = int(np.searchsorted(time, event - _EVENT_WIDTH))
+        end = int(np.searchsorted(time, event - EVENT_WIDTH))
         if end - start >= 4:
             yield slice(start, end)
-        start = max(start, int(np.searchsorted(time, event + _EVENT_WIDTH, side="right")))
+        start = max(start, int(np.searchsorted(time, event + EVENT_WIDTH, side="right")))
 
 
 def _local_maxima(values: Vector, threshold: float) -> list[int]:

@@ -12,14 +12,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
 from ..results.estimated_errors import ESTIMATED_ERRORS, Key, errors_text
 from ..results.key_figures import Headline, headline
-from ..results.result import Result, add_statistics
+from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(3.0 * 15.0)}
@@ -46,11 +44,11 @@ def with_estimates(
     errors: Mapping[Key, float] = {}
     if outcome.master == "implicit":
         plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-        with TemporaryDirectory(prefix="fanfold_") as folder, suppress(RunError):
-            coarse = run(assembly, Path(folder) / "companion.h5", plan, until, watch=watch, load=load)
+        with suppress(RunError):
+            coarse = run(assembly, None, plan, until, watch=watch, load=load)
             errors = _errors(outcome.headline, coarse.headline, _SHARES[outcome.order])
-    add_statistics(outcome.path, {ESTIMATED_ERRORS: errors_text(errors)})
-    return replace(outcome, headline=headline(Result.open(outcome.path)))
+    result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, result=result, headline=headline(result))
 
 
 def _errors(fine: Headline, coarse: Headline, share: float) -> dict[Key, float]:

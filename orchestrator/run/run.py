@@ -1,4 +1,4 @@
-"""From an assembly to a finished result file: load participants, couple them, record, sum up."""
+"""From an assembly to a finished result, in a file or in memory: load participants, couple, record, sum up."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Literal
 
-from components import REGISTRY, ComponentError
+from components import REGISTRY, ComponentError, FanfoldError
 from fmus import Backend, FmiVersion, build_fmu
 
 from ..assembly import Assembly
@@ -26,7 +26,9 @@ from ..cosim.network import Network, NetworkError, Order
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline
-from ..results.result import Result, ResultWriter, SignalGroup
+from ..results.recorder import MemoryRecorder, SignalGroup
+from ..results.result import Result
+from ..results.result_file import ResultWriter
 
 MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
 Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
@@ -34,8 +36,15 @@ Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
 _PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
 
 
-class RunError(Exception):
-    """A run that could not start or did not reach its end: a sentence; results so far stay in the file."""
+class RunError(FanfoldError):
+    """A run that could not start or did not reach its end: a sentence.
+
+    result: what it did up to there, where it recorded into memory; a file keeps it.
+    """
+
+    def __init__(self, sentence: str, result: Result | None = None) -> None:
+        super().__init__(sentence)
+        self.result = result
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,19 +71,21 @@ class Costs:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A finished run: where its result is, which master made it at which order, headline, costs, step sizes taken."""
+    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken."""
 
-    path: Path
+    result: Result
     master: MasterKind
     order: Order
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
 
-    def as_dict(self) -> dict[str, object]:
-        """For JSON: headline numbers, then costs."""
-        costs = self.costs.as_dict(self.headline.end_time)
-        return {**self.headline.as_dict(), **costs, "output": str(self.path)}
+    @property
+    def path(self) -> Path:
+        """File of the result; RunError where it is in memory."""
+        if self.result.path is None:
+            raise RunError(f"{self.result.name}: the result is in memory and has no file")
+        return self.result.path
 
 
 def export(
@@ -110,7 +121,7 @@ def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequ
 
 def run(
     assembly: Assembly,
-    output: Path,
+    output: Path | None,
     settings: Settings,
     until: float | None = None,
     master: MasterKind = "implicit",
@@ -118,7 +129,7 @@ def run(
     warn: Callable[[str], None] = lambda sentence: None,
     load: Loader = as_fmus,
 ) -> Outcome:
-    """Run an assembly and write its result; RunError with a sentence where it does not finish.
+    """Run an assembly, its result into a file or, without one, into memory; RunError where it does not finish.
 
     With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one.
     """
@@ -144,15 +155,22 @@ def run(
 
 
 def _follow(
-    assembly: Assembly, network: Network, output: Path, settings: Settings, end: float, kind: MasterKind
+    assembly: Assembly,
+    network: Network,
+    output: Path | None,
+    settings: Settings,
+    end: float,
+    kind: MasterKind,
 ) -> Outcome:
-    """Step a network through time into a result file."""
+    """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     clocks = [_timed(p) for p in participants]
     groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     start = perf_counter()
-    with ResultWriter(output, groups, provenance, assembly.geometry, assembly.hinge_lines) as writer:
+    around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
+    recorder = MemoryRecorder(*around) if output is None else ResultWriter(output, *around)
+    with recorder as writer:
         runner = (
             Master(network, assembly.hinge_lines, writer, settings)
             if kind == "implicit"
@@ -162,18 +180,26 @@ def _follow(
             runner.initialize(preload=assembly.preload)
             runner.run(end)
         except (ParticipantError, StepError) as error:
-            raise RunError(f"{assembly.name}: {error}; results up to there are in {output}") from None
+            raise _broken_off(f"{assembly.name}: {error}", writer) from None
         except KeyboardInterrupt:
-            raise RunError(
-                f"{assembly.name}: interrupted at t = {runner.time:.6g} s; results up to there are in {output}"
-            ) from None
+            raise _broken_off(f"{assembly.name}: interrupted at t = {runner.time:.6g} s", writer) from None
         wall = perf_counter() - start
         statistics = runner.statistics
         fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
         costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
         writer.statistics(costs.as_dict(end))
     segments = tuple(tuple(segment) for segment in runner.segments)
-    return Outcome(output, kind, network.order, headline(Result.open(output)), costs, segments)
+    result = recorder.result()
+    return Outcome(result, kind, network.order, headline(result), costs, segments)
+
+
+def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunError:
+    """What to raise where a run ends early, and where its result up to there is."""
+    if isinstance(recorder, ResultWriter):
+        return RunError(f"{sentence}; results up to there are in {recorder.path}")
+    return RunError(
+        f"{sentence}; the error's attribute `result` is what it did up to there", recorder.result()
+    )
 
 
 def _timed(participant: Participant) -> list[float]:

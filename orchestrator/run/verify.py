@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, log2
-from pathlib import Path
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
@@ -33,6 +32,18 @@ class Verified:
     error: float
     order: float | None
 
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "quantity": self.number.quantity,
+            "of": self.number.of,
+            "unit": self.number.unit,
+            "value": self.number.value,
+            "extrapolated": self.extrapolated,
+            "estimated_error": self.error,
+            "observed_order": self.order,
+        }
+
 
 def halved(segments: Sequence[Sequence[float]]) -> list[list[float]]:
     """Every step as two of half the size."""
@@ -47,7 +58,7 @@ def verify(
     watch: Callable[[float, float], None] = lambda time, h: None,
     load: Loader = as_fmus,
 ) -> list[Verified]:
-    """Run twice more, with the outcome's steps halved and quartered; the results stand beside the first.
+    """Run twice more, with the outcome's steps halved and quartered; results stand beside that of the first.
 
     A number that not all three runs have, such as the time of a latch-up near the end, cannot be told.
     """
@@ -57,7 +68,8 @@ def verify(
     segments: Sequence[Sequence[float]] = outcome.segments
     for suffix in ("halved", "quartered"):
         segments = halved(segments)
-        path = Path(outcome.path).with_suffix(f".{suffix}.h5")
+        stem = outcome.result.path
+        path = None if stem is None else stem.with_suffix(f".{suffix}.h5")
         finer = run(assembly, path, replace(settings, step_plan=segments), until, watch=watch, load=load)
         numbers.append(_by_name(finer))
     first, second, third = numbers

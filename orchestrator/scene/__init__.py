@@ -1,11 +1,11 @@
 """A scene: a file with its layers, checked, as records; knows no co-simulation."""
 
 from .reader import find_scene, list_scenes, load_scene, read_scene, scene_variants
-from .schema import Scene
+from .schema import CheckedScene
 from .table import SceneError
 
 __all__ = [
-    "Scene",
+    "CheckedScene",
     "SceneError",
     "find_scene",
     "list_scenes",

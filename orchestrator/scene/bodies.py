@@ -23,7 +23,7 @@ from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
-from .schema import Scene
+from .schema import CheckedScene
 from .table import Seat
 
 _TWIN = "_rigid"
@@ -105,7 +105,7 @@ def body_points(body: Body) -> Mapping[str, Vector3]:
     return dict(zip(data.point_names, map(tuple, data.point_positions.tolist()), strict=True))
 
 
-def scene_points(scene: Scene) -> dict[str, Mapping[str, Vector3]]:
+def scene_points(scene: CheckedScene) -> dict[str, Mapping[str, Vector3]]:
     """Points of every body, base included, by body name."""
     return {scene.base.name: scene.base.points} | {body.name: body_points(body) for body in scene.bodies}
 
@@ -143,7 +143,7 @@ def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
     return Attachment(f"{key}.{port}", connection, port, seat.body, seat.point, seat.offset)
 
 
-def start_poses(scene: Scene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
+def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
     """Poses at the start along the tree of hinge lines from the base, whose frame is the world's, then placed bodies.
 
     All frames are parallel where every hinge angle is its aligned angle.

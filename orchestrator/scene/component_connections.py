@@ -16,7 +16,7 @@ from components.contract.frames import Vector3, add
 from .bodies import StartPose
 from .connection_tables import Connection
 from .locked_groups import joined
-from .schema import Scene
+from .schema import CheckedScene
 from .units import UNITS, to_si
 
 WrenchMode = Literal["mean", "endpoint"]
@@ -67,7 +67,7 @@ def connection_problems(connection: Connection) -> Iterator[str]:
 
 
 def buried_contacts(
-    scene: Scene,
+    scene: CheckedScene,
     points: Mapping[str, Mapping[str, Vector3]],
     poses: Mapping[str, StartPose],
     refused: Collection[str] = (),

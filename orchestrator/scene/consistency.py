@@ -10,7 +10,7 @@ from .bodies import Attachment, StartPose
 from .body_tables import Body
 from .connection_tables import Damper
 from .hinge_line_tables import HingeLine
-from .schema import Scene
+from .schema import CheckedScene
 
 _HINGE_GAP = 1e-3
 """m; how far apart the points of a hinge may be when stowed."""
@@ -112,7 +112,7 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
 
 
 def open_hinges(
-    scene: Scene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
 ) -> Iterator[str]:
     """Hinges whose two points do not meet when stowed, because they are not on one line along the axis."""
     for line in scene.hinge_lines:

@@ -16,6 +16,8 @@ from typing import Any
 from .table import SceneError
 
 Tree = dict[str, Any]
+Setting = str | tuple[str, Any]
+"""One value laid over a scene: "table.key=value" as on a command line, or key and value."""
 
 _EXTENDS, _VARIANT, _REMOVE = "extends", "variant", "remove"
 
@@ -29,8 +31,8 @@ class Layers:
     variants: Mapping[str, Tree]
     added: frozenset[str]
 
-    def over(self, variants: Sequence[str], settings: Sequence[str] = ()) -> tuple[Tree, frozenset[str]]:
-        """The tree with variants and settings ("key.key=value") laid over it in order, and the keys of added entries.
+    def over(self, variants: Sequence[str], settings: Sequence[Setting] = ()) -> tuple[Tree, frozenset[str]]:
+        """The tree with variants and settings laid over it in order, and the keys of added entries.
 
         SceneError where a variant does not exist or a layer cannot be merged.
         """
@@ -138,17 +140,23 @@ def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[T
     return list(entries.values())
 
 
-def _setting(file: str, setting: str, tree: Tree) -> Tree:
+def _setting(file: str, setting: Setting, tree: Tree) -> Tree:
     """A layer that holds one value: body.panel.fixed_interface_modes=5."""
-    key, equals, text = setting.partition("=")
+    text = setting if isinstance(setting, str) else "{}={}".format(*setting)
+    key, equals, right = text.partition("=")
     steps = [step.strip() for step in key.split(".")]
     if not equals or not all(steps):
-        raise SceneError([f"{file}: the setting {setting!r} is not of the form table.key=value"])
+        raise SceneError([f"{file}: the setting {text!r} is not of the form table.key=value"])
+    value = _value(right) if isinstance(setting, str) else setting[1]
+    return _nested(file, text, steps, value, tree)
+
+
+def _value(text: str) -> Any:  # noqa: ANN401 - whatever TOML knows
+    """What a text is in TOML; itself where it is none, such as 90 deg."""
     try:
-        value: Any = tomllib.loads(f"value = {text}")["value"]
+        return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        value = text.strip()
-    return _nested(file, setting, steps, value, tree)
+        return text.strip()
 
 
 def _nested(file: str, setting: str, steps: Sequence[str], value: object, tree: object) -> Tree:

@@ -19,7 +19,7 @@ from components.contract.frames import (
 from components.flexible.modal import ModalData
 
 from .bodies import Attachment, StartPose
-from .schema import Scene
+from .schema import CheckedScene
 
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
@@ -51,7 +51,7 @@ class Piece:
         return len(self.bodies) > 1
 
 
-def joined(scene: Scene) -> dict[str, str]:
+def joined(scene: CheckedScene) -> dict[str, str]:
     """The body that names the piece of every body: its own, or the innermost that held lines lead to."""
     roots = {name: name for name in (scene.base.name, *(body.name for body in scene.bodies))}
     held = {line.outboard: line.inboard for line in scene.hinge_lines if line.held}
@@ -61,14 +61,16 @@ def joined(scene: Scene) -> dict[str, str]:
     return roots
 
 
-def held_bodies(scene: Scene) -> frozenset[str]:
+def held_bodies(scene: CheckedScene) -> frozenset[str]:
     """Bodies that are part of a larger piece, and therefore rigid."""
     roots = joined(scene)
     shared = [root for body, root in roots.items() if root != body]
     return frozenset(body for body, root in roots.items() if root in shared)
 
 
-def pieces(scene: Scene, found: Sequence[Attachment], poses: Mapping[str, StartPose]) -> dict[str, Piece]:
+def pieces(
+    scene: CheckedScene, found: Sequence[Attachment], poses: Mapping[str, StartPose]
+) -> dict[str, Piece]:
     """Every piece by its root, with the ports of the connections that do not stay within it."""
     roots = joined(scene)
     acting = _acting(found, roots)

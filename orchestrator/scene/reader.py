@@ -17,8 +17,8 @@ from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Tree, read_layers
-from .schema import Header, Scene
+from .layers import Layers, Setting, Tree, read_layers
+from .schema import CheckedScene, Header
 from .table import SceneError
 from .validation import Entries, EntryReader
 
@@ -46,14 +46,20 @@ def find_scene(name_or_path: str) -> Path:
     raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
 
 
-def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str] = ()) -> Scene:
-    """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it.
+def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> CheckedScene:
+    """Read and check a scene file with variants and settings; SceneError with everything that is wrong with it."""
+    return check_layers(read_layers(path, find_scene), variants, settings)
 
-    Every variant of the file, chosen or not, must be a sound scene when it alone is laid over the file.
+
+def check_layers(
+    layers: Layers, variants: Sequence[str] = (), settings: Sequence[Setting] = ()
+) -> CheckedScene:
+    """The scene of layers with variants and settings; SceneError with everything that is wrong with them.
+
+    Every variant, chosen or not, must be a sound scene when it alone is laid over what is below.
     """
-    layers = read_layers(path, find_scene)
-    scene, problems = _checked(path.name, *layers.over(variants, settings))
-    below = _checked(path.name, *layers.over(()))[1] if layers.variants else []
+    scene, problems = _checked(layers.file, *layers.over(variants, settings))
+    below = _checked(layers.file, *layers.over(()))[1] if layers.variants else []
     own = {name: [p for p in _problems_of(layers, name) if p not in below] for name in layers.variants}
     told = {problem for name in variants for problem in own[name]}
     sentences = [problem for problem in problems if problem not in told]
@@ -66,7 +72,7 @@ def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[str]
             if phase not in layers.variants
         ]
     if scene is None or sentences:
-        raise SceneError([f"{path.name}: {sentence}" for sentence in sentences])
+        raise SceneError([f"{layers.file}: {sentence}" for sentence in sentences])
     return scene
 
 
@@ -84,7 +90,7 @@ def scene_variants(path: Path) -> tuple[str, ...]:
     return tuple(read_layers(path, find_scene).variants)
 
 
-def read_scene(file: str, tree: Tree) -> Scene:
+def read_scene(file: str, tree: Tree) -> CheckedScene:
     """Check a tree of tables; SceneError with everything that is wrong with it."""
     scene, problems = _checked(file, tree)
     if scene is None:
@@ -92,7 +98,7 @@ def read_scene(file: str, tree: Tree) -> Scene:
     return scene
 
 
-def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene | None, list[str]]:
+def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
     reader = EntryReader(tree, added)
     known = ", ".join(sorted(_TABLES | _ARRAYS))
@@ -113,7 +119,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Scene 
     if base is None or not placed:
         return None, reader.problems
     # where bodies stand and touch can be told whatever else is wrong
-    scene = Scene(
+    scene = CheckedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
     )  # fmt: skip

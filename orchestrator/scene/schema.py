@@ -30,7 +30,7 @@ class Header(Table):
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class CheckedScene:
     """A scene file, with its layers merged into one tree, that was read and found consistent."""
 
     file: str

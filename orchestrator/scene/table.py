@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
 
-from components import ComponentError
+from components import ComponentError, FanfoldError
 from components.body import Body as BodyComponent
 from components.contract.frames import Vector3
 from components.flexible.modal import ModalData
@@ -23,7 +23,7 @@ _AXES = {
 }
 
 
-class SceneError(Exception):
+class SceneError(FanfoldError):
     """Everything that is wrong with a scene, one sentence a problem."""
 
     def __init__(self, problems: list[str]) -> None:

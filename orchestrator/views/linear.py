@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
+from ..analysis.frequency_response import FrequencyResponse
+from ..analysis.modes import Modes
 from ..analysis.statics.linear_model import LinearModel, NormalModes
 from ..analysis.statics.mechanism import Mechanism
 from .style import COLOURS, DASHES, STYLE, WIDTH
@@ -23,6 +25,23 @@ _LARGEST_DEFLECTION = 0.12
 """of the size of the whole, in a picture of a mode"""
 _THINNEST = 0.35
 """of that size, for a side of the picture"""
+
+
+_SHAPES = 4
+"""Modes that are drawn unless more are asked for."""
+
+
+def plot_modes(found: Modes, folder: Path, count: int = _SHAPES) -> list[Path]:
+    """Pictures of the first mode shapes; the paths written."""
+    return draw_shapes(folder, found.model, found.shapes, [mode.number - 1 for mode in found.listed[:count]])
+
+
+def plot_response(found: FrequencyResponse, path: Path) -> list[Path]:
+    """Picture of magnitudes and phases, as a file or in a folder; the path written."""
+    path = path / "frequency_response.png" if path.is_dir() else path
+    title = f"{found.scene}: base acceleration {found.excitation}"
+    draw_responses(path, title, found.frequencies, found.responses)
+    return [path]
 
 
 def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Sequence[int]) -> list[Path]:

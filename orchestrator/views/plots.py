@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, peak
-from ..results.result import Result
+from ..results.result import Result, ResultError
 from .shapes import shapes
 from .style import COLOURS, STYLE, draw, finish, new_figure, tell_of_interruption
 
@@ -65,6 +65,18 @@ def draw_all(result: Result) -> Iterator[Drawing]:
             if figure is not None:
                 tell_of_interruption(figure, result)
                 yield Drawing(name, (draw_it.__doc__ or name).strip(), figure)
+
+
+def draw_one(result: Result, name: str) -> Drawing:
+    """The figure of a name, without the suffix of its file; ResultError where the result has none such."""
+    if name not in _FIGURES:
+        raise ResultError(f"there is no figure {name!r}; figures are {', '.join(_FIGURES)}")
+    with mpl.rc_context(STYLE):
+        figure = _FIGURES[name](result)
+    if figure is None:
+        raise ResultError(f"{result.name}: it has no signals for the figure {name!r}")
+    tell_of_interruption(figure, result)
+    return Drawing(name, (_FIGURES[name].__doc__ or name).strip(), figure)
 
 
 def plot_all(result: Result, directory: str | Path, format: str = "png") -> list[Path]:

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import PeakStress, StressRecovery
 
+from ..analysis.stress.hot_spots import PanelStress
+from ..results.key_figures import latch_times
 from .style import COLOURS, DASHES, STYLE, WIDTH
 
 Vector = NDArray[np.float64]
@@ -25,6 +27,20 @@ Indices = NDArray[np.int64]
 _LEVELS = 16
 _MEGA = 1e-6
 MOST_HISTORIES = len(DASHES)
+
+
+def plot_stress(found: PanelStress, folder: Path) -> list[Path]:
+    """Pictures of the peak field and of the hottest nodes' histories; the paths written."""
+    paths = [folder / f"{found.body}_stress_{what}.png" for what in ("field", "histories")]
+    stress, peak, places = found.stress, found.peak, found.places
+    title = f"{found.body}: peak of the larger face over time"
+    draw_field(paths[0], title, stress.plate, stress.recovery, peak, places)
+    hottest = stress.recovery.at(places[:MOST_HISTORIES])
+    title = f"{found.body}: von Mises stress of the hottest nodes"
+    histories = hottest.von_mises(stress.coordinates)
+    marks = latch_times(found.result)
+    draw_histories(paths[1], title, found.result.time, histories, hottest.nodes, marks)
+    return paths
 
 
 def draw_field(

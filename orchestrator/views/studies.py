@@ -10,10 +10,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
-from ..analysis.studies import Case, latch_rows
+from ..analysis.studies import Case, LatchStudy, latch_rows
 from ..results.key_figures import line_latch_torque
-from ..results.result import Result
 from .style import STYLE, draw, new_figure
+
+_RINGING = 0.5
+"""s after latch-up that are shown"""
+
+
+def plot_study(study: LatchStudy, folder: Path) -> list[Path]:
+    """Pictures of the latch torques, and of their changes over what was changed; the paths written."""
+    paths = [folder / "latch_torques.png", folder / "changes.png"]
+    draw_latch_torques(paths[0], study.title, study.shown, _RINGING)
+    draw_changes(paths[1], f"Against {study.against}", study.changed, study.cases, study.reference, log=True)
+    return paths
 
 
 def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: float) -> None:
@@ -23,7 +33,7 @@ def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: f
         figure, axes = new_figure(title, [1.0] * len(lines))
         for panel, name in zip(axes, lines, strict=True):
             for k, case in enumerate(cases):
-                result = Result.open(case.outcome.path)
+                result = case.outcome.result
                 start = case.outcome.headline.latch_times.get(name)
                 if start is None:
                     continue

@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..analysis.torque_margin.margins import TorqueMargin
 from ..analysis.torque_margin.rules import LIMIT, LineTorques, Margins
 from .style import COLOURS, STYLE, WIDTH
 
@@ -22,6 +23,16 @@ _MARK_EVERY = 5
 _ROOM = 1.25
 _SHOWN = 4.0
 """Margins of so many times the worst are beyond the picture; where nothing resists they are infinite."""
+
+
+def plot_margins(found: TorqueMargin, folder: Path) -> list[Path]:
+    """One picture per hinge line, all cases in it; the paths written."""
+    paths = []
+    for line in dict.fromkeys(one.line for one in found.lines):
+        paths.append(folder / f"torque_margin_{line}.png")
+        cases = [(one.case, one.torques, one.margins) for one in found.lines if one.line == line]
+        draw_line(paths[-1], f"{line}: torque margin over the travel", cases)
+    return paths
 
 
 def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Sequence[Margins]]]) -> None:

@@ -22,7 +22,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.implicit import coupling, engine
 from orchestrator.cosim.implicit.engine import Engine
 from orchestrator.cosim.master import Settings
-from orchestrator.results import result
+from orchestrator.results import result_file
 from orchestrator.run.run import Costs, run
 from orchestrator.scene import find_scene, load_scene
 from tests.benchmark.call_times import Times, build, measure
@@ -85,8 +85,8 @@ def clocked(follow: Callable[[], Costs]) -> tuple[Costs, dict[str, float]]:
         clock.around(coupling.Coupling, "_probed", "interface Jacobian"),
         clock.around(Engine, "accept", "states and observations"),
         clock.around(Engine, "observe", "states and observations"),
-        clock.around(result.ResultWriter, "append", "recording"),
-        clock.around(result.ResultWriter, "__init__", "making the result file"),
+        clock.around(result_file.ResultWriter, "append", "recording"),
+        clock.around(result_file.ResultWriter, "__init__", "making the result file"),
     ]
     costs = follow()
     for undo in back:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import NamedTuple
 
@@ -24,7 +23,7 @@ from orchestrator.cosim.master import Settings
 from orchestrator.scene import find_scene, load_scene
 from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.stability import MasterName, Run, run
-from tests.regression.test_order import ONE_PANEL
+from tests.references.panels import one_panel
 
 
 class Case(NamedTuple):
@@ -42,10 +41,7 @@ class Case(NamedTuple):
 
 def cases() -> list[Case]:
     """One panel on its latch, and the rigid AMOS-3 wing."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "one_panel.toml"
-        path.write_text(ONE_PANEL, encoding="utf-8")
-        one = load_scene(path)
+    one = one_panel().check()
     wing = load_scene(find_scene("amos3"))
     return [
         Case(

@@ -65,7 +65,7 @@ def simulated(kind, fmi, interface, folder):
 
 @pytest.mark.parametrize("kind", REGISTRY)
 def test_runs_by_the_plain_command(kind, tmp_path):
-    """To the stop time, and the solver's end is that of the component's own steps."""
+    """To the stop time, and the solver's end is that of the component's own steps, but for moments over a step."""
     exchanged, *stepped = (simulated(kind, *interface, tmp_path) for interface in INTERFACES)
     for rows in (exchanged, *stepped):
         assert (rows[0, 0], rows[-1, 0]) == (0.0, pytest.approx(STOP, abs=1e-9))
@@ -76,6 +76,9 @@ def test_runs_by_the_plain_command(kind, tmp_path):
     found, expected = (rows[-1, 1 : 1 + layout.size] for rows in (exchanged, stepped[0]))
     for quantity in layout.quantities:
         place = layout[quantity.name]
+        if quantity.name.endswith("_moment"):
+            assert not found[place].any(), f"{quantity.name} without steps"
+            continue
         error, size = np.abs(found[place] - expected[place]).max(), np.abs(expected[place]).max()
         assert error <= SOLVER_ERROR * size, f"{quantity.name} by {error:g} of {size:g}"
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.scene import Scene, read_scene
+from orchestrator.scene import CheckedScene, read_scene
 from tests.references.random_bodies import Dice, Piece, Table, random_pieces, rounded, sides
 
 BODIES = (2, 6)
@@ -49,7 +49,7 @@ def random_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Table:
     return {name: value for name, value in tree.items() if value}
 
 
-def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Scene:
+def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> CheckedScene:
     """The wing of a seed as a checked scene."""
     return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies))
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from orchestrator.assembly import Geometry, HingeLine
-from orchestrator.results.result import ResultWriter, SignalGroup
+from orchestrator.results.recorder import SignalGroup
+from orchestrator.results.result_file import ResultWriter
 
 Vector = NDArray[np.float64]
 LATCH_DAMPING = 2.0

@@ -1,7 +1,6 @@
 """Order, tolerance and energy: errors against tight runs, on scenes of one and two panels in process."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,67 +8,22 @@ from scipy.interpolate import CubicSpline
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.master import Settings
-from orchestrator.scene import load_scene
+from orchestrator.scene.builder import Scene
 from tests.benchmark.stability import run
+from tests.references.panels import TWO_PANELS, one_panel, two_panels_with_latches
+from tests.references.panels import undamped as undamped_scene
 
-TWO_PANELS = (Path(__file__).parents[1] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
-ONE_PANEL = """
-[scene]
-name = "one_panel"
-until = 4.6
-
-[base]
-points = { left = [0.0, 0.565, 0.0], right = [0.0, -0.565, 0.0] }
-
-[[body]]
-name = "panel"
-[body.rigid]
-mass = 7.582
-center_of_mass = [0.805, 0.0, 0.0]
-inertia = [1.0, 1.338, 2.2]
-points = { left = [0.0, 0.565, 0.0], right = [0.0, -0.565, 0.0] }
-
-[[hinge_line]]
-name = "line"
-inboard = "base"
-outboard = "panel"
-axis = "-y"
-aligned_angle = "180 deg"
-motor = { stowed = "2.304 N.m", deployed = "1.434 N.m" }
-latch = { stiffness = 2216, outboard_stiffness = 4000, effective_inertia = 6.2514, damping_ratio = 0.01 }
-hinges = [
-  { name = "left", inboard = "left", outboard = "left" },
-  { name = "right", inboard = "right", outboard = "right", kind = "cylindrical" },
-]
-"""
-LATCH = """latch = {{ stiffness = {0}, outboard_stiffness = {1}, effective_inertia = {2}, damping_ratio = 0.01 }}
-hinges ="""
-
-
-def two_panels_with_latches():
-    """Both lines latch within five seconds; the root line needs the stronger motor for it."""
-    text = TWO_PANELS.replace("until = 2.0", "until = 5.1")
-    text = text.replace('stowed = "1.6 N.m", deployed = "1.0 N.m"', 'stowed = "6 N.m", deployed = "4 N.m"')
-    head, root, middle = text.split("hinges =")
-    return head + LATCH.format(2500, 5000, 20) + root + LATCH.format(1800, 4000, 2) + middle
-
-
-SCENES = {"smooth": TWO_PANELS, "one": ONE_PANEL, "two": two_panels_with_latches()}
+SCENES = {"smooth": Scene.load(TWO_PANELS), "one": one_panel(), "two": two_panels_with_latches()}
 
 
 @pytest.fixture(scope="module")
-def solved(tmp_path_factory):
+def solved():
     """Runs by scene and settings, each made once."""
-    folder = tmp_path_factory.mktemp("scenes")
 
     @cache
     def solve(name, undamped=False, until=None, **settings):
-        text = (
-            SCENES[name].replace("damping_ratio = 0.01", "damping_ratio = 0.0") if undamped else SCENES[name]
-        )
-        path = folder / f"{name}_{undamped}.toml"
-        path.write_text(text + ("\n[joint]\ndamping_ratio = 0.0\n" if undamped else ""), encoding="utf-8")
-        scene = assemble(load_scene(path))
+        built = SCENES[name]
+        scene = assemble((undamped_scene(built) if undamped else built).check())
         options = Settings(**{"largest_step": scene.largest_step, **settings})
         outcome = run(scene.parts, scene.links, scene.hinge_lines, until or scene.until, options)
         assert not outcome.failure

@@ -76,6 +76,22 @@ def test_code_is_lint_free_and_formatted():
     assert output_of(tool("ruff"), "format", "--no-cache", "--check", ".")[0] == 0
 
 
+def test_types_hold():
+    """Rule: mypy, strict, finds nothing."""
+    code, told = output_of(tool("mypy"))
+    assert code == 0, told
+
+
+def test_types_are_checked(tmp_path):
+    """Control: a wrong use of the Python face is reported, so that it is typed though it is imported lazily."""
+    path = tmp_path / "wrong.py"
+    path.write_text("import orchestrator\norchestrator.simulate(3)\norchestrator.simulat\n", encoding="utf-8")
+    code, told = output_of(tool("mypy"), "--no-error-summary", str(path))
+    assert code == 1
+    assert '"simulate" has incompatible type "int"' in told
+    assert 'Module has no attribute "simulat"' in told
+
+
 def test_import_contracts_hold():
     """Rule: components know neither FMI nor files, FMUs no scene; rooms stand in layers; there is no circle."""
     code, told = output_of(tool("lint-imports"), "--no-cache")
@@ -178,7 +194,7 @@ def test_kinds_stand_by_themselves():
 
 def test_few_arrows_between_rooms():
     """Rule of the architecture: at most 30 arrows between the rooms of the orchestrator, none both ways."""
-    rooms = {(a.split(".")[1], b.split(".")[1]) for a, b in imports_of(orchestrator) if b.count(".")}
+    rooms = {(a.split(".")[1], b.split(".")[1]) for a, b in imports_of(orchestrator) if "." in a and "." in b}
     arrows = {(a, b) for a, b in rooms if a != b}
     assert len(arrows) >= 10  # control: imports are found at all
     assert len(arrows) <= 30
@@ -253,6 +269,32 @@ def test_readme_scenes_exist():
     assert scenes
     assert scenes <= set(list_scenes())
     assert all(name in README for name in list_scenes())
+
+
+def test_readme_snippets_run(tmp_path, monkeypatch):
+    """What the README shows of Python runs as it stands, one snippet after the other, and leaves what it says."""
+    snippets = re.findall(r"^```python\n(.*?)^```", section("From Python"), re.MULTILINE | re.DOTALL)
+    assert len(snippets) >= 4
+    monkeypatch.chdir(tmp_path)
+    found = {}
+    for snippet in snippets:
+        exec(compile(snippet, "README.md", "exec"), found)
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == {"amos3.cold.h5", "margins", "one_panel.toml", "torques.png"}
+    shown = ast.literal_eval(re.search(r"print\(result.latch_times\) +# (.*)", snippets[0])[1])
+    assert found["result"].latch_times == pytest.approx(shown, abs=0.006)
+    known = re.findall(r"fanfold\.(\w+)", section("From Python"))
+    assert set(known) <= set(orchestrator.__all__)
+
+
+def test_readme_tells_every_room():
+    """Completeness: the table of rooms names every folder of the packages that is one."""
+    told = section("Contributing")
+    rooms = [
+        path for path in (ROOT / "orchestrator").iterdir() if path.is_dir() and path.name != "__pycache__"
+    ]
+    missing = [room.name for room in rooms if f"`orchestrator/{room.name}`" not in told]
+    assert missing == []
 
 
 def test_readme_files_exist():

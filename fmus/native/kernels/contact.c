@@ -127,9 +127,9 @@ int NAME(contact_step)(void *self, const double *x, const real *u, double h, rea
     store_pair(vector_scaled(mean.whole, vector_mean(old_normal, now.normal)), (Vector3){0.0, 0.0, 0.0},
                vector_mean(old_arm, now.arm), x_next + WRENCH);
     if (value_of(u[contact->impulse]) < 0.5)
-        store_rate_after(x + SLIDE, (after - before) / h, h, x_next + SLIDE);
+        store_mid_step_after(x + SLIDE, (after - before) / h, h, x_next + SLIDE);
     else
-        store_starting_rate(now.rate, x_next + SLIDE);
+        store_mid_step_start(now.rate, x_next + SLIDE);
     return 1;
 }
 
@@ -215,7 +215,7 @@ static int contact_initial(void *self, const double *u, double *x, Reason *why) 
     for (int i = 0; i < STATES; i++) x[i] = 0.0;
     vector_store(now.normal, x + NORMAL);
     vector_store(now.arm, x + ARM);
-    store_starting_rate(now.rate, x + SLIDE);
+    store_mid_step_start(now.rate, x + SLIDE);
     return 1;
 }
 
@@ -224,7 +224,7 @@ static void contact_observe(void *self, const double *x, const double *u, double
     const Contact *contact = self;
     const double *parameter = contact->parameter;
     Place now = contact_place(contact, u);
-    double felt = contact->endpoint ? now.rate : rate_now(x + SLIDE);
+    double felt = contact->endpoint ? now.rate : mid_step_now(x + SLIDE);
     z[0] = now.penetration;
     z[1] = contact_force(parameter, now.penetration, felt);
     z[2] = elastic_force(parameter, now.penetration) * fmax(now.penetration, 0.0) / (parameter[EXPONENT] + 1.0);

@@ -66,13 +66,13 @@ int NAME(damper_step)(void *self, const double *x, const real *u, double h, real
     if (damper->paired && !impulse) {
         real moment = rate_moments(&passage, u + damper->moments, swing).twist;
         load = load_of_path(damper, change, moment, h);
-        store_starting_rate((change + 3.0 * moment) / h, x_next + SLIDE);
+        store_mid_step_start((change + 3.0 * moment) / h, x_next + SLIDE);
     } else {
         load = load_of_mean(damper, change, h);
         if (impulse)
-            store_starting_rate(relative_rates(u, &pose).twist, x_next + SLIDE);
+            store_mid_step_start(relative_rates(u, &pose).twist, x_next + SLIDE);
         else
-            store_rate_after(x + SLIDE, change / h, h, x_next + SLIDE);
+            store_mid_step_after(x + SLIDE, change / h, h, x_next + SLIDE);
     }
     damper_store_pose(&pose, angle, x_next);
     x_next[HEAT] = x[HEAT] + load.heat;
@@ -158,7 +158,7 @@ static int damper_initial(void *self, const double *u, double *x, Reason *why) {
     Pose pose = relative_pose(u, damper->axis_frame);
     for (int i = 0; i < STATES; i++) x[i] = 0.0;
     damper_store_pose(&pose, pose.twist, x);
-    store_starting_rate(relative_rates(u, &pose).twist, x + SLIDE);
+    store_mid_step_start(relative_rates(u, &pose).twist, x + SLIDE);
     return 1;
 }
 
@@ -168,7 +168,7 @@ static void damper_observe(void *self, const double *x, const double *u, double 
     Pose pose = relative_pose(u, damper->axis_frame);
     double rate = relative_rates(u, &pose).twist;
     z[0] = rate;
-    z[1] = damper_torque(damper, damper->endpoint ? rate : rate_now(x + SLIDE));
+    z[1] = damper_torque(damper, damper->endpoint ? rate : mid_step_now(x + SLIDE));
     z[2] = x[HEAT];
 }
 

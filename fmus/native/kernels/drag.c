@@ -101,12 +101,12 @@ int NAME(drag_step)(void *self, const double *x, const real *u, double h, real *
     x_next[HEAT] = x[HEAT] - (loads.force * rates.velocity + loads.torque * rates.turn) * h;
     store_wrench(middle, loads, x_next + WRENCH);
     if (value_of(u[drag->impulse]) < 0.5) {
-        store_rate_after(x + NORMAL_SLIDE, rates.velocity, h, x_next + NORMAL_SLIDE);
-        store_rate_after(x + TURN_SLIDE, rates.turn, h, x_next + TURN_SLIDE);
+        store_mid_step_after(x + NORMAL_SLIDE, rates.velocity, h, x_next + NORMAL_SLIDE);
+        store_mid_step_after(x + TURN_SLIDE, rates.turn, h, x_next + TURN_SLIDE);
     } else {
         PlateRates end = plate_rates(u);
-        store_starting_rate(end.velocity, x_next + NORMAL_SLIDE);
-        store_starting_rate(end.turn, x_next + TURN_SLIDE);
+        store_mid_step_start(end.velocity, x_next + NORMAL_SLIDE);
+        store_mid_step_start(end.turn, x_next + TURN_SLIDE);
     }
     return 1;
 }
@@ -176,15 +176,15 @@ static int drag_initial(void *self, const double *u, double *x, Reason *why) {
     (void)self, (void)why;
     for (int i = 0; i < STATES; i++) x[i] = i < 7 ? u[i] : 0.0;
     PlateRates now = plate_rates(u);
-    store_starting_rate(now.velocity, x + NORMAL_SLIDE);
-    store_starting_rate(now.turn, x + TURN_SLIDE);
+    store_mid_step_start(now.velocity, x + NORMAL_SLIDE);
+    store_mid_step_start(now.turn, x + TURN_SLIDE);
     return 1;
 }
 
 /* Force, torque and velocity at the communication point, energy dissipated. */
 static void drag_observe(void *self, const double *x, const double *u, double *z) {
     const Drag *drag = self;
-    PlateRates now = {rate_now(x + NORMAL_SLIDE), rate_now(x + TURN_SLIDE)};
+    PlateRates now = {mid_step_now(x + NORMAL_SLIDE), mid_step_now(x + TURN_SLIDE)};
     if (drag->endpoint) now = plate_rates(u);
     PlateLoads loads = plate_loads(drag, now);
     z[0] = loads.force;

@@ -19,7 +19,8 @@ enum {
     NUMERICAL = 28,
     ROUGHNESS = 29,
     SLOPES = 30,
-    STATES = 42
+    LOAD = 42, /* of order 4, over the last steps */
+    STATES = 46
 };
 
 enum {
@@ -152,14 +153,15 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     for (int i = ROUGHNESS; i < STATES; i++) x_next[i] = 0.0;
     if (fourth) {
         store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
+        store_mid_step_after(x + LOAD, load.force, h, x_next + LOAD);
         remember_path(&motion, x_next + MEMORY, x_next + MEMORY + 1, x_next + ROUGHNESS);
-        store_starting_rate(x_next[MEMORY + 1], x_next + SLIDE);
+        store_mid_step_start(x_next[MEMORY + 1], x_next + SLIDE);
     } else if (impulse) {
         x_next[MEMORY] = x_next[MEMORY + 1] = now.deflection_rate;
-        store_starting_rate(now.deflection_rate, x_next + SLIDE);
+        store_mid_step_start(now.deflection_rate, x_next + SLIDE);
     } else {
         remember_rates(&motion, now.deflection_rate, x_next + MEMORY, x_next + MEMORY + 1);
-        store_rate_after(x + SLIDE, mean_rate, h, x_next + SLIDE);
+        store_mid_step_after(x + SLIDE, mean_rate, h, x_next + SLIDE);
     }
     return 1;
 }
@@ -249,11 +251,12 @@ static int drive_initial(void *self, const double *u, double *x, Reason *why) {
     for (int i = 0; i < STATES; i++) x[i] = 0.0;
     drive_store_pose(&now, x);
     x[MEMORY] = x[MEMORY + 1] = now.deflection_rate;
-    store_starting_rate(now.deflection_rate, x + SLIDE);
+    store_mid_step_start(now.deflection_rate, x + SLIDE);
     return 1;
 }
 
-/* Angles, rates and torque at the communication point, and energies. */
+/* Angles, rates and torque at the communication point, and energies. At order 4 the torque comes from what the last
+   steps' loads were. */
 static void drive_observe(void *self, const double *x, const double *u, double *z) {
     const Drive *drive = self;
     Instant now = drive_instant(drive, u, x[CLOCK], x[ANGLE]);
@@ -261,7 +264,8 @@ static void drive_observe(void *self, const double *x, const double *u, double *
     z[1] = now.rate;
     z[2] = now.commanded;
     z[3] = now.commanded_rate;
-    z[4] = drive_torque(drive, now.deflection, drive->endpoint ? now.deflection_rate : rate_now(x + SLIDE));
+    z[4] = drive_torque(drive, now.deflection, drive->endpoint ? now.deflection_rate : mid_step_now(x + SLIDE));
+    if (drive->paired) z[4] = load_now(x + LOAD, z[4], x[ROUGHNESS]);
     z[5] = x[WORK];
     z[6] = 0.5 * drive->stiffness * now.deflection * now.deflection;
     z[7] = x[HEAT];

@@ -6,6 +6,7 @@
 
 #include "frames.h"
 #include "kernel.h"
+#include "mid_step.h"
 
 #define LOAD 6
 #define STEP (2 * LOAD + 1)
@@ -143,17 +144,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Value at the end of the last of two steps: what slopes tell goes on as a parabola, what they do not know of the
-   change of means along a line. */
-static double extrapolated(const double *last, const double *previous, double h, double previous_h) {
-    const double mean = last[0], slope = last[LOAD], between = 0.5 * (h + previous_h);
-    if (h <= 0.0 || previous_h <= 0.0) return mean + slope;
-    const double rate = slope * (2.0 / h), rate_before = previous[LOAD] * (2.0 / previous_h);
-    const double bend = (rate - rate_before) / between;
-    const double known = 0.5 * between * (rate + rate_before) + bend * (h * h - previous_h * previous_h) / 24.0;
-    const double unknown = mean - previous[0] - known;
-    return mean + slope + bend * (h * h / 12.0) + unknown * (0.5 * h / between);
-}
+static StepMean step_mean(const double *step, size_t i) { return (StepMean){step[i], step[LOAD + i], step[STEP - 1]}; }
 
 /* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
    step before, as at the start and in model exchange, those of the present inputs. */
@@ -162,7 +153,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
         store_sum(self, u, z);
         return;
     }
-    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(x + i, x + STEP + i, x[STEP - 1], x[2 * STEP - 1]);
+    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(step_mean(x, i), step_mean(x + STEP, i));
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

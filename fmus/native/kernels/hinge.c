@@ -20,6 +20,7 @@ static int hinge_initial(void *self, const double *u, double *x, Reason *why) {
     for (int i = 0; i < STATES; i++) x[i] = 0.0;
     store_motion(&motion, x);
     store_rates_after_impulse(&motion, x);
+    store_mid_step_slope_start(motion.rates[HINGE_ANGLE], x + SLIDING);
     x[HOLD_ANGLE] = motion.coordinates[HINGE_ANGLE];
     return 1;
 }
@@ -41,7 +42,15 @@ static double stored_energy(const Hinge *hinge, const Grip *grip, const double *
     return energy;
 }
 
-/* Angles, torques and forces at the communication point (end-point law), and energies. */
+/* At order 4, from what bushing and latch did over the last steps. */
+static void correct(const double *x, Held *held) {
+    for (int i = 0; i < COORDINATE_COUNT; i++)
+        held->bushing[i] = load_now(x + load_place(i), held->bushing[i], x[ROUGHNESS + i]);
+    held->latch = load_now(x + load_place(LATCH_LOAD), held->latch, x[ROUGHNESS + HINGE_ANGLE]);
+}
+
+/* Angles, torques and forces at the communication point, and energies. Loads follow from the end-point law, at order 4
+   corrected by what the last steps' loads were. */
 static void hinge_observe(void *self, const double *x, const double *u, double *z) {
     const Hinge *hinge = self;
     Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
@@ -50,9 +59,11 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
     if (!hinge->endpoint) {
         memcpy(now.rates, x + (hinge->paired ? END_RATES : MEAN_RATES), sizeof now.rates);
-        if (!hinge->paired) now.rates[HINGE_ANGLE] = rate_now(x + SLIDE);
+        now.rates[HINGE_ANGLE] = hinge->paired ? mid_step_slope_now(x + SLIDING) : mid_step_now(x + SLIDE);
     }
-    Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
+    Held held = held_at(hinge, &grip, now.coordinates, now.rates);
+    if (hinge->paired) correct(x, &held);
+    Loads loads = instant_loads(hinge, &grip, now.coordinates, now.rates, &held);
     z[0] = angle;
     z[1] = rate;
     z[2] = law_value(&hinge->motor, angle);

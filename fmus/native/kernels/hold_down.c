@@ -22,7 +22,8 @@ enum {
     NUMERICAL = 32,
     ROUGHNESS = 33,
     SLOPES = 36,
-    STATES = 48
+    LOADS = 48, /* of order 4, over the last steps along each axis */
+    STATES = 60
 };
 
 enum { STIFFNESS, DAMPING, PRELOAD, RELEASE_TIME, END_WEIGHT, ORDER, PARAMETERS };
@@ -79,6 +80,9 @@ static inline Vector3 force_of(const HoldDown *hold_down, const real *displaceme
     return vector_of(force);
 }
 
+/* Where the last means of the load along an axis begin in the state. */
+static inline int load_place(int axis) { return LOADS + MID_STEP_SIZE * axis; }
+
 /* Whether the release time is reached. */
 static inline int is_due(const HoldDown *hold_down, double clock) {
     return 0.0 < hold_down->release_time && hold_down->release_time <= clock + REACHED;
@@ -129,6 +133,7 @@ static inline void hold_step(const HoldDown *hold_down, const double *x, const r
         MeanLoad load = held_load(hold_down, motion, i, fourth, now->rate[i], x_next);
         force[i] = load.force;
         slope[i] = load.slope;
+        if (fourth) store_mid_step_after(x + load_place(i), load.force, h, x_next + load_place(i));
         x_next[HEAT] += load.heat;
         x_next[NUMERICAL] += load.numerical;
     }
@@ -154,6 +159,7 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     for (int i = RELEASED; i <= RELEASE_HEAT; i++) x_next[i] = x[i];
     x_next[NUMERICAL] = x[NUMERICAL];
     for (int i = 0; i < PAIR_SIZE; i++) x_next[WRENCH + i] = x_next[SLOPES + i] = 0.0;
+    for (int i = LOADS; i < STATES; i++) x_next[i] = 0.0;
     if (x[RELEASED] == 0.0 && value_of(u[hold_down->release_command]) > 0.5) {
         x_next[RELEASED] = 1.0;
         x_next[RELEASE_HEAT] = elastic_energy(hold_down, before);
@@ -282,7 +288,7 @@ static int hold_down_initial(void *self, const double *u, double *x, Reason *why
     return 1;
 }
 
-/* Force at the communication point, and energies. */
+/* Force at the communication point, and energies; at order 4 from what the last steps' loads were. */
 static void hold_down_observe(void *self, const double *x, const double *u, double *z) {
     const HoldDown *hold_down = self;
     int released = x[RELEASED] != 0.0;
@@ -291,6 +297,8 @@ static void hold_down_observe(void *self, const double *x, const double *u, doub
     Vector3 force = force_of(hold_down, now.displacement, hold_down->endpoint ? now.rate : remembered);
     if (released) force = (Vector3){0.0, 0.0, 0.0};
     vector_store(force, z);
+    for (int i = 0; hold_down->paired && !released && i < AXES; i++)
+        z[i] = load_now(x + load_place(i), z[i], x[ROUGHNESS + i]);
     z[3] = released;
     z[4] = released ? 0.0 : elastic_energy(hold_down, now.displacement);
     z[5] = x[HEAT] + x[RELEASE_HEAT];

@@ -101,7 +101,7 @@ static inline void trolley_store(const Trolley *trolley, real *x) {
 /* Rates to go on from: those of this instant. */
 static inline void store_instant_rates(const Trolley *now, real *x) {
     for (int i = 0; i < STIFF_COUNT; i++) x[MEAN_RATES + i] = x[END_RATES + i] = now->rates[i];
-    store_starting_rate(speed_of(now->velocity), x + SLIDE);
+    store_mid_step_start(speed_of(now->velocity), x + SLIDE);
 }
 
 /* Wrench on the trolley from the loads of the stiff coordinates, friction over speed, and the sliding velocity. */
@@ -135,7 +135,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
         numerical += mean.numerical;
         remember_rates(&motion, now.rates[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
     }
-    store_rate_after(x + SLIDE, speed, h, x_next + SLIDE);
+    store_mid_step_after(x + SLIDE, speed, h, x_next + SLIDE);
     if (impulse) store_instant_rates(&now, x_next);
     trolley_store(&now, x_next);
     real resistance = sliding_resistance(rail, speed);
@@ -238,7 +238,7 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     double speed = speed_of(now.velocity), energy = 0.0;
     for (int i = 0; i < STIFF_COUNT; i++) energy += 0.5 * rail->stiffness[i] * now.stiff[i] * now.stiff[i];
     z[0] = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * (rail->endpoint ? now.rates[0] : x[MEAN_RATES]);
-    z[1] = sliding_friction(rail, rail->endpoint ? speed : rate_now(x + SLIDE));
+    z[1] = sliding_friction(rail, rail->endpoint ? speed : mid_step_now(x + SLIDE));
     z[2] = speed;
     z[3] = x[HEAT];
     z[4] = energy;

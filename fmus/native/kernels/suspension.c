@@ -87,13 +87,13 @@ int NAME(suspension_step)(void *self, const double *x, const real *u, double h, 
         force = line_force(&line, -load.force, -load.slope);
         slope = vector_scaled(load.slope * line.scale, line.mean);
         heat = load.heat;
-        store_starting_rate(rate + 3.0 * moment / h, x_next + SLIDE);
+        store_mid_step_start(rate + 3.0 * moment / h, x_next + SLIDE);
     } else {
         force = mean_force(suspension, old, &now, h, &heat);
         if (impulse)
-            store_starting_rate(now.rate, x_next + SLIDE);
+            store_mid_step_start(now.rate, x_next + SLIDE);
         else
-            store_rate_after(x + SLIDE, rate, h, x_next + SLIDE);
+            store_mid_step_after(x + SLIDE, rate, h, x_next + SLIDE);
     }
     vector_store(now.span, x_next + SPAN);
     x_next[HEAT] = x[HEAT] + heat;
@@ -179,7 +179,7 @@ static int suspension_initial(void *self, const double *u, double *x, Reason *wh
         return refuse(why, "the ports of the suspension are at one point; it hangs along no line");
     for (int i = 0; i < STATES; i++) x[i] = 0.0;
     vector_store(now.span, x + SPAN);
-    store_starting_rate(now.rate, x + SLIDE);
+    store_mid_step_start(now.rate, x + SLIDE);
     return 1;
 }
 
@@ -189,7 +189,7 @@ static void suspension_observe(void *self, const double *x, const double *u, dou
     Instant now = suspension_instant(u);
     double elongation = now.length - suspension->preload_length;
     z[0] = now.length;
-    z[1] = tension_of(suspension, elongation, suspension->endpoint ? now.rate : rate_now(x + SLIDE));
+    z[1] = tension_of(suspension, elongation, suspension->endpoint ? now.rate : mid_step_now(x + SLIDE));
     z[2] = law_potential(&suspension->spring, elongation);
     z[3] = x[HEAT];
 }

@@ -13,14 +13,6 @@
 #include "real.h"
 #include "triangles.h"
 
-/* Scalar product in independent partial sums, which a compiler may keep in one register. */
-static inline real dot_product(const real *a, const real *b, size_t count) {
-    real sum[FANFOLD_LANES] = {0.0, 0.0, 0.0, 0.0};
-    for (size_t j = 0; j < count; j += FANFOLD_LANES)
-        for (size_t lane = 0; lane < FANFOLD_LANES; lane++) sum[lane] += a[j + lane] * b[j + lane];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
 /* What a coupling level keeps of the invariants; `modes` is the padded number. */
 typedef struct {
     int varies, full;
@@ -47,52 +39,99 @@ static inline void gyroscopic_of(const InertiaCoupling *coupling, const real *et
     triangles_combined(&coupling->gyroscopic, eta, b, scratch->split);
 }
 
-/* J - B B^T at eta, from the products `scratch` holds at the full level, at a level that varies. */
-FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const real *eta,
-                                          const CouplingScratch *scratch, real inertia[6]) {
-    static const unsigned char first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
-    size_t modes = coupling->modes;
-    for (size_t p = 0; p < 6; p++) {
-        const double *slope = coupling->slope + p * modes;
-        real sum[FANFOLD_LANES] = {0.0, 0.0, 0.0, 0.0};
-        for (size_t j = 0; j < modes; j += FANFOLD_LANES)
-            for (size_t lane = 0; lane < FANFOLD_LANES; lane++) sum[lane] += slope[j + lane] * eta[j + lane];
-        inertia[p] = coupling->inertia[p] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
+#ifdef FANFOLD_COMPLEX
+
+static inline real dot_product(const real *a, const real *b, size_t count) {
+    real sum[2] = {0.0, 0.0};
+    for (size_t j = 0; j < count; j += 2) {
+        sum[0] += a[j] * b[j];
+        sum[1] += a[j + 1] * b[j + 1];
     }
-    if (!coupling->full) return;
+    return sum[0] + sum[1];
+}
+
+/* B times a vector over the modes. */
+static inline Vector3 gyroscopic_times(const real *b, const real *weight, size_t n) {
+    return (Vector3){dot_product(b, weight, n), dot_product(b + n, weight, n), dot_product(b + 2 * n, weight, n)};
+}
+
+/* J - B B^T at eta, from the products `scratch` holds at the full level, at a level that varies. */
+static inline void inertia_at(const InertiaCoupling *coupling, const real *eta, const CouplingScratch *scratch,
+                              real inertia[6]) {
+    static const unsigned char first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
+    size_t n = coupling->modes;
     for (size_t p = 0; p < 6; p++) {
-        inertia[p] -= dot_product(scratch->quadratic + p * modes, eta, modes);
-        inertia[p] -= dot_product(scratch->b + first[p] * modes, scratch->b + second[p] * modes, modes);
+        const double *slope = coupling->slope + p * n;
+        inertia[p] = coupling->inertia[p];
+        for (size_t j = 0; j < n; j++) inertia[p] -= slope[j] * eta[j];
+        if (!coupling->full) continue;
+        inertia[p] -= dot_product(scratch->quadratic + p * n, eta, n);
+        inertia[p] -= dot_product(scratch->b + first[p] * n, scratch->b + second[p] * n, n);
     }
 }
 
-/* What the rate of J - B B^T makes of an angular velocity, at these modal rates and where `scratch` was evaluated,
-   with B's rate, at a level that varies. */
-FANFOLD_VECTORISED static Vector3 growth_of_momentum(const InertiaCoupling *coupling, const real *rate, Vector3 omega,
-                                                     const CouplingScratch *scratch) {
-    static const unsigned char first[6] = {0, 1, 2, 0, 0, 1}, second[6] = {0, 1, 2, 1, 2, 2};
-    size_t n = coupling->modes;
-    real growth[6];
-    for (size_t p = 0; p < 6; p++) {
-        const double *slope = coupling->slope + p * n;
-        const real *quadratic = scratch->quadratic + p * n;
-        const real *b = scratch->b + first[p] * n, *other_b = scratch->b + second[p] * n;
-        const real *b_rate = scratch->b_rate + first[p] * n, *other_rate = scratch->b_rate + second[p] * n;
-        real sum[FANFOLD_LANES] = {0.0, 0.0, 0.0, 0.0};
-        for (size_t j = 0; j < n; j += FANFOLD_LANES)
-            for (size_t lane = 0; lane < FANFOLD_LANES; lane++) {
-                size_t i = j + lane;
-                sum[lane] += slope[i] * rate[i];
-                if (coupling->full) sum[lane] += 2.0 * quadratic[i] * rate[i] + b[i] * other_rate[i] + other_b[i] * b_rate[i];
-            }
-        growth[p] = -((sum[0] + sum[1]) + (sum[2] + sum[3]));
+#else
+
+/* sum += product of e and of the lanes that `row` has here, which goes on to the next row of n numbers. */
+#define ROW_ADDED(sum, e, row, n)             \
+    do {                                      \
+        Lanes own_;                           \
+        memcpy(&own_, row, sizeof own_);      \
+        sum += e * own_;                      \
+        row += n;                             \
+    } while (0)
+
+FANFOLD_VECTORISED static Vector3 gyroscopic_times(const real *b, const real *weight, size_t n) {
+    Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, none = {0.0}, x;
+    for (size_t j = 0; j < n; j += FANFOLD_LANES) {
+        const double *row = b + j;
+        memcpy(&x, weight + j, sizeof x);
+        ROW_ADDED(s0, x, row, n);
+        ROW_ADDED(s1, x, row, n);
+        ROW_ADDED(s2, x, row, n);
     }
-    return (Vector3){
-        growth[0] * omega.x + growth[3] * omega.y + growth[4] * omega.z,
-        growth[3] * omega.x + growth[1] * omega.y + growth[5] * omega.z,
-        growth[4] * omega.x + growth[5] * omega.y + growth[2] * omega.z,
-    };
+    double total[FANFOLD_LANES];
+    LANES_SUM(x, s0, s1, s2, none);
+    memcpy(total, &x, sizeof x);
+    return (Vector3){total[0], total[1], total[2]};
 }
+
+FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const real *eta,
+                                          const CouplingScratch *scratch, real inertia[6]) {
+    size_t n = coupling->modes;
+    const double *b = scratch->b;
+    Lanes s0 = {0.0}, s1 = {0.0}, s2 = {0.0}, s3 = {0.0}, s4 = {0.0}, s5 = {0.0}, none = {0.0}, rest = {0.0}, x, y, z;
+    for (int part = 0; part <= coupling->full; part++)
+        for (size_t j = 0; j < n; j += FANFOLD_LANES) {
+            const double *row = (part ? scratch->quadratic : coupling->slope) + j;
+            memcpy(&x, eta + j, sizeof x);
+            ROW_ADDED(s0, x, row, n);
+            ROW_ADDED(s1, x, row, n);
+            ROW_ADDED(s2, x, row, n);
+            ROW_ADDED(s3, x, row, n);
+            ROW_ADDED(s4, x, row, n);
+            ROW_ADDED(s5, x, row, n);
+        }
+    for (size_t j = 0; coupling->full && j < n; j += FANFOLD_LANES) {
+        memcpy(&x, b + j, sizeof x);
+        memcpy(&y, b + n + j, sizeof y);
+        memcpy(&z, b + 2 * n + j, sizeof z);
+        s0 += x * x;
+        s1 += y * y;
+        s2 += z * z;
+        s3 += x * y;
+        s4 += x * z;
+        s5 += y * z;
+    }
+    double total[2 * FANFOLD_LANES];
+    LANES_SUM(x, s0, s1, s2, s3);
+    LANES_SUM(y, s4, s5, none, rest);
+    memcpy(total, &x, sizeof x);
+    memcpy(total + FANFOLD_LANES, &y, sizeof y);
+    for (size_t p = 0; p < 6; p++) inertia[p] = coupling->inertia[p] - total[p];
+}
+
+#endif
 
 /* Forces on the modes that are quadratic in the velocities, and drag = omega^T B, at a level that varies. */
 FANFOLD_VECTORISED static void coupling_forces(const InertiaCoupling *coupling, Vector3 omega,
@@ -115,6 +154,15 @@ FANFOLD_VECTORISED static void coupling_forces(const InertiaCoupling *coupling, 
         force[j] -= omega.x * rate[j] + omega.y * rate[n + j] + omega.z * rate[2 * n + j];
         drag[j] = omega.x * b[j] + omega.y * b[n + j] + omega.z * b[2 * n + j];
     }
+}
+
+/* A symmetric 3x3 matrix given by its six entries, times a vector. */
+static inline Vector3 symmetric_times(const real a[6], Vector3 v) {
+    return (Vector3){
+        a[0] * v.x + a[3] * v.y + a[4] * v.z,
+        a[3] * v.x + a[1] * v.y + a[5] * v.z,
+        a[4] * v.x + a[5] * v.y + a[2] * v.z,
+    };
 }
 
 /* Solves a symmetric 3x3 system given by its six entries, by cofactors. */

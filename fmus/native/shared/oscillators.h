@@ -102,10 +102,11 @@ static inline void propagator_slope_dissipation(Propagator *made, size_t j, doub
 /* c1 / h^2, c2 / h and d / h^2 as series of the derivatives of the response to an impulse:
    y(n+2) = first y(n+1) + second y(n). */
 static inline void slope_series(double first, double second, double found[3]) {
-    double before = 0.0, now = 1.0, factorial = 2.0; /* (n + 2)! */
+    double before = 0.0, now = 1.0, factorial = 2.0, term = 0.0, last = 1.0; /* (n + 2)! */
     found[0] = found[1] = found[2] = 0.0;
-    for (int n = 0; n < FANFOLD_SERIES; n++) {
-        double term = now / factorial, next = first * now + second * before;
+    for (int n = 0; n < FANFOLD_SERIES && (n < 4 || fabs(term) + fabs(last) > 1e-18 * fabs(found[2])); n++) {
+        double next = first * now + second * before;
+        last = term, term = now / factorial;
         found[0] -= term * (n + 1) / (n + 3);
         found[1] -= term * n;
         found[2] -= term * n / (n + 4);

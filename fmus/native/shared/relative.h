@@ -6,6 +6,7 @@
 
 #include "frames.h"
 #include "kernel.h"
+#include "mid_step.h"
 
 /* Scalars of the motion and of the wrench of one port. */
 enum { MOTION_SIZE = 13, WRENCH_SIZE = 6 };
@@ -188,27 +189,6 @@ static inline void store_slope_pair(const Passage *passage, Vector3 force, Vecto
     store_mean_pair(passage, force, torque, slopes);
     Vector3 added = vector_cross(gap_slope(passage), vector_of(slopes + 6));
     vector_store(vector_subtract(vector_of(wrench + 3), added), wrench + 3);
-}
-
-/* Rate at the communication point, on the line through the mean rates of the last two steps: `slide` is both
-   rates, then the sizes of both steps; the last rate where a step is missing (size 0). */
-static inline double rate_now(const double slide[4]) {
-    if (slide[2] == 0.0 || slide[3] == 0.0) return slide[0];
-    return slide[0] + (slide[0] - slide[1]) * (slide[2] / (slide[2] + slide[3]));
-}
-
-/* Before the first step, or after an impulse: only an instant's rate is known. */
-static inline void store_starting_rate(real rate, real *slide) {
-    slide[0] = slide[1] = rate;
-    slide[2] = slide[3] = 0.0;
-}
-
-/* With one step more. */
-static inline void store_rate_after(const double *old, real rate, double h, real *slide) {
-    slide[0] = rate;
-    slide[1] = old[0];
-    slide[2] = h;
-    slide[3] = old[2];
 }
 
 #ifndef FANFOLD_COMPLEX

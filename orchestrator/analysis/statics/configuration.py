@@ -8,7 +8,7 @@ from math import ceil, pi
 from typing import Literal
 
 from ...assembly.assemble import assemble
-from ...scene import Scene, SceneError
+from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, start_poses
 from ...scene.hinge_line_tables import HingeLine
 from .equilibrium_search import settle
@@ -29,7 +29,7 @@ class Configuration:
 
 
 def configuration(
-    scene: Scene,
+    scene: CheckedScene,
     named: Named = "current",
     angles: Mapping[str, float] | None = None,
     latched: str | None = None,
@@ -56,7 +56,7 @@ def configuration(
     return Configuration(found, names)
 
 
-def lines_named(scene: Scene, text: str) -> tuple[str, ...]:
+def lines_named(scene: CheckedScene, text: str) -> tuple[str, ...]:
     """Lines that move, by their names with commas between, "all" or "none"; SceneError for others."""
     moving = [line.name for line in scene.hinge_lines if not line.held]
     names = tuple(moving) if text == "all" else _listed(text)
@@ -70,7 +70,7 @@ def _listed(text: str) -> tuple[str, ...]:
     return () if text == "none" else tuple(name.strip() for name in text.split(",") if name.strip())
 
 
-def _unknown(scene: Scene, name: str) -> str:
+def _unknown(scene: CheckedScene, name: str) -> str:
     known = ", ".join(line.name for line in scene.hinge_lines if not line.held) or "none"
     return f"{scene.file}: there is no hinge line {name!r} that moves; those are {known}"
 
@@ -81,13 +81,13 @@ def _angle(line: HingeLine, named: Named) -> float:
     return line.stowed_angle if named == "stowed" else line.deployed_angle
 
 
-def hinges_of(scene: Scene, lines: Collection[str]) -> list[str]:
+def hinges_of(scene: CheckedScene, lines: Collection[str]) -> list[str]:
     """Names of the hinges of lines that move."""
     return [h.name for line in scene.hinge_lines if line.name in lines and not line.held for h in line.hinges]
 
 
 def placed(
-    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str], target: Configuration
 ) -> Mechanism:
     """The mechanism in a configuration, as its hinge lines lead there from where a run begins.
 
@@ -111,7 +111,7 @@ def placed(
     return mechanism
 
 
-def _lead(mechanism: Mechanism, scene: Scene, ways: Mapping[str, tuple[float, float]]) -> None:
+def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[float, float]]) -> None:
     """Turn the hinge lines together from their first to their second angles (rad), connections following."""
     steps = max([1, *(ceil(abs(end - begin) / _LARGEST_TURN) for begin, end in ways.values())])
     points = scene_points(scene)
@@ -125,7 +125,7 @@ def _lead(mechanism: Mechanism, scene: Scene, ways: Mapping[str, tuple[float, fl
         mechanism.follow()
 
 
-def with_angles(scene: Scene, angles: Mapping[str, float]) -> Scene:
+def with_angles(scene: CheckedScene, angles: Mapping[str, float]) -> CheckedScene:
     """The scene with other start angles."""
     lines = tuple(
         line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
@@ -135,7 +135,7 @@ def with_angles(scene: Scene, angles: Mapping[str, float]) -> Scene:
 
 
 def loaded(
-    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str], target: Configuration
 ) -> Mechanism:
     """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
     mechanism = placed(scene, rigid, flexible, target)
@@ -148,7 +148,11 @@ def loaded(
 
 
 def scene_model(
-    scene: Scene, rigid: Collection[str], flexible: Collection[str], target: Configuration, as_posed: bool
+    scene: CheckedScene,
+    rigid: Collection[str],
+    flexible: Collection[str],
+    target: Configuration,
+    as_posed: bool,
 ) -> LinearModel:
     """The linear model about a configuration, loaded or as posed."""
     return linearise((placed if as_posed else loaded)(scene, rigid, flexible, target))

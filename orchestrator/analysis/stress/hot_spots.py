@@ -6,7 +6,7 @@ under the acceleration field of the body's frame. Peaks are those at the recorde
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
-from ...results.result import Result
-from .model import BodyStress
+from ...results.result import Result, ResultError
+from .model import BodyStress, body_stress
 
 Indices = NDArray[np.int64]
 _AT_INSERT = 1e-9
@@ -70,6 +70,33 @@ class Choice:
             clear = plate.insert_distance() >= self.insert_margin - _AT_INSERT
             found = np.intersect1d(found, np.flatnonzero(clear))
         return found
+
+
+@dataclass(frozen=True)
+class PanelStress:
+    """Von Mises stresses of a panel over a run: hot spots, falling, and the peak of the larger face at every node."""
+
+    body: str
+    hot_spots: tuple[HotSpot, ...]
+    radius: float
+    """m; nodes this near to a hot spot are no further one"""
+    peak: PeakStress = field(repr=False)
+    places: Indices = field(repr=False)
+    """of the hot spots among the nodes of the recovery"""
+    stress: BodyStress = field(repr=False)
+    result: Result = field(repr=False)
+
+
+def panel_stress(result: Result, body: str, choice: Choice, radius: float, count: int) -> PanelStress:
+    """Stresses at the chosen nodes of a flexible panel; ResultError where the result does not allow it."""
+    stress = body_stress(result, body, choice)
+    peak = stress.recovery.peak(stress.coordinates)
+    if not np.all(np.isfinite(peak.value)):
+        raise ResultError(
+            f"{result.name}: {body}: the modal coordinates are not finite; the run was unstable"
+        )
+    places, spots = find_hot_spots(result, stress, peak, radius, count)
+    return PanelStress(body, tuple(spots), radius, peak, places, stress, result)
 
 
 def find_hot_spots(

@@ -19,7 +19,7 @@ from ...results.result import Result, ResultError
 from ...scene.bodies import body_model
 from ...scene.body_tables import Body
 from ...scene.reader import read_scene
-from ...scene.schema import Scene
+from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
 
 Vector = NDArray[np.float64]
@@ -44,12 +44,12 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         result.variables(body)
         flexible = ", ".join(result.recording("modal_coordinate")) or "none"
         raise ResultError(
-            f"{result.path}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
+            f"{result.name}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
         )
     scene = _scene(result)
     table = next((table for table in scene.bodies if table.name == body), None)
     if table is None or table.catalogue is None:
-        raise ResultError(f"{result.path}: {body} is not a body of the catalogue")
+        raise ResultError(f"{result.name}: {body} is not a body of the catalogue")
     try:
         sheets = face_sheets(table.catalogue)
         masses = tuple((attached.point, attached.mass) for attached in table.attached_masses)
@@ -60,17 +60,17 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
             raise ComponentError("stresses are recovered for plates only, and this body is none")
         recovery = stress_recovery(model, sheets, shapes, choose(model.plate))
     except ComponentError as error:
-        raise ResultError(f"{result.path}: {body}: {error}") from None
+        raise ResultError(f"{result.name}: {body}: {error}") from None
     field = acceleration_field(result, body, data, scene.header.gravity)
     return BodyStress(model.plate, recovery, np.hstack([result.signal(body, "modal_coordinate"), field]))
 
 
-def _scene(result: Result) -> Scene:
+def _scene(result: Result) -> CheckedScene:
     try:
         tree = json.loads(result.provenance["scene_tree"])
     except (KeyError, ValueError):
-        raise ResultError(f"{result.path}: the result does not hold its scene; run the scene again") from None
-    return read_scene(f"{result.path} (scene)", tree)
+        raise ResultError(f"{result.name}: the result does not hold its scene; run the scene again") from None
+    return read_scene(f"{result.name} (scene)", tree)
 
 
 def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, data: ModalData) -> Vector:

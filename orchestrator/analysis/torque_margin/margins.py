@@ -7,17 +7,92 @@ to line, dampers give none at rest.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ...scene import Scene
-from .rules import FACTORS, RULES, FactorKind, Found, margins
-from .sweep import FrictionKind, sweep
+from ...scene import CheckedScene, SceneError
+from ...scene.builder import Scene
+from .rules import FACTORS, LIMIT, RULES, FactorKind, Found, margins
+from .sweep import FrictionKind, driven_lines, sweep
+from .undriven import without_margin
+
+_BASE, _COLD = "base", "cold"
+
+
+@dataclass(frozen=True)
+class TorqueMargin:
+    """Margins of every driven line in every case, and why other lines have none, by case and line."""
+
+    factors: FactorKind
+    friction: FrictionKind
+    lines: tuple[Found, ...]
+    without: Mapping[str, Mapping[str, str]]
+
+    @property
+    def passes(self) -> bool:
+        """Whether every line keeps the limit by both rules over its whole travel, in every case."""
+        return all(rule.passes for found in self.lines for rule in found.margins)
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {
+            "factors": self.factors,
+            "friction": self.friction,
+            "limit": LIMIT,
+            "margins": [row for found in self.lines for row in found.as_dicts()],
+            "without_margin": [
+                {"case": case, "line": line, "reason": reason}
+                for case, reasons in self.without.items()
+                for line, reason in reasons.items()
+            ],
+        }
+
+
+def margin_cases(scene: Scene, names: Sequence[str] = ()) -> dict[str, CheckedScene]:
+    """Scenes by case: the variants named, "base" for none; by default the scene, and its variant "cold" if any.
+
+    SceneError where it runs in phases and none is chosen, whose cases would not be one.
+    """
+    scene.check_one_run()
+    if not names:
+        has_cold = _COLD in scene.variants and _COLD not in scene.chosen
+        names = (_BASE, _COLD) if has_cold else (_BASE,)
+    own = _BASE in scene.variants
+    return {
+        name: (scene if name == _BASE and not own else scene.with_variants(name)).check() for name in names
+    }
+
+
+def torque_margin(
+    cases: Mapping[str, CheckedScene],
+    positions: int = 19,
+    factors: FactorKind = "theoretical",
+    friction: FrictionKind = "sliding",
+    extra: Mapping[str, Mapping[str, float]] | None = None,
+) -> TorqueMargin:
+    """Margins of every driven line of every case; extra: further torques (N.m) by line and ECSS symbol."""
+    _refuse_unknown_lines(cases, extra or {})
+    found = find_margins(cases, positions, factors, friction, extra)
+    without = {case: without_margin(one) for case, one in cases.items()}
+    return TorqueMargin(factors, friction, tuple(found), without)
+
+
+def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str, object]) -> None:
+    for case in cases.values():
+        known = [line.name for line in driven_lines(case)]
+        problems = [
+            f"{case.file}: there is no hinge line {name!r} with a motor; lines are {', '.join(known)}"
+            for name in extra
+            if name not in known
+        ]
+        if problems:
+            raise SceneError(problems)
 
 
 def find_margins(
-    cases: Mapping[str, Scene],
+    cases: Mapping[str, CheckedScene],
     positions: int,
     factors: FactorKind = "theoretical",
     friction: FrictionKind = "sliding",

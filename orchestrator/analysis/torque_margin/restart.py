@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,8 +15,9 @@ from ...assembly.assemble import assemble
 from ...cosim.master import Settings
 from ...results.key_figures import latch_times
 from ...results.result import Result
+from ...run.progress import Progress, followed, silent
 from ...run.run import run
-from ...scene import Scene, SceneError
+from ...scene import CheckedScene, SceneError
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.units import to_si
 from .sweep import at_share, driven_lines, travel
@@ -52,11 +53,17 @@ class CaseRestart(NamedTuple):
 
     case: str
     position: str
-    path: Path
+    path: Path | None
     lines: list[Restart]
 
+    def as_dicts(self) -> list[dict[str, object]]:
+        """One plain record per line, for JSON."""
+        output = None if self.path is None else str(self.path)
+        place = {"case": self.case, "position": self.position, "output": output}
+        return [{**place, **asdict(line), "opens": line.opens} for line in self.lines]
 
-def restart_share(scene: Scene, position: str) -> float:
+
+def restart_share(scene: CheckedScene, position: str) -> float:
     """Share of the travel (0 to 1) of "50%" or "45 deg", an angle of the first line that has a motor.
 
     SceneError where it is neither, or does not lie within the travel, or none is left.
@@ -82,10 +89,47 @@ def restart_share(scene: Scene, position: str) -> float:
     return share
 
 
+def restart_shares(scene: CheckedScene, positions: Sequence[str]) -> dict[str, float]:
+    """Share of the travel by position; SceneError where two of them are the same, whose files would be one."""
+    shares: dict[str, float] = {}
+    for text in positions:
+        share = restart_share(scene, text)
+        same = next((other for other, known in shares.items() if _percent(known) == _percent(share)), None)
+        if same is not None:
+            raise SceneError([f"{scene.file}: the restarts from {same} and {text} are the same; give one"])
+        shares[text] = share
+    return shares
+
+
+def _percent(share: float) -> str:
+    """How a position is called in the name of a file."""
+    return f"{100.0 * share:.4g}"
+
+
+def restart_cases(
+    cases: Mapping[str, CheckedScene],
+    shares: Mapping[str, Mapping[str, float]],
+    folder: Path | None,
+    until: float | None = None,
+    progress: Progress = silent,
+) -> list[CaseRestart]:
+    """Run every case from rest at its positions, see `restart_shares`; results in the folder, if there is one."""
+    found = []
+    for case, positions in shares.items():
+        scene = cases[case]
+        for text, share in positions.items():
+            path = None if folder is None else folder / f"restart_{case}_{_percent(share)}.h5"
+            if folder is not None:
+                folder.mkdir(parents=True, exist_ok=True)
+            with followed(progress, f"{case} from {text}", until or scene.header.until) as watch:
+                found.append(CaseRestart(case, text, path, restart(scene, share, path, until, watch)))
+    return found
+
+
 def restart(
-    scene: Scene,
+    scene: CheckedScene,
     share: float,
-    output: Path,
+    output: Path | None = None,
     until: float | None = None,
     watch: Callable[[float, float], None] = lambda time, h: None,
 ) -> list[Restart]:
@@ -93,8 +137,7 @@ def restart(
     stopped = at_share(scene, share)
     assembly = assemble(stopped, rigid={"all"})
     settings = Settings(tolerance=assembly.tolerance, largest_step=assembly.largest_step)
-    outcome = run(assembly, output, settings, until, watch=watch)
-    result = Result.open(outcome.path)
+    result = run(assembly, output, settings, until, watch=watch).result
     return [_restarted(result, line, assembly) for line in driven_lines(stopped)]
 
 

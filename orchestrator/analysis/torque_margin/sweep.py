@@ -24,7 +24,7 @@ from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
 from ...cosim.stepping import StepError
 from ...run.run import RunError
-from ...scene import Scene
+from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
 from .rules import LineTorques
@@ -45,7 +45,7 @@ class _NoRecorder:
         """Nothing."""
 
 
-def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
+def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
     """Lines that a motorisation spring opens; SceneError if there are none."""
     lines = tuple(line for line in scene.hinge_lines if line.motor is not None and not line.held)
     if not lines:
@@ -58,7 +58,7 @@ def driven_lines(scene: Scene) -> tuple[HingeLine, ...]:
     return lines
 
 
-def travel(scene: Scene, line: HingeLine) -> float:
+def travel(scene: CheckedScene, line: HingeLine) -> float:
     """Way of a line (rad) from its start to its deployed angle; SceneError where none is left."""
     way = line.deployed_angle - line.initial_angle
     if way <= 0.0:
@@ -70,7 +70,7 @@ def travel(scene: Scene, line: HingeLine) -> float:
     return way
 
 
-def at_share(scene: Scene, share: float) -> Scene:
+def at_share(scene: CheckedScene, share: float) -> CheckedScene:
     """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle."""
     driven = {line.name for line in driven_lines(scene)}
     lines = []
@@ -82,7 +82,10 @@ def at_share(scene: Scene, share: float) -> Scene:
 
 
 def sweep(
-    scene: Scene, shares: Sequence[float], friction: FrictionKind, extra: Mapping[str, Mapping[str, float]]
+    scene: CheckedScene,
+    shares: Sequence[float],
+    friction: FrictionKind,
+    extra: Mapping[str, Mapping[str, float]],
 ) -> list[LineTorques]:
     """Torques of every driven line at shares of the travel; extra: further torques (N.m) by line and symbol.
 
@@ -100,7 +103,7 @@ def sweep(
     return result
 
 
-def _torques(scene: Scene, friction: FrictionKind) -> dict[str, Vector]:
+def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
     """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
     settled = _equilibrium(assembly)
@@ -108,7 +111,7 @@ def _torques(scene: Scene, friction: FrictionKind) -> dict[str, Vector]:
     return {
         line.name: sum(
             (
-                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name].inputs, friction)
+                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name], friction)
                 for hinge in line.hinges
             ),
             start=np.zeros(len(_OBSERVED)),
@@ -129,8 +132,8 @@ def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:
     return {participant.name: participant for participant in participants}
 
 
-def _opening_torques(part: Part, axis: Vector3, inputs: Vector, friction: FrictionKind) -> Vector:
-    """Motor, harness and friction torque (3,) of a hinge in the pose of its inputs, opening slowly.
+def _opening_torques(part: Part, axis: Vector3, settled: InProcess, friction: FrictionKind) -> Vector:
+    """Motor, harness and friction torque (3,) of a hinge in its pose in equilibrium, opening slowly.
 
     The end-point form of the component gives the torques of an instant; no torque depends on the rate but the
     friction, whose law says at which rate it slides.
@@ -138,12 +141,13 @@ def _opening_torques(part: Part, axis: Vector3, inputs: Vector, friction: Fricti
     hinge = Hinge(**{**part.structure, "wrench_mode": "endpoint"})
     coefficient = {"friction_coefficient": 0.0} if friction == "constant" else {}
     slow = InProcess(part.name, hinge, {**part.start, **coefficient})
-    slow.inputs[:] = inputs
-    layout = hinge.input_layout
+    layout, known = hinge.input_layout, settled.input_layout
+    for quantity in layout.quantities:  # of an instant there are fewer than of a step
+        slow.inputs[layout[quantity.name]] = settled.inputs[known[quantity.name]]
     for port in ("inboard", "outboard"):
         slow.inputs[layout[f"{port}.velocity"]] = 0.0
         slow.inputs[layout[f"{port}.angular_velocity"]] = 0.0
-    w, x, y, z = (float(v) for v in inputs[layout["inboard.orientation"]])
+    w, x, y, z = (float(v) for v in slow.inputs[layout["inboard.orientation"]])
     transition = float(np.ravel(part.start["stiction_velocity"])[0])
     rate = transition * (1.0 if friction == "static" else _SLIDING)
     slow.inputs[layout["outboard.angular_velocity"]] = rate * np.array(rotate((w, x, y, z), axis))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from ...scene import Scene
+from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 
 _CABLE, _DRIVE = "ccl", "drive"
 
 
-def without_margin(scene: Scene) -> dict[str, str]:
+def without_margin(scene: CheckedScene) -> dict[str, str]:
     """Why a line has no margin of its own, by line: it is held, or has no motor; then what turns or keeps it."""
     found = {}
     for line in scene.hinge_lines:
@@ -21,7 +21,7 @@ def without_margin(scene: Scene) -> dict[str, str]:
     return found
 
 
-def _what_turns(scene: Scene, line: HingeLine) -> str:
+def _what_turns(scene: CheckedScene, line: HingeLine) -> str:
     """Drives and cable loops that can turn a line, or what keeps it, to follow the words "no motor"."""
     acting = [(name, kind) for name, kind, bodies in _movers(scene) if _acts(scene, line, bodies)]
     drives = [name for name, kind in acting if kind == _DRIVE]
@@ -38,7 +38,7 @@ def _named(what: str, names: list[str]) -> str:
     return f"{what}{'s' * (len(names) > 1)} {' and '.join(names)}"
 
 
-def _movers(scene: Scene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+def _movers(scene: CheckedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     """Name, kind and bodies of everything that can turn a line without a motor: drives, then cable loops."""
     others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
     for name, (kind, bodies) in others.items():
@@ -51,7 +51,7 @@ def _movers(scene: Scene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
             yield name, kind, bodies
 
 
-def _acts(scene: Scene, line: HingeLine, bodies: Iterable[str]) -> bool:
+def _acts(scene: CheckedScene, line: HingeLine, bodies: Iterable[str]) -> bool:
     """Whether the line is on the way from one of the bodies to another."""
     carrier = {k.outboard: k for k in scene.hinge_lines}
     carried = [line.name in _inward(carrier, body) for body in bodies]

@@ -6,17 +6,26 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 from math import pi
-from typing import Concatenate
+from typing import TYPE_CHECKING, Concatenate, TypedDict
 
 import click
 
-from ...analysis.statics.configuration import Configuration, Named, configuration
-from ...scene import Scene
 from ..options import Command, Others, SceneChoice, ordered_names
 from ..types import given_quantity
 
+if TYPE_CHECKING:
+    from ...analysis.statics.configuration import Named
+
 _MOST = 2.0 * pi * (1.0 + 1e-9)
 """rad; no line turns further, and 360deg is rounded."""
+
+
+class Posed(TypedDict):
+    """A configuration by what functions call its parts."""
+
+    configuration: Named
+    angles: Mapping[str, float] | None
+    latched: str | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +37,10 @@ class ConfigurationChoice:
     """rad, of single lines"""
     latched: str | None = None
 
-    def of(self, scene: Scene) -> Configuration:
-        """That of a scene; SceneError where a line does not exist."""
-        return configuration(scene, self.named, self.angles, self.latched)
+    @property
+    def posed(self) -> Posed:
+        """Its parts."""
+        return {"configuration": self.named, "angles": self.angles, "latched": self.latched}
 
 
 def angles_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, float]:

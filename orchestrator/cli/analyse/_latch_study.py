@@ -2,69 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from ...analysis.studies import Case, as_dict, latch_rows, refuse_unlatched
-from ...assembly import Assembly
-from ...cosim.master import Settings
-from ...run.run import run
-from ...views.studies import draw_changes, draw_latch_torques
+import orchestrator as fanfold
+
+from ...analysis.studies import Case, LatchStudy, latch_rows
 from ..options import Command
-from ..progress import progress
 from ..tables import plain_table
 from ..types import Number
 
 _NUMBER = 7
 
 
-@dataclass(frozen=True, slots=True)
-class LatchStudy:
-    """Finished runs of a scene with one thing changed; RunError where no line latched in the last, the reference."""
-
-    scene: str
-    folder: Path
-    cases: Sequence[Case]
-    beside: Sequence[Case] = ()
-    """runs without a value of what was changed, told of first"""
-
-    def __post_init__(self) -> None:
-        refuse_unlatched(self.reference)
-
-    @property
-    def reference(self) -> Case:
-        """What all others are set against."""
-        return self.cases[-1]
-
-    @property
-    def shown(self) -> list[Case]:
-        """All runs, in the order in which they are told of."""
-        return [*self.beside, *self.cases]
-
-    def draw(self, title: str, against: str, changed: str, ringing: float) -> None:
-        """Pictures of the latch torques, for a time (s) after latch-up, and of their changes over what was changed.
-
-        against: what the reference is called. changed: label of the axis, with its unit.
-        """
-        draw_latch_torques(self.folder / "latch_torques.png", title, self.shown, ringing)
-        path = self.folder / "changes.png"
-        draw_changes(path, f"Against {against}", changed, self.cases, self.reference, log=True)
-
-    def as_dict(self) -> list[dict[str, object]]:
-        """For JSON."""
-        return as_dict(self.shown, self.reference)
-
-    def print(self, console: Console, against: str, further: Iterable[Table] = ()) -> None:
-        """The table of latch-ups, further tables, and where everything is."""
-        console.print(latch_table(f"{self.scene}: against {against}", self.shown, self.reference))
-        for table in further:
-            console.print(table)
-        console.print(f"pictures and results in {self.folder}")
+def report_study(
+    study: LatchStudy, folder: Path, content: Mapping[str, object] | None, further: Iterable[Table] = ()
+) -> None:
+    """Draw the pictures; then the content as JSON, or the table of latch-ups, further tables, where everything is."""
+    fanfold.plot(study, folder)
+    if content is not None:
+        click.echo(json.dumps(content))
+        return
+    console = Console()
+    console.print(latch_table(f"{study.scene}: against {study.against}", study.shown, study.reference))
+    for table in further:
+        console.print(table)
+    console.print(f"pictures and results in {folder}")
 
 
 def study_options(study: str, runs: str) -> Callable[[Command], Command]:
@@ -83,14 +51,6 @@ def study_options(study: str, runs: str) -> Callable[[Command], Command]:
         )(command)  # fmt: skip
 
     return with_options
-
-
-def run_case(
-    label: str, value: float, assembly: Assembly, path: Path, settings: Settings, until: float
-) -> Case:
-    """Run an assembly with a progress bar; RunError where it does not finish."""
-    with progress(f"{assembly.name}, {label}", until) as watch:
-        return Case(label, value, run(assembly, path, settings, until, watch=watch))
 
 
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:

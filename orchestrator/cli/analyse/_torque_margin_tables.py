@@ -7,25 +7,25 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from rich.table import Table
 
+from ...analysis.torque_margin.margins import TorqueMargin
 from ...analysis.torque_margin.restart import CaseRestart, Restart
-from ...analysis.torque_margin.rules import LIMIT, FactorKind, Found, LineTorques, Margins
-from ...analysis.torque_margin.sweep import FrictionKind
+from ...analysis.torque_margin.rules import LIMIT, LineTorques, Margins
 from ...scene.units import degrees_text
 from ..tables import plain_table
 
 
-def margin_table(found: Sequence[Found], factors: FactorKind, friction: FrictionKind) -> Table:
+def margin_table(found: TorqueMargin) -> Table:
     """Every line, case and rule at its worst angle, in the order of the scene's lines."""
     table = plain_table(
-        f"torque margin at the worst angle, limit {LIMIT:g}\n{factors} factors, {friction} friction"
+        f"torque margin at the worst angle, limit {LIMIT:g}\n{found.factors} factors, {found.friction} friction"
     )
     for name in ("line", "case", "rule"):
         table.add_column(name)
     for name in ("margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m"):
         table.add_column(name, justify="right", min_width=5)
     table.add_column("verdict")
-    lines = list(dict.fromkeys(one.line for one in found))
-    for one in sorted(found, key=lambda one: lines.index(one.line)):
+    lines = list(dict.fromkeys(one.line for one in found.lines))
+    for one in sorted(found.lines, key=lambda one: lines.index(one.line)):
         for rule in one.margins:
             table.add_row(one.line, one.case, rule.rule, *_margin_cells(one.torques, rule))
     return table

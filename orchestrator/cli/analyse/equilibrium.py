@@ -6,9 +6,8 @@ import json
 
 import click
 
-from ...analysis.equilibrium import Sweep, equilibrium, free_lines, quasi_static
-from ...analysis.statics.configuration import lines_named
-from ...scene import SceneError
+import orchestrator as fanfold
+
 from ..options import SceneChoice, ordered_names, refuse_idle, scene_choice
 from ..types import Count
 from ._configuration import ConfigurationChoice, angle_of, configuration_choice, lines_given
@@ -22,21 +21,22 @@ Examples:
 """
 
 
-def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> tuple[Sweep, ...]:
-    """Sweeps such as HL1=0deg:90deg,HL2=0deg:180deg."""
-    found = []
+def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, tuple[float, float]]:
+    """First and last angle (rad) by line, of HL1=0deg:90deg,HL2=0deg:180deg."""
+    found: dict[str, tuple[float, float]] = {}
     for entry in ordered_names(_, __, value):
         name, equals, angles = entry.partition("=")
         start, colon, end = angles.partition(":")
-        if not (equals and colon and name.strip()):
-            raise click.BadParameter(f"{entry!r} is not of the form HL1=0deg:90deg")
         line = name.strip()
-        found.append(Sweep(line, angle_of(line, start), angle_of(line, end)))
-        if found[-1].start == found[-1].end:
+        if not (equals and colon and line):
+            raise click.BadParameter(f"{entry!r} is not of the form HL1=0deg:90deg")
+        way = (angle_of(line, start), angle_of(line, end))
+        if way[0] == way[1]:
             raise click.BadParameter(f"{entry!r}: the two angles are the same")
-        if found[-1].line in {sweep.line for sweep in found[:-1]}:
-            raise click.BadParameter(f"{entry!r}: {found[-1].line} is swept already")
-    return tuple(found)
+        if line in found:
+            raise click.BadParameter(f"{entry!r}: {line} is swept already")
+        found[line] = way
+    return found
 
 
 @click.command("equilibrium", epilog=_EXAMPLES)
@@ -60,7 +60,7 @@ def command(
     wanted: ConfigurationChoice,
     hold: str | None,
     preload: bool,
-    sweeps: tuple[Sweep, ...],
+    sweeps: dict[str, tuple[float, float]],
     steps: int,
     as_json: bool,
 ) -> None:
@@ -68,20 +68,15 @@ def command(
     refuse_idle("--steps", "--sweep")
     if preload and sweeps:
         raise click.UsageError("--preload is about one equilibrium; leave it or --sweep out")
-    scene = choice.load_one_run()
-    target = wanted.of(scene)
-    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
-    default = "none" if sweeps else ",".join(free_lines(scene, target, ()))
-    held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
-    both = sorted({*swept, *held} & set(target.latched))
-    if both:
-        raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
+    scene = choice.load()
     if sweeps:
-        found = quasi_static(scene, choice.rigid, choice.flexible, target, held, sweeps, steps)
+        found = fanfold.quasi_static(
+            scene, sweeps, **wanted.posed, **choice.fidelities, hold=hold, steps=steps
+        )
     else:
-        found = [equilibrium(scene, choice.rigid, choice.flexible, target, held, preload)[1]]
+        found = [fanfold.equilibrium(scene, **wanted.posed, **choice.fidelities, hold=hold, preload=preload)]
     if as_json:
-        content = {"scene": scene.header.name, "equilibria": [one.as_dict() for one in found]}
+        content = {"scene": scene.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
     elif sweeps:
         print_sweep(found)

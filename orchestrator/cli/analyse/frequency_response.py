@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from components.contract.component import Vector
+import orchestrator as fanfold
 
-from ...analysis.frequency_response import INTERFACE, Response, frequency_grid, peaks, responses
+from ...analysis.frequency_response import INTERFACE, FrequencyResponse, peaks
 from ...analysis.modes import DIRECTIONS
-from ...analysis.statics.configuration import scene_model
 from ...analysis.statics.linear_model import ZERO_FREQUENCY
 from ..options import SceneChoice, ordered_names, scene_choice
 from ..types import Count, Number, Picture
@@ -68,45 +65,38 @@ def command(
         raise click.UsageError(f"--to {high:g} Hz must be above --from {low:g} Hz")
     if not points:
         raise click.UsageError("--points needs points such as panel1.center, or interface")
-    scene = choice.load_one_run()
-    target = wanted.of(scene)
-    model = scene_model(scene, choice.rigid, choice.flexible, target, as_posed)
-    frequencies = frequency_grid(model, low, high, steps)
-    found = responses(model, excite, along or excite, points, frequencies)
+    found = fanfold.frequency_response(
+        choice.load(),
+        **wanted.posed,
+        **choice.fidelities,
+        as_posed=as_posed,
+        excite=excite,
+        along=along,
+        points=points,
+        low=low,
+        high=high,
+        steps=steps,
+    )
     if plot is not None:
-        from ...views.linear import draw_responses  # matplotlib takes its time
+        from ...views.linear import plot_response  # matplotlib takes its time
 
-        title = f"{scene.header.name}: base acceleration {excite}"
-        draw_responses(plot, title, frequencies, found)
+        plot_response(found, plot)
     if as_json:
-        click.echo(json.dumps(_as_dict(scene.header.name, excite, frequencies, found)))
+        click.echo(json.dumps(found.as_dict()))
         return
-    _print(frequencies, found)
+    _print(found)
     if plot is not None:
         click.echo(plot)
 
 
-def _as_dict(scene: str, excite: str, frequencies: Vector, found: Sequence[Response]) -> dict[str, object]:
-    curves = [
-        {
-            "output": response.name,
-            "unit": response.unit,
-            "magnitude": np.abs(response.values).tolist(),
-            "phase_deg": np.rad2deg(np.angle(response.values)).tolist(),
-        }
-        for response in found
-    ]
-    return {"scene": scene, "excitation": excite, "frequency_hz": frequencies.tolist(), "responses": curves}
-
-
-def _print(frequencies: Vector, found: Sequence[Response]) -> None:
+def _print(found: FrequencyResponse) -> None:
     table = Table(title="largest resonances")
     for heading in ("output", "unit"):
         table.add_column(heading, no_wrap=True)
     for heading in ("frequency, Hz", "magnitude"):
         table.add_column(heading, justify="right")
-    for response in found:
-        found_peaks = peaks(frequencies, response.values)
+    for response in found.responses:
+        found_peaks = peaks(found.frequencies, response.values)
         if not found_peaks:
             table.add_row(response.name, response.unit, "none", "")
         for frequency, size in found_peaks:

@@ -10,9 +10,9 @@ import click
 from rich.console import Console
 from rich.table import Table
 
-from ...analysis.impact import Impact, impacts
-from ...results.result import Result
-from ...views.impact import draw_impacts
+import orchestrator as fanfold
+
+from ...analysis.impact import Impact
 from ..tables import plain_table
 from ..types import Picture
 
@@ -50,10 +50,12 @@ def impact_table(found: list[Impact]) -> Table:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(result: Path, output: Path | None, as_json: bool) -> None:
     """Impacts in RESULT: when, how hard, how long, and the energy they took."""
-    opened = Result.open(result)
-    found = impacts(opened)
+    opened = fanfold.Result.open(result)
+    found = fanfold.impacts(opened)
     picture = output or result.with_suffix(".impact.png")
     if found:
+        from ...views.impact import draw_impacts  # matplotlib takes its time
+
         draw_impacts(picture, opened, found)
     if as_json:
         click.echo(json.dumps({"impacts": [asdict(impact) for impact in found]}))

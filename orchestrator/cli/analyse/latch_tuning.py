@@ -10,10 +10,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from ...analysis.latch_tuning import Kind, Tuning, find_line, latch_law, tune
-from ...assembly.assemble import choose_fidelity
-from ...scene import Scene
-from ...scene.hinge_line_tables import HingeLine
+import orchestrator as fanfold
+
+from ...analysis.latch_tuning import Kind, Tuning
 from ..options import SceneChoice, scene_choice
 from ..types import Number, given_quantity
 
@@ -48,30 +47,21 @@ def command(
     as_json: bool,
 ) -> None:
     """Tune the latch spring of a hinge line of SCENE for its rigid model."""
-    scene = choice.load_one_run()
-    line = find_line(scene, name)
-    flexible = choose_fidelity(scene, choice.rigid, choice.flexible)
-    tuning = tune(scene, line, flexible, frequency, kind, hinges)
-    law = latch_law(line, tuning)
+    tuning = fanfold.latch_tuning(
+        choice.load(),
+        name,
+        frequency=frequency,
+        stiffness_of=kind,
+        hinge_stiffness=hinges,
+        **choice.fidelities,
+    )
     if as_json:
-        content = tuning.as_dict()
-        if law:
-            angles, torques = zip(*law, strict=True)
-            content["latch_law"] = {"deflection_rad": angles, "torque_nm": torques}
-        click.echo(json.dumps(content))
+        click.echo(json.dumps(tuning.as_dict()))
         return
     _print(tuning)
-    click.echo(_scope(scene, line))
-    for angle, torque in law:
+    click.echo(tuning.scope)
+    for angle, torque in tuning.law:
         click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
-
-
-def _scope(scene: Scene, line: HingeLine) -> str:
-    """What the stiffness is tuned for, in a sentence."""
-    rest = "bodies further out are not part of the pair"
-    if line.inboard == scene.base.name:
-        return f"tuned for {scene.base.name} and {line.outboard} alone; the rest of the wing is not part of the pair"
-    return f"tuned for {line.inboard} and {line.outboard} alone, free in space; {rest}"
 
 
 def _print(tuning: Tuning) -> None:

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Collection, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 from rich.console import Console
 from rich.table import Table
 
-from ...analysis.mode_study import Frequencies, Vector, frequencies
-from ...cosim.master import Settings
-from ...run.run import RunError
-from ...scene import Scene
-from ...scene.body_tables import Body
-from ...scene.locked_groups import held_bodies
+import orchestrator as fanfold
+
+from ...analysis.mode_study import Frequencies, Vector, mode_label
 from ..options import SceneChoice, scene_choice
+from ..progress import progress
 from ..tables import Column, tables_that_fit
-from ._latch_study import LatchStudy, run_case, study_options
+from ._latch_study import report_study, study_options
 
 
 def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Table]:
@@ -34,7 +30,7 @@ def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Tabl
         Column("free,\nHz", [f"{value:.4f}" for value in found.free]),
     ]
     reduced = [
-        Column(f"{_modes(kept)},\n%", [_error(values, found.free, k) for k in range(count)])
+        Column(f"{mode_label(kept)},\n%", [_error(values, found.free, k) for k in range(count)])
         for kept, values in found.reduced.items()
     ]
     return tables_that_fit(
@@ -45,38 +41,9 @@ def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Tabl
     )
 
 
-def _modes(count: int) -> str:
-    return f"{count} mode{'s' * (count != 1)}"
-
-
 def _error(values: Vector, free: Vector, k: int) -> str:
     """Error (%) of a frequency of the reduced body, where it has that many."""
     return f"{100.0 * (values[k] / free[k] - 1.0):+.3g}" if k < len(values) else ""
-
-
-def _body(scene: Scene, name: str | None, rigid: Collection[str]) -> Body:
-    """The named body of the catalogue, or the only one that --rigid leaves; held lines leave a body no modes."""
-    held = held_bodies(scene)
-    bodies = {
-        body.name: body for body in scene.bodies if body.catalogue is not None and body.name not in held
-    }
-    left = [body for body in bodies if not {body, "all"} & set(rigid)]
-    if name is None and len(left) == 1:
-        return bodies[left[0]]
-    if not bodies or (name is None and left) or (name is not None and name not in bodies):
-        known = ", ".join(left or bodies) or "none"
-        raise RunError(
-            f"{scene.file}: name the body to study with --body; bodies that can have modes are {known}"
-        )
-    studied = name or next(iter(bodies))
-    if studied not in left:
-        others = ",".join(body for body in bodies if body != studied)
-        advice = (
-            f"make only others rigid: --body {studied} --rigid {others}" if others else "leave --rigid out"
-        )
-        whose = f"{name} has no modes" if name else "no body has modes"
-        raise RunError(f"{scene.file}: with this --rigid {whose} to count; {advice}")
-    return bodies[studied]
 
 
 def _counts(_: click.Context, param: click.Parameter, value: str) -> tuple[int, ...]:
@@ -106,35 +73,16 @@ def command(
     as_json: bool,
 ) -> None:
     """Latch-up of SCENE against the number of a body's fixed-interface modes."""
-    scene = choice.load_one_run()
-    studied = _body(scene, body, choice.rigid)
-    choice = replace(choice, flexible=choice.flexible | {studied.name})
-    assemblies = {
-        count: choice.assemble(choice.load(f"body.{studied.name}.fixed_interface_modes={count}"))
-        for count in counts
-    }
-    folder = output or Path(f"{scene.header.name}.mode-study")
-    folder.mkdir(parents=True, exist_ok=True)
-    cases = []
-    for count, assembly in assemblies.items():
-        numbers = Settings(tolerance or assembly.tolerance, assembly.largest_step)
-        path = folder / f"{count}_modes.h5"
-        cases.append(run_case(_modes(count), count, assembly, path, numbers, assembly.until))
-    study = LatchStudy(scene.header.name, folder, cases)
-    found = frequencies(studied, counts)
-    most = study.reference.label
-    study.draw(
-        f"Latch-up with modes of {studied.name}", f"{most} of {studied.name}", "fixed-interface modes", 0.5
+    scene = choice.load()
+    folder = output or Path(f"{scene.name}.mode-study")
+    study = fanfold.mode_study(
+        scene,
+        body,
+        counts=counts,
+        **choice.fidelities,
+        tolerance=tolerance,
+        folder=folder,
+        progress=progress,
     )
-    if as_json:
-        content = {
-            "body": studied.name,
-            "cases": study.as_dict(),
-            "fixed_interface_hz": found.fixed.tolist(),
-            "free_hz": found.free.tolist(),
-            "reduced_free_hz": {str(k): v.tolist() for k, v in found.reduced.items()},
-        }
-        click.echo(json.dumps(content))
-        return
-    console = Console()
-    study.print(console, most, frequency_tables(studied.name, found, console.width))
+    tables = frequency_tables(study.body, study.frequencies, Console().width)
+    report_study(study.latch_up, folder, study.as_dict() if as_json else None, tables)

@@ -8,10 +8,9 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from ...analysis.modes import DIRECTIONS, Mode, mode_table
-from ...analysis.statics.configuration import scene_model
-from ...analysis.statics.linear_model import normal_modes
-from ...scene import Scene
+import orchestrator as fanfold
+
+from ...analysis.modes import DIRECTIONS, Modes
 from ..options import SceneChoice, refuse_idle, scene_choice
 from ..tables import plain_table
 from ..types import Count
@@ -47,36 +46,21 @@ def command(
 ) -> None:
     """Natural frequencies, damping and effective masses of SCENE in a configuration."""
     refuse_idle("--shapes", "--plot")
-    scene = choice.load_one_run()
-    target = wanted.of(scene)
-    model = scene_model(scene, choice.rigid, choice.flexible, target, as_posed)
-    modes = normal_modes(model)
-    listed = mode_table(model, modes, count)
-    free = int(modes.is_free.sum())
-    force, torque = model.unbalanced
+    scene = choice.load()
+    found = fanfold.modes(scene, **wanted.posed, **choice.fidelities, as_posed=as_posed, count=count)
     if as_json:
-        content = {
-            "scene": scene.header.name,
-            "angles_rad": dict(target.angles),
-            "latched": list(target.latched),
-            "unbalanced_force_n": force,
-            "unbalanced_torque_nm": torque,
-            "free_motions": free,
-            "structural_damping": _structural(scene),
-            "modes": [mode.as_dict() for mode in listed],
-        }
-        click.echo(json.dumps(content))
+        click.echo(json.dumps(found.as_dict()))
     else:
-        _print(listed, free, force, torque)
-        _print_damping(listed, scene)
+        _print(found)
+        _print_damping(found)
     if plot is not None:
-        from ...views.linear import draw_shapes  # matplotlib takes its time
+        from ...views.linear import plot_modes  # matplotlib takes its time
 
-        for path in draw_shapes(plot, model, modes, [mode.number - 1 for mode in listed[:shapes]]):
+        for path in plot_modes(found, plot, shapes):
             click.echo(path, err=as_json)
 
 
-def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
+def _print(found: Modes) -> None:
     table = plain_table("normal modes; effective masses in % of the rigid ones")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
@@ -84,34 +68,28 @@ def _print(modes: list[Mode], free: int, force: float, torque: float) -> None:
     for heading in DIRECTIONS:
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
     table.add_column("moves most")
-    for mode in modes:
+    for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
         table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {mode.share:.0%}")
     console = Console()
     console.print(table)
+    force, torque = found.unbalanced
     console.print(
-        f"{free} free motions (0 Hz); nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
+        f"{found.free_motions} free motions (0 Hz); "
+        f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration"
     )
 
 
-def _structural(scene: Scene) -> dict[str, float] | None:
-    """The scene's structural damping for JSON."""
-    if scene.structural_damping is None:
-        return None
-    structural = scene.structural_damping
-    return {"ratio": structural.ratio, "reference_frequency_hz": structural.reference_frequency}
-
-
-def _print_damping(modes: list[Mode], scene: Scene) -> None:
+def _print_damping(found: Modes) -> None:
     """What damps the first mode, and by which rule."""
-    console = Console()
+    console, modes, structural = Console(), found.listed, found.structural_damping
     if modes and modes[0].damping_shares:
         told = list(modes[0].damping_shares.items())[:_TOLD]
         console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))
-    if scene.structural_damping is not None:
-        ratio, reference = scene.structural_damping.ratio, scene.structural_damping.reference_frequency
+    if structural is not None:
+        ratio, reference = structural.ratio, structural.reference_frequency
         console.print(
             f"structural damping: {100.0 * ratio:.3g} % at {reference:.4g} Hz, in proportion to frequency"
         )

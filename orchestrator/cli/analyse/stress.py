@@ -7,16 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from components.flexible.stress import PeakStress
+import orchestrator as fanfold
 
-from ...analysis.stress.hot_spots import Choice, HotSpot, Indices, find_hot_spots
-from ...analysis.stress.model import BodyStress, body_stress
-from ...results.key_figures import latch_times
-from ...results.result import Result, ResultError
+from ...analysis.stress.hot_spots import HotSpot, PanelStress
 from ..types import Count, Number
 
 _COLUMNS = ("rank", "von Mises, MPa", "node", "face", "time, s", "x, m", "y, m", "insert")
@@ -84,29 +80,34 @@ def command(
     output: Path | None,
 ) -> None:
     """Von Mises stresses of a flexible panel in RESULT: hot spots, peak field, histories."""
-    opened = Result.open(result)
-    stress = body_stress(opened, body, Choice(nodes, within, around, insert_margin))
-    peak = stress.recovery.peak(stress.coordinates)
-    if not np.all(np.isfinite(peak.value)):
-        raise ResultError(f"{result}: {body}: the modal coordinates are not finite; the run was unstable")
-    places, spots = find_hot_spots(opened, stress, peak, radius, count)
+    opened = fanfold.Result.open(result)
+    found = fanfold.stress(
+        opened,
+        body,
+        count=count,
+        radius=radius,
+        nodes=nodes,
+        within=within,
+        around=around,
+        insert_margin=insert_margin,
+    )
     console = Console()
-    console.print(_table(body, spots, radius))
+    console.print(_table(found))
     console.print(
-        f"{len(stress.recovery.nodes)} of {len(stress.plate.positions)} nodes, "
+        f"{len(found.stress.recovery.nodes)} of {len(found.stress.plate.positions)} nodes, "
         f"{opened.time.size} recorded times up to {opened.time[-1]:g} s"
     )
     folder = output or result.with_suffix("")
-    folder.mkdir(parents=True, exist_ok=True)
-    for path in (_write_table(folder, body, spots), *_draw(folder, body, opened, stress, peak, places)):
+    pictures = fanfold.plot(found, folder)
+    for path in (_write_table(folder, body, found.hot_spots), *pictures):
         click.echo(path)
 
 
-def _table(body: str, spots: Sequence[HotSpot], radius: float) -> Table:
-    table = Table(title=f"{body}: hot spots of the von Mises stress, {radius:g} m apart")
+def _table(found: PanelStress) -> Table:
+    table = Table(title=f"{found.body}: hot spots of the von Mises stress, {found.radius:g} m apart")
     for name in _COLUMNS:
         table.add_column(name, justify="left" if name in ("face", "insert") else "right")
-    for rank, spot in enumerate(spots, 1):
+    for rank, spot in enumerate(found.hot_spots, 1):
         table.add_row(*spot.row(rank))
     return table
 
@@ -118,24 +119,3 @@ def _write_table(folder: Path, body: str, spots: Sequence[HotSpot]) -> Path:
         writer.writerow(_COLUMNS)
         writer.writerows(spot.row(rank) for rank, spot in enumerate(spots, 1))
     return path
-
-
-def _draw(
-    folder: Path, body: str, result: Result, stress: BodyStress, peak: PeakStress, places: Indices
-) -> list[Path]:
-    from ...views.stress import MOST_HISTORIES, draw_field, draw_histories  # matplotlib takes its time
-
-    field, histories = folder / f"{body}_stress_field.png", folder / f"{body}_stress_histories.png"
-    draw_field(
-        field, f"{body}: peak of the larger face over time", stress.plate, stress.recovery, peak, places
-    )
-    shown = stress.recovery.at(places[:MOST_HISTORIES])
-    draw_histories(
-        histories,
-        f"{body}: von Mises stress of the hottest nodes",
-        result.time,
-        shown.von_mises(stress.coordinates),
-        shown.nodes,
-        latch_times(result),
-    )
-    return [field, histories]

@@ -3,38 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import click
 from rich.console import Console
 
-from ...analysis.torque_margin.margins import find_margins
-from ...analysis.torque_margin.restart import CaseRestart, restart, restart_share
-from ...analysis.torque_margin.rules import DEMANDS, FACTORS, LIMIT, FactorKind, Found
-from ...analysis.torque_margin.sweep import FrictionKind, driven_lines
-from ...analysis.torque_margin.undriven import without_margin
-from ...scene import Scene, SceneError, scene_variants
+import orchestrator as fanfold
+
+from ...analysis.torque_margin.margins import margin_cases
+from ...analysis.torque_margin.restart import restart_shares
+from ...analysis.torque_margin.rules import DEMANDS, FACTORS, FactorKind
+from ...analysis.torque_margin.sweep import FrictionKind
 from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..progress import progress
 from ..types import Count, Number, given_quantity
 from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
 
-_BASE, _COLD = "base", "cold"
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
-
-
-def load_cases(choice: SceneChoice, names: tuple[str, ...]) -> dict[str, Scene]:
-    """Scenes by case: the variants named, "base" for none; by default the scene, and its variant "cold" if any."""
-    known = scene_variants(choice.file)
-    if not names:
-        has_cold = _COLD in known and _COLD not in choice.variants
-        names = (_BASE, _COLD) if has_cold else (_BASE,)
-    own = _BASE in known
-    return {
-        name: (choice if name == _BASE and not own else choice.with_variant(name)).load() for name in names
-    }
 
 
 def _extra_torques(
@@ -105,109 +90,26 @@ def command(
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
     refuse_idle("--until", "--restart")
-    choice.load_one_run()  # refuses a scene whose phases differ
-    cases = load_cases(choice, names)
-    _refuse_unknown_lines(cases, extra)
-    shares = {case: _restart_shares(one, restarts) for case, one in cases.items()}
-    found = find_margins(cases, positions, factors, friction, extra)
-    folder = output or Path(".".join((next(iter(cases.values())).header.name, *choice.variants)))
-    folder.mkdir(parents=True, exist_ok=True)
-    pictures = _draw(folder, found)
-    without = {case: without_margin(one) for case, one in cases.items()}
+    scene = choice.load()
+    for case in margin_cases(scene, names).values():
+        restart_shares(case, restarts)  # refuses what is no position before anything is written
+    found = fanfold.torque_margin(
+        scene, cases=names, factors=factors, friction=friction, torques=extra, positions=positions
+    )
+    folder = output or Path(".".join((scene.name, *scene.chosen)))
+    pictures = fanfold.plot(found, folder)
     if not as_json:
         console = Console()
-        console.print(margin_table(found, factors, friction))
-        for sentence in sentences_without_margin(without):
+        console.print(margin_table(found))
+        for sentence in sentences_without_margin(found.without):
             console.print(sentence, highlight=False)
         for path in pictures:
             click.echo(path)
-    runs = [
-        _run(folder, case, cases[case], text, share, until)
-        for case, positions_ in shares.items()
-        for text, share in positions_.items()
-    ]
+    runs = fanfold.restart(scene, restarts, cases=names, until=until, folder=folder, progress=progress)
     if as_json:
-        click.echo(json.dumps(_as_dict(found, factors, friction, without, runs)))
+        restarted = [row for run in runs for row in run.as_dicts()]
+        click.echo(json.dumps({**found.as_dict(), "restarts": restarted}))
     elif runs:
         console.print(restart_table(runs))
         for run in runs:
             click.echo(run.path)
-
-
-def _run(
-    folder: Path, case: str, scene: Scene, position: str, share: float, until: float | None
-) -> CaseRestart:
-    path = folder / f"restart_{case}_{_percent(share)}.h5"
-    with progress(f"{case} from {position}", until or scene.header.until) as watch:
-        return CaseRestart(case, position, path, restart(scene, share, path, until, watch))
-
-
-def _percent(share: float) -> str:
-    """How a position is called in the name of a file."""
-    return f"{100.0 * share:.4g}"
-
-
-def _restart_shares(scene: Scene, positions: Sequence[str]) -> dict[str, float]:
-    """Share of the travel by position; SceneError where two of them are the same, whose files would be one."""
-    shares: dict[str, float] = {}
-    for text in positions:
-        share = restart_share(scene, text)
-        same = next((other for other, known in shares.items() if _percent(known) == _percent(share)), None)
-        if same is not None:
-            raise SceneError([f"{scene.file}: the restarts from {same} and {text} are the same; give one"])
-        shares[text] = share
-    return shares
-
-
-def _refuse_unknown_lines(cases: Mapping[str, Scene], extra: Mapping[str, object]) -> None:
-    for case in cases.values():
-        known = [line.name for line in driven_lines(case)]
-        problems = [
-            f"{case.file}: there is no hinge line {name!r} with a motor; lines are {', '.join(known)}"
-            for name in extra
-            if name not in known
-        ]
-        if problems:
-            raise SceneError(problems)
-
-
-def _as_dict(
-    found: Sequence[Found],
-    factors: FactorKind,
-    friction: FrictionKind,
-    without: Mapping[str, Mapping[str, str]],
-    runs: Sequence[CaseRestart],
-) -> dict[str, object]:
-    return {
-        "factors": factors,
-        "friction": friction,
-        "limit": LIMIT,
-        "margins": [row for one in found for row in one.as_dicts()],
-        "without_margin": [
-            {"case": case, "line": line, "reason": reason}
-            for case, reasons in without.items()
-            for line, reason in reasons.items()
-        ],
-        "restarts": [
-            {
-                "case": run.case,
-                "position": run.position,
-                "output": str(run.path),
-                **asdict(line),
-                "opens": line.opens,
-            }
-            for run in runs
-            for line in run.lines
-        ],
-    }
-
-
-def _draw(folder: Path, found: Sequence[Found]) -> list[Path]:
-    from ...views.torque_margin import draw_line  # matplotlib takes its time, which --help need not
-
-    paths = []
-    for line in dict.fromkeys(one.line for one in found):
-        paths.append(folder / f"torque_margin_{line}.png")
-        cases = [(one.case, one.torques, one.margins) for one in found if one.line == line]
-        draw_line(paths[-1], f"{line}: torque margin over the travel", cases)
-    return paths

@@ -229,7 +229,7 @@ class Coupling:
                 scale = self.tolerance.scale(self.wrenches + direction)
             correction = broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
-            settled = self._settled(size, residual)
+            settled = self._settled(size, residual, scale)
             if settled and (
                 last <= 1.0 or iteration == convergence.MAX_ITERATIONS or self._agrees(residual, scale)
             ):
@@ -279,7 +279,7 @@ class Coupling:
             direction = self._direction(residual)
             scale = self.tolerance.scale(self.wrenches + direction)
             size = float(np.abs(direction / scale).max(initial=0.0))
-            converged = self._settled(size, residual)
+            converged = self._settled(size, residual, scale)
             solution = Solution(converged, iteration, size, int(np.argmax(np.abs(direction / scale))))
             if converged:
                 break
@@ -309,14 +309,15 @@ class Coupling:
         residual: Vector = self._law - self.wrenches
         return residual if bool(np.all(np.isfinite(residual))) else None
 
-    def _settled(self, correction: float, residual: Vector) -> bool:
+    def _settled(self, correction: float, residual: Vector, scale: Vector) -> bool:
         """Whether the scaled correction is small, or ports cannot agree better for the rounding of their poses.
 
         Rounding of absurd trial wrenches says nothing.
         """
         if correction <= 1.0:
             return is_credible(self.wrenches, residual)
-        return self.tolerance.is_near(correction) and bool(np.all(np.abs(residual) <= self._round_off))
+        rounded = self._round_off + convergence.ROUND_OFF / self.tolerance.relative * scale
+        return self.tolerance.is_near(correction) and bool(np.all(np.abs(residual) <= rounded))
 
     def _agrees(self, residual: Vector, scale: Vector) -> bool:
         """Whether residuals are as small as the accuracy asked of the recorded loads, or as rounding lets them be.

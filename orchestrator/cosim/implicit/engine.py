@@ -31,7 +31,7 @@ import numpy as np
 
 from ..energy_balance import Energies, Rows
 from ..fmu import Calls, FmuParticipant
-from ..network import WIDTHS, Matrix, Meeting, Network, PortPlaces, Width
+from ..network import WIDTHS, Matrix, Meeting, Network, PortPlaces, Width, carried
 from ..participant import ParticipantError, Vector
 from .elimination import eliminate
 
@@ -287,8 +287,12 @@ class Engine:
         self._data.history.values = self._keep(np.zeros(_POINTS * size))
         rows = [*(np.arange(r.start, r.stop) for r in network.rows), *network.connection_rows]
         places = [*network.body_places, *network.connection_places]
-        for calls, place, found in zip(self._calls, places, rows, strict=True):
+        for participant, calls, place, found in zip(
+            self._participants, self._calls, places, rows, strict=True
+        ):
             _place(calls, place)
+            calls.inputs = carried(participant.input_layout, network.order)
+            calls.outputs = carried(participant.output_layout, network.order)
             calls.links = self._keep((found[::wrench] // wrench).astype(np.uintp))
             self._turned.append(self._keep(np.zeros(wrench * coordinates * place.ports**2)))
             calls.turned = self._turned[-1]

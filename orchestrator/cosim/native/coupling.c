@@ -158,9 +158,11 @@ static double largest_of(const double *values, size_t size, size_t *row) {
     return fmax(largest, 0.0);
 }
 
+/* Whether residuals are rounding: of motions times stiffness, and of the largest wrench itself. */
 static int within_round_off(const Network *n) {
+    const double wrenches = n->limits.round_off / n->tolerance.relative;
     for (size_t i = 0; i < n->size; i++)
-        if (!(fabs(n->residual[i]) <= n->round_off[i])) return 0;
+        if (!(fabs(n->residual[i]) <= n->round_off[i] + wrenches * n->scale[i])) return 0;
     return 1;
 }
 

@@ -18,11 +18,16 @@ def report(result: Result, other: Result | None = None, frame_count: int = 60) -
     """The page, as HTML text; other: a second result to set against the first; no animation for no frames."""
     from .page import page  # matplotlib takes its time, which --help need not
 
-    title = result.provenance.get("scene", result.path.stem)
+    title = result.provenance.get("scene", _file(result))
     body = [*_opening(result, title), *_numbers(result), *_animation(result, frame_count), *_figures(result)]
     if other is not None:
         body += _comparison(result, other)
-    return page(f"{title}: {result.path.name}", [*body, *_provenance(result)])
+    return page(f"{title}: {_file(result)}", [*body, *_provenance(result)])
+
+
+def _file(result: Result) -> str:
+    """Name of its file, without the folder; of its scene where it has none."""
+    return result.name if result.path is None else result.path.name
 
 
 def _opening(result: Result, title: str) -> Iterator[str]:
@@ -32,7 +37,7 @@ def _opening(result: Result, title: str) -> Iterator[str]:
     description = scene.get("description") if isinstance(scene, dict) else None
     yield f"<h1>{escape(title)}</h1>"
     yield paragraph(
-        f"{description}. Result {result.path.name}." if description else f"Result {result.path.name}.", "lead"
+        f"{description}. Result {_file(result)}." if description else f"Result {_file(result)}.", "lead"
     )
     if not result.complete:
         yield paragraph(
@@ -79,7 +84,7 @@ def _comparison(result: Result, other: Result) -> Iterator[str]:
 
     found, names = compare(result, other), labels(result, other)
     yield heading(f"{names[0]} and {names[1]}")
-    yield paragraph(f"A is {result.path.name}, B is {other.path.name}.")
+    yield paragraph(f"A is {_file(result)}, B is {_file(other)}.")
     if not other.complete:
         yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
     if note := end_note(result, other, names):

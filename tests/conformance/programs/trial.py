@@ -27,8 +27,8 @@ FAILED = ERROR if NATIVE else FATAL
 REFUSED = ERROR if NATIVE else DISCARD
 AGREEMENT = 1e-11
 CANCELLED = 1e-3
-"""Quantities below it are what is left of sums of terms of order one; first moments, of terms of steps squared."""
-MOMENT = 1e-6
+"""Quantities below it are what is left of sums of terms of order one; first moments, of a tenth of a step's travel."""
+MOMENT = 1e-4
 
 
 def pair(kind, path, instance="instance"):

@@ -14,7 +14,7 @@ import sys
 import numpy as np
 
 from tests.conformance.programs import trial
-from tests.conformance.programs.driver import ERROR, KINDS, OK, Reference
+from tests.conformance.programs.driver import ERROR, KINDS, LOADS, OK, Reference
 from tests.conformance.programs.driver3 import Fmu3
 from tests.conformance.programs.trial import advance, begin, finding, pair, refuse_state, said, same, tunable
 
@@ -121,10 +121,10 @@ def check_derivative(kind, path):
     inputs = [v for v in fmu.variables if v.causality == "input" and v.variability == "continuous"]
     outputs = [r for r in fmu.sizes if y <= r < y + n_y]
     u, state = reference.random_inputs(rng), fmu.slave.getFMUState()
-    seed = np.zeros_like(u)
+    seed, units = np.zeros_like(u), {q.name: q.unit for q in reference.component.input_layout.quantities}
     for v in inputs:
         place = slice(v.valueReference - first, v.valueReference - first + fmu.sizes[v.valueReference])
-        seed[place] = rng.standard_normal(place.stop - place.start)
+        seed[place] = LOADS.get(units[v.name], 1.0) * rng.standard_normal(place.stop - place.start)
 
     def stepped(amount):
         fmu.slave.setFMUState(state)

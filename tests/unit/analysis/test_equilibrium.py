@@ -16,6 +16,7 @@ from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.scene import SceneError, find_scene, load_scene
+from tests.references.edits import edited
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 HARNESS = 'harness = { angle = ["0 deg", "60 deg", "90 deg"], resisting_torque = ["0.4 N.m", "0.1 N.m", "-0.1 N.m"] }\n'
@@ -24,8 +25,9 @@ ROOT_HINGE = 'hinges = [{ name = "root", inboard = "root", outboard = "root" }]'
 
 def wing(folder, gravity=(0.0, 0.0, 0.0), extra=""):
     """The two panels with a harness on the root line."""
-    text = TWO_PANELS.replace("until = 2.0", f"until = 2.0\ngravity = {list(gravity)}")
-    text = text.replace(ROOT_HINGE, HARNESS + ROOT_HINGE.replace('"root" }]', '"root", harness = true }]'))
+    carried = edited(ROOT_HINGE, ('"root" }]', '"root", harness = true }]'))
+    pulled = ("until = 2.0", f"until = 2.0\ngravity = {list(gravity)}")
+    text = edited(TWO_PANELS, pulled, (ROOT_HINGE, HARNESS + carried))
     path = folder / "wing.toml"
     path.write_text(text + extra, encoding="utf-8")
     return load_scene(path)
@@ -96,7 +98,7 @@ def test_loops_press_80_newton_through_the_lines():
 def test_deflection_of_a_latch_is_torque_over_stiffness(tmp_path):
     """Closed form: the latched line turns on by (motor + harness) / (K + rates), about its deployed angle."""
     latch = 'latch = { kind = "spring", stiffness = 2000, effective_inertia = 5 }\n'
-    text = TWO_PANELS.replace('motor = { stowed = "1.6 N.m"', latch + 'motor = { stowed = "1.6 N.m"')
+    text = edited(TWO_PANELS, ('motor = { stowed = "1.6 N.m"', latch + 'motor = { stowed = "1.6 N.m"'))
     path = tmp_path / "wing.toml"
     path.write_text(text, encoding="utf-8")
     scene = load_scene(path)

@@ -22,6 +22,7 @@ from orchestrator.analysis.statics.configuration import configuration, placed
 from orchestrator.analysis.statics.linear_model import linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
+from tests.references.edits import edited
 
 RATIO = 0.03
 HEAD = """
@@ -66,12 +67,12 @@ K1, K2 = M1 * (2.0 * pi * 5.0) ** 2, 900.0
 def chain(folder, bodies, free=False):
     """Masses on springs along x, in a row from the base; bodies are (mass, stiffness)."""
     base = "free = { mass = 10.0, inertia = [1.0, 1.0, 1.0] }" if free else ""
-    text, inboard, point = HEAD.replace("FREE", base), "base", "root"
+    text, inboard, point = edited(HEAD, ("FREE", base)), "base", "root"
     for k, (mass, stiffness) in enumerate(bodies, 1):
         name = f"m{k}"
-        text += BODY.replace("NAME", name).replace("MASS", str(mass))
-        line = LINE.replace("NAME", name).replace("INBOARD", inboard).replace("POINT", point)
-        text += line.replace("JOINT", SPRING).replace("STIFFNESS", str(stiffness))
+        text += edited(BODY, ("NAME", name), ("MASS", str(mass)))
+        places = (("NAME", name), ("INBOARD", inboard), ("POINT", point))
+        text += edited(LINE, *places, ("JOINT", SPRING), ("STIFFNESS", str(stiffness)))
         inboard, point = name, "b"
     path = folder / "chain.toml"
     path.write_text(text, encoding="utf-8")
@@ -113,7 +114,7 @@ def test_two_degrees_of_freedom(tmp_path):
 def test_rotation_of_the_base(tmp_path):
     """Rigid limit: far below resonance everything turns with the base, at an arm of 0.7 m with 0.7 (m/s2)/(rad/s2)."""
     path = chain(tmp_path, [(M1, 1e10)])
-    text = path.read_text(encoding="utf-8").replace("root = [0.0, 0.0, 0.0]", "root = [0.7, 0.0, 0.0]")
+    text = edited(path.read_text(encoding="utf-8"), ("root = [0.0, 0.0, 0.0]", "root = [0.7, 0.0, 0.0]"))
     path.write_text(text, encoding="utf-8")
     model = model_of(path)
     (found,) = responses(model, "ry", "z", ["m1.a"], np.array([1.0]))
@@ -172,7 +173,7 @@ def test_clamped_flexible_panel_against_its_finite_elements(tmp_path):
     is a few percent: 5e-5.
     """
     path = tmp_path / "clamped.toml"
-    path.write_text(PANEL.replace("JOINT", CLAMP), encoding="utf-8")
+    path.write_text(edited(PANEL, ("JOINT", CLAMP)), encoding="utf-8")
     model = model_of(path)
     elements = catalogue.finite_elements("workbench_panel")
     clamped = np.concatenate([elements.attachment_dofs[name] for name in ("hl_left", "hl_right")])

@@ -15,6 +15,7 @@ from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pa
 from orchestrator.assembly.assemble import choose_fidelity
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, find_scene, load_scene
+from tests.references.edits import edited
 
 PER_DEGREE = 180.0 / pi
 J2 = 6.2514
@@ -179,18 +180,21 @@ def test_two_flexible_panels_make_half_of_one(tmp_path):
     Two panels clamped in all six directions have 4147.8 / 2 (data sheet (c)); those that may turn about x together,
     as the seed holds them, are softer: by the squares of the two frequencies.
     """
-    text = PANELS.replace(
+    mirrored = (
         '[[hinge_line]]\nname = "HL"\ninboard = "base"\noutboard = "panel"',
         '[[body]]\nname = "mirrored"\ncatalogue = "workbench_panel"\nfixed_interface_modes = 20\n'
         '[[hinge_line]]\nname = "root"\ninboard = "base"\noutboard = "panel"\naxis = "+y"\naligned_angle = "90 deg"\n'
         'hinges = [{ name = "root_hinge", inboard = "left", outboard = "center" }]\n'
         '[[hinge_line]]\nname = "HL"\ninboard = "panel"\noutboard = "mirrored"',
-    ).replace(
-        'aligned_angle = "90 deg"\nhinges = [\n', 'aligned_angle = 0\nlatch_angle = "180 deg"\nhinges = [\n'
     )
     # frames are parallel at 0, so at 180 degrees the second panel lies opposite the first
-    text = text.replace('{ name = "left", inboard = "left"', '{ name = "left", inboard = "hl_left"')
-    text = text.replace('{ name = "right", inboard = "right"', '{ name = "right", inboard = "hl_right"')
+    turned = (
+        'aligned_angle = "90 deg"\nhinges = [\n',
+        'aligned_angle = 0\nlatch_angle = "180 deg"\nhinges = [\n',
+    )
+    left = ('{ name = "left", inboard = "left"', '{ name = "left", inboard = "hl_left"')
+    right = ('{ name = "right", inboard = "right"', '{ name = "right", inboard = "hl_right"')
+    text = edited(PANELS, mirrored, turned, left, right)
     scene = scene_of(tmp_path, text)
     tuning = tune(scene, find_line(scene, "HL"), choose_fidelity(scene, (), ()))
     assert tuning.frequency == pytest.approx(clamped_frequency(), rel=5e-5)
@@ -207,9 +211,8 @@ def test_a_clamped_panel_has_the_stiffness_of_the_sheet(tmp_path):
     stiff = (
         'kind = "bushing", translational_stiffness = [1e11, 1e11, 1e11], rotational_stiffness = [0, 1e9, 1e9]'
     )
-    text = PANELS.replace('"hl_left" }', f'"hl_left", {stiff} }}').replace(
-        '"hl_right" }', f'"hl_right", {stiff} }}'
-    )
+    sides = [(f'"hl_{side}" }}', f'"hl_{side}", {stiff} }}') for side in ("left", "right")]
+    text = edited(PANELS, *sides)
     scene = scene_of(tmp_path, text)
     tuning = tune(scene, find_line(scene, "HL"), choose_fidelity(scene, (), ()))
     # the sheet's frequency is that of another mesh, given to 1e-4 of itself: twice that, and as much for the mesh

@@ -18,6 +18,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.closed_forms import two_inertia_frequency
 from tests.references.coupled import between, rigid, turned
+from tests.references.edits import edited
 
 RATE = 180.0 / pi
 """N.m/rad in 1 N.m/deg"""
@@ -58,7 +59,7 @@ INERTIA = 1.4 + 7.5 * 0.8**2
 
 def panel(folder, gravity=0.0):
     path = folder / "panel.toml"
-    text = PANEL.replace("GRAVITY", str(gravity))
+    text = edited(PANEL, ("GRAVITY", str(gravity)))
     path.write_text(text, encoding="utf-8")
     return load_scene(path)
 
@@ -328,7 +329,7 @@ def test_flexible_panel_on_a_locked_hinge_has_its_fixed_interface_frequencies(tm
     ]
     """
     path = tmp_path / "clamped.toml"
-    path.write_text(text.replace("JOINT", CLAMP), encoding="utf-8")
+    path.write_text(edited(text, ("JOINT", CLAMP)), encoding="utf-8")
     scene = load_scene(path)
     modes = normal_modes(linearise(placed(scene, (), (), configuration(scene, "deployed"))))
     elements = catalogue.finite_elements("workbench_panel")

@@ -13,6 +13,8 @@ from orchestrator.analysis.statics.configuration import configuration, loaded, p
 from orchestrator.analysis.statics.linear_model import effective_masses, linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.builder import Scene
+from tests.references.edits import edited
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 LATCH = 'latch = { kind = "spring", stiffness = 2000, effective_inertia = 5 }\n'
@@ -26,7 +28,7 @@ def wing(folder, motors=("", ""), latches=("", "")):
     """The two rigid panels with other motors and with latches."""
     text = TWO_PANELS
     for old, motor, latch in zip(MOTORS, motors, latches, strict=True):
-        text = text.replace(old, motor + latch)
+        text = edited(text, (old, motor + latch))
     path = folder / "wing.toml"
     path.write_text(text, encoding="utf-8")
     return path
@@ -73,16 +75,13 @@ def test_effective_masses_of_all_modes_make_the_whole(tmp_path):
 
 def test_effective_mass_of_a_latched_panel(tmp_path):
     """Closed form: m_eff = (m a)^2 / J along the motion of the centre of mass, all of J about the line."""
-    text = TWO_PANELS[: TWO_PANELS.index('[[body]]\nname = "outer"')]
-    text += (
-        TWO_PANELS[TWO_PANELS.index('[[hinge_line]]\nname = "root_line"') :]
-        .split('[[hinge_line]]\nname = "middle_line"')[0]
-        .replace(MOTORS[0], LATCH)
-    )
-    text += "\n[joint]\naxial_stiffness = 1e11\nradial_stiffness = 1e11\ncross_stiffness = 1e11\n"
-    path = tmp_path / "one.toml"
-    path.write_text(text, encoding="utf-8")
-    model = model_of(path, "deployed")
+    scene = Scene.load(wing(tmp_path, latches=(LATCH, "")))
+    scene.joint(axial_stiffness=1e11, radial_stiffness=1e11, cross_stiffness=1e11)
+    removed = {
+        "body": [{"name": "outer", "remove": True}],
+        "hinge_line": [{"name": "middle_line", "remove": True}],
+    }
+    model = model_of(scene.with_settings(removed).save(tmp_path / "one.toml"), "deployed")
     listed = mode_table(model, normal_modes(model), 3)
     inertia = 1.8 + 8.0 * 0.8**2
     first = listed[0]

@@ -25,7 +25,9 @@ from orchestrator.analysis.stress.body_acceleration import acceleration_field
 from orchestrator.analysis.stress.hot_spots import Choice
 from orchestrator.assembly import Geometry
 from orchestrator.cli.main import main
-from orchestrator.results.result import Result, ResultWriter, SignalGroup
+from orchestrator.results.recorder import SignalGroup
+from orchestrator.results.result import Result
+from orchestrator.results.result_file import ResultWriter
 from orchestrator.scene import find_scene, load_scene
 
 ROOTS = ("hl2_left", "hl2_right")

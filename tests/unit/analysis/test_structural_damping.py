@@ -13,6 +13,7 @@ from orchestrator.analysis.statics.linear_model import linearise, modal_damping,
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
+from tests.references.edits import edited
 from tests.unit.scene.scene_cases import SCENES, TWO_PANELS, amos3_text, load_text, parts_of, problems_of
 
 PANEL = SCENES / "structural_damping.toml"
@@ -48,10 +49,13 @@ def test_a_whole_wing_gets_it_at_any_fidelity(tmp_path, rigid):
 
 def test_a_body_of_its_own_damps_by_its_share_of_the_strain_energy(tmp_path):
     """Closed form: phi' C phi = time x the body's part of phi' K phi, where nothing else is damped."""
-    before, _, after = PANEL.read_text(encoding="utf-8").partition("[structural_damping]")
-    text = before + after[after.index("[[hinge_line]]") :]
-    text = text.replace("modes = 10", f"modes = 10, structural_damping = {OWN}")
-    text = text.replace("effective_inertia", "damping_ratio = 0, effective_inertia")
+    before, table, after = PANEL.read_text(encoding="utf-8").partition("[structural_damping]")
+    assert table
+    text = edited(
+        before + after[after.index("[[hinge_line]]") :],
+        ("modes = 10", f"modes = 10, structural_damping = {OWN}"),
+        ("effective_inertia", "damping_ratio = 0, effective_inertia"),
+    )
     model = model_of(load_text(tmp_path, text), placed)
     modes = normal_modes(model)
     rows = model.mechanism.rows["panel"]
@@ -144,13 +148,12 @@ def test_mistakes_are_sentences(tmp_path, kind):
 def test_a_rigid_body_and_two_answers_are_refused(tmp_path):
     """Nonsense of one body, named with the body."""
     table = f"structural_damping = {OWN}"
-    found = problems_of(tmp_path, TWO_PANELS.replace('name = "inner"', f'name = "inner"\n{table}'))
+    found = problems_of(tmp_path, edited(TWO_PANELS, ('name = "inner"', f'name = "inner"\n{table}')))
     assert found == [
         "wing.toml: body.inner: a rigid body has no modes that structural_damping could damp; leave it out"
     ]
-    twice = PANEL.read_text(encoding="utf-8").replace(
-        "modes = 10", f"modes = 10, damping_ratio = 0.01, {table}"
-    )
+    both = f"modes = 10, damping_ratio = 0.01, {table}"
+    twice = edited(PANEL.read_text(encoding="utf-8"), ("modes = 10", both))
     found = problems_of(tmp_path, twice)
     assert len(found) == 1
     assert found[0].startswith("wing.toml: body.panel: damping_ratio and structural_damping are two answers")

@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis.torque_margin.margins import find_margins
+from orchestrator.analysis.torque_margin.margins import find_margins, margin_cases
 from orchestrator.analysis.torque_margin.restart import restart, restart_share
 from orchestrator.analysis.torque_margin.rules import FACTORS, LineTorques, margins
 from orchestrator.analysis.torque_margin.sweep import sweep
-from orchestrator.cli.analyse.torque_margin import load_cases
 from orchestrator.cli.main import main
-from orchestrator.cli.options import SceneChoice
 from orchestrator.scene import SceneError, find_scene, load_scene
+from orchestrator.scene.builder import Scene
 
 INERTIA = 1.6 + 4.0 * 0.5**2
 ONE_LINE = """
@@ -81,7 +80,7 @@ def amos3(*settings):
 
 def test_bepicolombo_hot_and_cold(tmp_path):
     """Data sheet section 4: theoretical factors, harness and friction times 3; with 0.8 the sheet fails."""
-    cases = load_cases(SceneChoice(str(bepicolombo(tmp_path))), ())
+    cases = margin_cases(Scene.load(bepicolombo(tmp_path)))
     found = worst(find_margins(cases, 7))
     expected = {("base", "sum"): 2.19, ("base", "ECSS"): 1.76, ("cold", "sum"): 1.71, ("cold", "ECSS"): 1.37}
     assert found == {("HL2", *key): pytest.approx(value, abs=ROUNDING) for key, value in expected.items()}
@@ -89,7 +88,7 @@ def test_bepicolombo_hot_and_cold(tmp_path):
 
 def test_bepicolombo_with_measured_factors(tmp_path):
     """Data sheet section 4: with 1.5 on harness and friction the cold case passes."""
-    found = find_margins(load_cases(SceneChoice(str(bepicolombo(tmp_path))), ("cold",)), 7, "measured")
+    found = find_margins(margin_cases(Scene.load(bepicolombo(tmp_path)), ("cold",)), 7, "measured")
     assert worst(found) == {
         ("HL2", "cold", "sum"): pytest.approx(3.41, abs=ROUNDING),
         ("HL2", "cold", "ECSS"): pytest.approx(2.73, abs=ROUNDING),
@@ -101,7 +100,7 @@ def test_arabsat_outer_line(tmp_path):
     """Data sheet section 4, HL6 of sheet (d): 90 degrees of free deployment."""
     harness = HARNESS.format('["0 deg", "90 deg"]', "[0.20, 0.05]")
     path = one_line(tmp_path, "HL6", (1.90, 1.50), 0.08, harness)
-    assert worst(find_margins(load_cases(SceneChoice(str(path)), ()), 7)) == {
+    assert worst(find_margins(margin_cases(Scene.load(path)), 7)) == {
         ("HL6", "base", "sum"): pytest.approx(2.26, abs=ROUNDING),
         ("HL6", "base", "ECSS"): pytest.approx(1.81, abs=ROUNDING),
     }

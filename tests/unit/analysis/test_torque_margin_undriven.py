@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from orchestrator.analysis.torque_margin.margins import TorqueMargin
 from orchestrator.analysis.torque_margin.restart import CaseRestart, Restart
 from orchestrator.analysis.torque_margin.rules import FACTORS, Found, LineTorques, margins
 from orchestrator.analysis.torque_margin.undriven import without_margin
@@ -121,6 +122,6 @@ def test_margins_stay_in_the_order_of_the_scene():
         for case in ("base", "cold")
         for line in ("HL2", "HL10")
     ]
-    table = margin_table(found, "theoretical", "sliding")
+    table = margin_table(TorqueMargin("theoretical", "sliding", found, {}))
     rows = list(zip(table.columns[0].cells, table.columns[1].cells, strict=True))
     assert rows == [("HL2", "base"), ("HL2", "cold"), ("HL10", "base"), ("HL10", "cold")]

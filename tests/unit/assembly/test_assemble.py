@@ -6,7 +6,8 @@ from components import REGISTRY
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.participant import InProcess
 from orchestrator.scene import SceneError, find_scene, load_scene
-from tests.unit.scene.scene_cases import SCENES, TWO_PANELS, amos3, amos3_text, load_text, parts_of
+from orchestrator.scene.builder import Scene
+from tests.unit.scene.scene_cases import SCENES, TWO_PANELS, amos3, load_text, parts_of
 
 
 @pytest.mark.parametrize(
@@ -29,10 +30,10 @@ def test_fidelity_flags_override_the_scene():
     assert assembly.geometry["panel2"].shapes.shape[2] == 16
 
 
-def test_modes_can_be_switched_off(tmp_path):
+def test_modes_can_be_switched_off():
     """By the numbers of the full body's modes: without the first, the others are what they were."""
-    changed = '"amos3_panel2", modes_off = [0], damping_ratio = "2 %",'
-    scene = load_text(tmp_path, amos3_text().replace('"amos3_panel2",', changed))
+    settings = {"body.panel2.modes_off": [0], "body.panel2.damping_ratio": "2 %"}
+    scene = Scene.load("amos3", settings=settings).check()
     full, modal = (
         parts_of(assemble(s, rigid={"yoke", "panel1"}))["panel2"].structure["modal"] for s in (amos3(), scene)
     )

@@ -10,7 +10,9 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.hinges import line_latch
-from tests.unit.scene.scene_cases import AMOS3_BODIES, COMPLETE, amos3, amos3_text, load_text, parts_of
+from orchestrator.scene.builder import Scene
+from tests.references.edits import edited
+from tests.unit.scene.scene_cases import AMOS3_BODIES, COMPLETE, amos3, load_text, parts_of
 
 
 def series(line, side):
@@ -53,10 +55,10 @@ def test_latch_of_every_line_at_every_fidelity(flexible):
         )
 
 
-def test_latch_of_a_free_base_follows_the_same_rule(tmp_path):
+def test_latch_of_a_free_base_follows_the_same_rule():
     """Rule: a base, free or fixed, counts as flexible."""
-    free = '[base.free]\nmass = "1500 kg"\ninertia = [1500.0, 1500.0, 1500.0]\n[joint]'
-    scene = load_text(tmp_path, amos3_text().replace("[joint]", free))
+    free = {"mass": "1500 kg", "inertia": [1500.0, 1500.0, 1500.0]}
+    scene = Scene.load("amos3", settings={"base.free": free}).check()
     assert scene.base.free.mass == 1500.0
     for flexible, expected in ((True, ("kinematic", 0.0)), (False, ("spring", 2500.0))):
         latch = line_latch(scene, scene.hinge_lines[0], dict.fromkeys(AMOS3_BODIES, flexible), "mean")
@@ -91,7 +93,7 @@ def test_kinds_of_hinge_are_settings_of_the_six_stiffnesses():
 
 def test_stiffnesses_of_a_hinge_can_be_overridden(tmp_path):
     override = 'kind = "spherical", translational_stiffness = ["1 N/mm", 2, 3]'
-    parts = parts_of(assemble(load_text(tmp_path, COMPLETE.replace('kind = "cylindrical"', override))))
+    parts = parts_of(assemble(load_text(tmp_path, edited(COMPLETE, ('kind = "cylindrical"', override)))))
     assert parts["middle_right"].start["translational_stiffness"] == (1000.0, 2.0, 3.0)
     assert parts["middle_right"].start["rotational_stiffness"] == (0.0, 0.0, 0.0)
 

@@ -8,7 +8,8 @@ import pytest
 from components import REGISTRY, rotation_matrix
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.participant import InProcess
-from tests.unit.scene.scene_cases import AMOS3_BODIES, amos3, amos3_text, load_text, parts_of
+from orchestrator.scene.builder import Scene
+from tests.unit.scene.scene_cases import AMOS3_BODIES, amos3, parts_of
 
 
 def planar_angles(phi):
@@ -19,13 +20,12 @@ def planar_angles(phi):
 
 
 @pytest.mark.parametrize("degrees", [(0, 0, 0), (30, 100, 130), (90, 180, 180)], ids=str)
-def test_start_poses_are_those_of_the_planar_angles(tmp_path, degrees):
+def test_start_poses_are_those_of_the_planar_angles(degrees):
     """Data sheet of AMOS-3: bodies in the x-z plane, one behind the other; to round-off."""
-    text = amos3_text()
-    for name, angle in zip(("HL1", "HL2", "HL3"), degrees, strict=True):
-        angles = f'name = "{name}"\nstowed_angle = "{angle} deg"\nlatch_angle = "181 deg"'
-        text = text.replace(f'[[hinge_line]]\nname = "{name}"', f"[[hinge_line]]\n{angles}")
-    parts = parts_of(assemble(load_text(tmp_path, text), rigid={"all"}))
+    angles = zip(("HL1", "HL2", "HL3"), degrees, strict=True)
+    lines = [{"name": name, "stowed_angle": f"{at} deg", "latch_angle": "181 deg"} for name, at in angles]
+    scene = Scene.load("amos3", settings={"hinge_line": lines})
+    parts = parts_of(assemble(scene.check(), rigid={"all"}))
     root = np.zeros(3)
     for body, a, length in zip(
         AMOS3_BODIES, planar_angles([radians(d) for d in degrees]), (0.95, 1.61, 0), strict=True

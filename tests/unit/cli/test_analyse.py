@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from orchestrator.cli.main import main
 from orchestrator.cli.progress import progress
+from orchestrator.run.progress import followed
 
 NAMES = main.commands["analyse"].list_commands(None)
 ON_RESULTS = ("impact", "stress")
@@ -125,10 +126,10 @@ def test_ctrl_c_is_told_in_a_sentence(monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(import_module_of("modes"), "scene_model", interrupt)
+    monkeypatch.setattr("orchestrator.analysis.modes.scene_model", interrupt)
     told = refused("modes", "amos3")
     assert told == "fanfold: analyse modes: interrupted; what it wrote up to there stays"
-    monkeypatch.setattr("orchestrator.cli.options.find_scene", interrupt)
+    monkeypatch.setattr("orchestrator.scene.builder.find_scene", interrupt)
     result = CliRunner().invoke(main, ["run", "amos3"])
     assert result.exit_code == 1
     assert result.stderr == "fanfold: run: interrupted; what it wrote up to there stays\n"
@@ -139,7 +140,7 @@ def test_ctrl_c_after_the_last_step_is_not_lost():
     """Between the runs of a study nobody would ask for it any more."""
 
     def study():
-        with progress("study", 1.0) as watch:
+        with followed(progress, "study", 1.0) as watch:
             watch(1.0, 0.1)
             signal.raise_signal(signal.SIGINT)
 

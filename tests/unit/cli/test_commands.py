@@ -17,6 +17,7 @@ from components import REGISTRY
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
+from tests.references.edits import edited
 
 ROOT = Path(__file__).parents[3]
 SCENE = ROOT / "tests" / "scenes" / "two_panels.toml"
@@ -92,10 +93,9 @@ def test_run_shows_numbers_and_writes_the_result():
 
 def test_json_of_a_run_that_latches():
     """End to end: one JSON object and nothing else on standard output, hinge lines by name."""
-    text = TWO_PANELS.replace('name = "middle_line"', 'name = "HL1"').replace(
-        "hinges = [\n", LATCH + "hinges = [\n"
-    )
-    text = text.replace('"2.0 N.m"', '"200 N.m"').replace('"1.2 N.m"', '"120 N.m"')
+    latch = ("hinges = [\n", LATCH + "hinges = [\n")
+    motor = (('"2.0 N.m"', '"200 N.m"'), ('"1.2 N.m"', '"120 N.m"'))
+    text = edited(TWO_PANELS, ('name = "middle_line"', 'name = "HL1"'), latch, *motor)
     result = fanfold(
         "run", scene_file(text), "--json", "--until", 0.5, "--tolerance", 1e-3, "--output", "a.h5"
     )
@@ -176,9 +176,14 @@ def test_file_that_is_no_scene(content, sentences):
 
 def test_scene_with_many_problems():
     """Bad input: all problems at once, each a line with file and key."""
-    text = TWO_PANELS.replace('"8 kg"', '"-8 kg"').replace("[0.9, 1.8, 2.7]", "[0.9, 1.8, 3.7]")
-    text = text.replace('"90 deg"', '"90 m"').replace('outboard = "left"', 'outboard = "top"')
-    text = text.replace('motor = { stowed = "2.0 N.m"', 'colour = "red"\nmotor = { stowed = "2.0 N.m"')
+    text = edited(
+        TWO_PANELS,
+        ('"8 kg"', '"-8 kg"'),
+        ("[0.9, 1.8, 2.7]", "[0.9, 1.8, 3.7]"),
+        ('"90 deg"', '"90 m"'),
+        ('outboard = "left"', 'outboard = "top"'),
+        ('motor = { stowed = "2.0 N.m"', 'colour = "red"\nmotor = { stowed = "2.0 N.m"'),
+    )
     lines = refused("run", scene_file(text)).splitlines()
     keys = ["body.inner.rigid.mass", "body.inner.rigid.inertia", "hinge_line.root_line.aligned_angle",
             "hinge_line.middle_line.colour"]  # fmt: skip
@@ -354,7 +359,7 @@ hinge_line = [{ name = "root_line", held = true }]
 
 def phased(folder):
     path = folder / "phased.toml"
-    text = TWO_PANELS.replace("until = 2.0", 'until = 2.0\nphases = ["first", "second"]')
+    text = edited(TWO_PANELS, ("until = 2.0", 'until = 2.0\nphases = ["first", "second"]'))
     path.write_text(text + PHASES, encoding="utf-8")
     return path
 
@@ -370,8 +375,8 @@ def test_phases_run_one_after_the_other_and_are_one_json_object(tmp_path):
 
 def test_what_takes_one_run_asks_for_a_phase(tmp_path):
     path = phased(tmp_path)
-    assert "choose one with --variant: first, second" in refused("export", path, "-o", tmp_path)
-    assert "choose one with --variant: first, second" in refused("analyse", "modes", path)
+    assert "choose one of its variants first, second" in refused("export", path, "-o", tmp_path)
+    assert "choose one of its variants first, second" in refused("analyse", "modes", path)
     ended = fanfold("run", path, "--until", 0.01)
     assert ended.exit_code == 2
     assert "choose a phase with --variant: first, second" in ended.stderr
@@ -381,7 +386,7 @@ def test_lines_that_do_not_latch_are_told_of(tmp_path):
     """The first question: does it always open. Here friction exceeds the motor's torque."""
     path = tmp_path / "stuck.toml"
     latch = "friction_preload = 5.0\nlatch = { stiffness = 2000, effective_inertia = 5 }\nhinges ="
-    text = TWO_PANELS.replace("hinges =", latch, 1)
+    text = edited(TWO_PANELS, ("hinges =", latch), count=1)
     path.write_text(text, encoding="utf-8")
     found = fanfold("run", path, "--until", 0.2)
     assert found.exit_code == 0

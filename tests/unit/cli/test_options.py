@@ -6,7 +6,7 @@ import click
 import pytest
 from click.testing import CliRunner
 
-from orchestrator.analysis.statics.configuration import Configuration
+from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.analyse._configuration import ConfigurationChoice, configuration_choice
 from orchestrator.cli.options import SceneChoice, layered_scene, scene_choice
 from orchestrator.scene import SceneError
@@ -47,26 +47,26 @@ def test_a_configuration_comes_after_the_scene_and_other_options_by_name():
     arguments = ("--configuration", "deployed", "--angle", "HL1=0.5rad", "--latched", "HL2", "--count", "3")
     wanted = ConfigurationChoice("deployed", {"HL1": 0.5}, "HL2")
     assert given(decorated, "amos3", *arguments) == ((SceneChoice("amos3"), wanted), {"count": 3})
-    assert given(decorated, "amos3")[0][1].of(SceneChoice("amos3").load()) == Configuration(
-        {line.name: line.initial_angle for line in SceneChoice("amos3").load().hinge_lines}, ()
-    )
+    assert wanted.posed == {"configuration": "deployed", "angles": {"HL1": 0.5}, "latched": "HL2"}
+    assert given(decorated, "amos3")[0][1] == ConfigurationChoice("current", {}, None)
 
 
 def test_layers_are_laid_in_their_order():
     """The last one wins: later variants over earlier ones, settings over variants, further settings over these."""
-    choice = SceneChoice("arabsat", ("phase1",), ("scene.largest_step=0.25",))
-    assert choice.load().header.until == 14.0
-    assert choice.load("scene.until=3", "scene.until=4").header.until == 4.0
-    both = choice.with_variant("phase2")
-    assert both.load().header.description.endswith("phase 2: motor driven")
-    assert both.load().header.largest_step == 0.25  # not the 0.5 s of phase 2
-    assert both.load("scene.largest_step=0.125").header.largest_step == 0.125
+    scene = SceneChoice("arabsat", ("phase1",), ("scene.largest_step=0.25",)).load()
+    assert scene.check().header.until == 14.0
+    settings = ("scene.until=3", "scene.until=4")
+    assert scene.with_settings(settings).check().header.until == 4.0
+    both = scene.with_variants("phase2")
+    assert both.check().header.description.endswith("phase 2: motor driven")
+    assert both.check().header.largest_step == 0.25  # not the 0.5 s of phase 2
+    assert both.with_settings({"scene.largest_step": 0.125}).check().header.largest_step == 0.125
 
 
 def test_one_run_of_a_scene_in_phases_is_one_of_them():
-    with pytest.raises(SceneError, match="choose one with --variant: phase1, phase2"):
-        SceneChoice("arabsat").load_one_run()
-    assert SceneChoice("arabsat", ("phase1",)).load_one_run().header.until == 14.0
+    with pytest.raises(SceneError, match="choose one of its variants phase1, phase2"):
+        SceneChoice("arabsat").load().check_one_run()
+    assert SceneChoice("arabsat", ("phase1",)).load().check_one_run().header.until == 14.0
 
 
 def test_a_choice_assembles_at_its_fidelities():
@@ -74,8 +74,8 @@ def test_a_choice_assembles_at_its_fidelities():
     choice = SceneChoice("arabsat", rigid=frozenset({"panel5"}), flexible=frozenset({"panel1"}))
     modes = [f"body.{name}.fixed_interface_modes={count}" for name, count in (("panel1", 2), ("panel4", 3))]
     few, more = (
-        choice.assemble(choice.load(*modes)),
-        choice.assemble(choice.load(*modes, modes[0][:-1] + "5")),
+        assemble(choice.load().with_settings(settings).check(), **choice.fidelities)
+        for settings in (modes, [*modes, modes[0][:-1] + "5"])
     )
     assert few.flexible == more.flexible == ("panel1", "panel4")
     kept = [{part.name: part.structure for part in one.parts if part.kind == "body"} for one in (few, more)]

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from components import Layout
 from fmus import build_fmu, native_library
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
@@ -55,7 +56,7 @@ class Wired:
     """Participants without equations, joined as said: connections are tuples of the bodies at their ports."""
 
     def __init__(self, bodies, connections, order=2):
-        self.width = WIDTHS[order]
+        self.order, self.width = order, WIDTHS[order]
         wrench = self.width.wrench
         self.rng = np.random.default_rng(3)
         ends = [(body, c, side) for c, found in enumerate(connections) for side, body in enumerate(found)]
@@ -91,6 +92,7 @@ class Wired:
         """A participant that never steps, with ports at rest in random poses."""
         made = FmuParticipant.__new__(FmuParticipant)
         made.inputs, made.outputs = np.zeros(13 * ports), np.zeros(13 * ports)
+        made.input_layout = made.output_layout = Layout(())
         made.calls = Calls(input=made.inputs.ctypes.data, output=made.outputs.ctypes.data)
         table = getattr(made, motion).reshape(-1, 13)
         table[:, :7] = self.rng.standard_normal((ports, 7))

@@ -8,7 +8,9 @@ import pytest
 from orchestrator.cli.tables import headline_table
 from orchestrator.results.energy_ledger import EnergyLedger, energy_ledger
 from orchestrator.results.key_figures import headline
-from orchestrator.results.result import Result, ResultWriter, SignalGroup
+from orchestrator.results.recorder import SignalGroup
+from orchestrator.results.result import Result
+from orchestrator.results.result_file import ResultWriter
 
 TIME = np.linspace(0.0, 1.0, 11)
 STANDING = 24e3

@@ -8,7 +8,8 @@ from fmus import native_library
 from orchestrator.cosim.master import Settings
 from orchestrator.results.estimated_errors import doubts, errors_text, estimated_errors
 from orchestrator.results.key_figures import headline, headline_rows
-from orchestrator.results.result import Result, ResultError, add_statistics
+from orchestrator.results.result import Result, ResultError
+from orchestrator.results.result_file import with_statistics
 from orchestrator.run.companion import doubled, with_estimates
 from orchestrator.run.run import run
 from tests.unit.run.test_verify import smooth_scene
@@ -25,7 +26,7 @@ def test_doubled_steps():
 def estimated(tmp_path_factory):
     """A coarse run with its estimates, and the headline of a run at a hundredth of its tolerance."""
     folder = tmp_path_factory.mktemp("estimated")
-    assembly = smooth_scene(folder)
+    assembly = smooth_scene()
     settings = Settings(tolerance=1e-3)
     outcome = run(assembly, folder / "run.h5", settings, 2.4)
     outcome = with_estimates(assembly, outcome, settings, 2.4)
@@ -63,7 +64,7 @@ def test_file_and_table_hold_the_estimates(estimated):
 def test_damaged_estimates_are_told_of(estimated, tmp_path):
     path = tmp_path / "damaged.h5"
     path.write_bytes(estimated[0].path.read_bytes())
-    add_statistics(path, {"estimated_errors": '[["latch time", 1]]'})
+    with_statistics(Result.open(path), {"estimated_errors": '[["latch time", 1]]'})
     with pytest.raises(ResultError, match="estimated errors of the result are damaged"):
         headline(Result.open(path))
 

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import Geometry, HingeLine
-from orchestrator.results.result import Result, ResultError, ResultWriter, SignalGroup
+from orchestrator.results.recorder import SignalGroup
+from orchestrator.results.result import Result, ResultError
+from orchestrator.results.result_file import ResultWriter
 from tests.references import synthetic_result as reference
 
 GROUPS = (
@@ -24,7 +26,8 @@ LINES = (HingeLine("hl1", ("hinge",), "hinge", True, False),)
 RUNNING = """
 import sys
 import numpy as np
-from orchestrator.results.result import ResultWriter, SignalGroup
+from orchestrator.results.recorder import SignalGroup
+from orchestrator.results.result_file import ResultWriter
 names = tuple(f"v{k}" for k in range(8))
 groups = [SignalGroup(f"c{k}", names, ("1",) * 8, (1,) * 8, names) for k in range(12)]
 writer = ResultWriter(sys.argv[1], groups, {"scene": "text"}, {}, [])

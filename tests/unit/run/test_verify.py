@@ -15,32 +15,27 @@ from orchestrator.cosim.participant import in_process
 from orchestrator.results.result import Result
 from orchestrator.run.run import RunError, run
 from orchestrator.run.verify import halved, verify
-from orchestrator.scene import load_scene
+from orchestrator.scene.builder import Scene
 
-TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
-LATCH = "latch = { stiffness = 200, outboard_stiffness = 200, effective_inertia = 1.5 }\n"
-SMOOTH = """
-[joint] # slow and damped enough for the steps to resolve what a release and a latch-up excite
-axial_stiffness = "4e4 N/m"
-radial_stiffness = "4e4 N/m"
-cross_stiffness = "4e3 N.m/rad"
-damping_ratio = 0.3
-damping_frequency = "15 Hz"
-"""
+TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+LATCH = {"stiffness": 200, "outboard_stiffness": 200, "effective_inertia": 1.5}
+SMOOTH = {
+    "axial_stiffness": "4e4 N/m",
+    "radial_stiffness": "4e4 N/m",
+    "cross_stiffness": "4e3 N.m/rad",
+    "damping_ratio": 0.3,
+    "damping_frequency": "15 Hz",
+}
+"""Slow and damped enough for the steps to resolve what a release and a latch-up excite."""
 
 
-def smooth_scene(folder):
+def smooth_scene():
     """Two panels with strong motors and soft joints; the middle line latches at 2.04 s."""
-    text = TWO_PANELS.replace("hinges = [\n", LATCH + "hinges = [\n") + SMOOTH
-    for weak, strong in (
-        ("1.6 N.m", "6.4 N.m"),
-        ("1.0 N.m", "4.0 N.m"),
-        ("2.0 N.m", "8 N.m"),
-        ("1.2 N.m", "4.8 N.m"),
-    ):
-        text = text.replace(weak, strong)
-    (folder / "smooth.toml").write_text(text, encoding="utf-8")
-    return assemble(load_scene(folder / "smooth.toml"))
+    scene = Scene.load(TWO_PANELS)
+    scene.joint(**SMOOTH)
+    root = {"name": "root_line", "motor": {"stowed": 6.4, "deployed": 4.0}}
+    middle = {"name": "middle_line", "motor": {"stowed": 8.0, "deployed": 4.8}, "latch": LATCH}
+    return assemble(scene.with_settings({"hinge_line": [root, middle]}).check())
 
 
 def loader(assembly):
@@ -57,7 +52,7 @@ def test_halved_steps():
 def verified(tmp_path_factory):
     """A coarse run with its verification, and headline numbers of a run at a hundredth of its tolerance."""
     folder = tmp_path_factory.mktemp("verified")
-    assembly = smooth_scene(folder)
+    assembly = smooth_scene()
     settings, load = Settings(tolerance=1e-3), loader(assembly)
     outcome = run(assembly, folder / "run.h5", settings, 2.8, load=load)
     found = verify(assembly, outcome, settings, 2.8, load=load)
@@ -119,7 +114,7 @@ def test_results_of_finer_runs_stay(verified):
 
 def test_plan_that_ends_before_its_event(tmp_path):
     """Regression: beyond the end of a plan the last step, cut short by an event, is not repeated for ever."""
-    assembly = smooth_scene(tmp_path)
+    assembly = smooth_scene()
     plan = Settings(step_plan=[[0.005] * 5 + [1e-7], [0.005]])
     outcome = run(assembly, tmp_path / "run.h5", plan, 0.1, load=loader(assembly))
     assert outcome.costs.steps < 30
@@ -128,7 +123,7 @@ def test_plan_that_ends_before_its_event(tmp_path):
 
 def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
     """Bad luck: numbers that not all runs have are left out, the others are still verified."""
-    assembly = smooth_scene(tmp_path)
+    assembly = smooth_scene()
     settings, load = Settings(tolerance=1e-3), loader(assembly)
     outcome = run(assembly, tmp_path / "run.h5", settings, 0.1, load=load)
     early = replace(outcome.headline, latch_times={"middle_line": 0.09})
@@ -140,7 +135,7 @@ def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
 
 def test_explicit_run_is_not_verified(tmp_path):
     """Bad input: no halving of steps that were not recorded; a sentence instead."""
-    assembly = smooth_scene(tmp_path)
+    assembly = smooth_scene()
     settings = Settings(fixed_step=1e-4)
     outcome = run(assembly, tmp_path / "run.h5", settings, 1e-3, "jacobi", load=loader(assembly))
     with pytest.raises(RunError, match="only a run of the implicit master can be verified"):

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from orchestrator.assembly import Assembly, Part
-from orchestrator.scene import Scene, SceneError, find_scene, load_scene
+from orchestrator.scene import CheckedScene, SceneError, find_scene, load_scene
+from tests.references.edits import edited
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TWO_PANELS = (SCENES / "two_panels.toml").read_text(encoding="utf-8")
@@ -25,10 +26,10 @@ STOP = (
     'parameters = { gap = "0 m", reference_penetration = "1 mm" }\n'
 )
 AMOS3_BODIES = ("yoke", "panel1", "panel2")
-COMPLETE = TWO_PANELS.replace(HINGES, LATCH + HINGES) + DAMPER + CCL + STOP
+COMPLETE = edited(TWO_PANELS, (HINGES, LATCH + HINGES)) + DAMPER + CCL + STOP
 
 
-def load_text(folder: Path, text: str) -> Scene:
+def load_text(folder: Path, text: str) -> CheckedScene:
     """The scene of a text, as the file wing.toml."""
     path = folder / "wing.toml"
     path.write_text(text, encoding="utf-8")
@@ -42,7 +43,7 @@ def problems_of(folder: Path, text: str) -> list[str]:
     return caught.value.problems
 
 
-def amos3() -> Scene:
+def amos3() -> CheckedScene:
     """The AMOS-3 wing in orbit."""
     return load_scene(find_scene("amos3"))
 

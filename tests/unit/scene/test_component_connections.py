@@ -6,6 +6,7 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError, load_scene
+from tests.references.edits import edited
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 DAMPER = """
@@ -68,16 +69,14 @@ def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
     ],
 )  # fmt: skip
 def test_what_a_component_does_not_accept_is_a_sentence_with_its_key(tmp_path, old, new, sentence):
-    assert old in DAMPER
     with pytest.raises(SceneError) as caught:
-        load_text(tmp_path, TWO_PANELS + DAMPER.replace(old, new, 1))
+        load_text(tmp_path, TWO_PANELS + edited(DAMPER, (old, new), count=1))
     assert any(sentence in problem for problem in caught.value.problems), caught.value.problems
 
 
 def test_a_placed_body_starts_beside_a_point_of_another(tmp_path):
-    rope = DAMPER.replace("brake", "rope").replace(
-        'body = "inner", point = "root", offset = ["0 m", "10 mm", "0 m"]', 'body = "weight", point = "eye"'
-    )
+    seat = 'body = "inner", point = "root", offset = ["0 m", "10 mm", "0 m"]'
+    rope = edited(DAMPER, ("brake", "rope"), (seat, 'body = "weight", point = "eye"'))
     assembly = assemble(load_text(tmp_path, TWO_PANELS + WEIGHT + rope))
     start = {part.name: part.start for part in assembly.parts}
     at = start["middle_left"]["inboard.position"]
@@ -98,5 +97,5 @@ def test_a_placed_body_starts_beside_a_point_of_another(tmp_path):
 )
 def test_a_place_that_does_not_exist_is_a_sentence(tmp_path, old, new, sentence):
     with pytest.raises(SceneError) as caught:
-        load_text(tmp_path, TWO_PANELS + WEIGHT.replace(old, new))
+        load_text(tmp_path, TWO_PANELS + edited(WEIGHT, (old, new)))
     assert any(sentence in problem for problem in caught.value.problems), caught.value.problems

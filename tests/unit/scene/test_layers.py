@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from orchestrator.scene import SceneError, find_scene, load_scene, scene_variants
+from tests.references.edits import edited
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
 VARIANTS = """
@@ -99,9 +100,8 @@ body = [{ name = "outr", remove = true }]
 
 @pytest.mark.parametrize("chosen", [(), ("heavy",), ("slow",)])
 def test_every_variant_of_a_file_is_checked_chosen_or_not(tmp_path, chosen):
-    path = written(
-        tmp_path, "wing.toml", TWO_PANELS.replace("until = 2.0", "until = true") + VARIANTS + BAD_VARIANTS
-    )
+    text = edited(TWO_PANELS, ("until = 2.0", "until = true"))
+    path = written(tmp_path, "wing.toml", text + VARIANTS + BAD_VARIANTS)
     with pytest.raises(SceneError) as caught:
         load_scene(path, chosen)
     starts = (
@@ -165,7 +165,7 @@ def test_a_layer_about_nothing_is_told(tmp_path, extra, sentence):
 
 
 def test_a_layer_over_two_entries_of_one_name_is_told(tmp_path):
-    twice = TWO_PANELS.replace('name = "outer"', 'name = "inner"', 1)
+    twice = edited(TWO_PANELS, ('name = "outer"', 'name = "inner"'), count=1)
     path = written(tmp_path, "wing.toml", twice)
     assert "two entries have the same name" in problems_of(path, (), ("body.inner.rigid.mass=2",))
     assert "two components are named 'inner'" in problems_of(path)

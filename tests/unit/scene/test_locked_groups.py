@@ -12,6 +12,7 @@ from orchestrator.cosim.master import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import run
 from orchestrator.scene import SceneError, load_scene
+from tests.references.edits import edited
 
 SCENES = Path(__file__).parents[2] / "scenes"
 TIP = """
@@ -36,14 +37,14 @@ hinge = "root"
 damping_coefficient = 2.0
 """
 TWO_PANELS = (SCENES / "two_panels.toml").read_text(encoding="utf-8")
-THREE = TWO_PANELS.replace("points = { left", "points = { tip = [1.4, 0.4, 0.0], left") + TIP
+THREE = edited(TWO_PANELS, ("points = { left", "points = { tip = [1.4, 0.4, 0.0], left")) + TIP
 
 
 def scene_with(folder, held, extra=""):
     path = folder / "wing.toml"
     text = THREE + extra
     for line in held:
-        text = text.replace(f'name = "{line}"\n', f'name = "{line}"\nheld = true\n')
+        text = edited(text, (f'name = "{line}"\n', f'name = "{line}"\nheld = true\n'))
     path.write_text(text, encoding="utf-8")
     return load_scene(path)
 

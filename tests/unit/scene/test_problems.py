@@ -3,6 +3,7 @@
 import pytest
 
 from orchestrator.scene import SceneError, find_scene, list_scenes
+from tests.references.edits import edited
 from tests.unit.scene.scene_cases import COMPLETE, HINGES, LATCH, SCENES, STOP, load_text, problems_of
 
 BAD = {
@@ -142,8 +143,7 @@ FOLLOWED = {
 def test_bad_input_is_a_sentence_that_names_file_and_key(tmp_path, kind):
     """One mistake is one problem, but where others follow from it."""
     old, new, sentence = BAD[kind]
-    assert old in COMPLETE
-    found = problems_of(tmp_path, COMPLETE.replace(old, new, 1))
+    found = problems_of(tmp_path, edited(COMPLETE, (old, new), count=1))
     assert any(sentence in problem for problem in found), found
     assert all(problem.startswith("wing.toml: ") for problem in found)
     assert len(found) == 1 or kind in FOLLOWED, found
@@ -153,7 +153,7 @@ def test_all_problems_are_reported_at_once(tmp_path):
     kinds = ("wrong unit", "wrong unit in a list", "rising motor", "bad axis", "unknown body", "not finite")
     text = COMPLETE
     for kind in kinds:
-        text = text.replace(*BAD[kind][:2], 1)
+        text = edited(text, BAD[kind][:2], count=1)
     found = problems_of(tmp_path, text)
     for kind in kinds:
         assert any(BAD[kind][2] in problem for problem in found), kind
@@ -170,9 +170,9 @@ def test_problems_of_different_tables_do_not_hide_each_other(tmp_path):
         "hinges off the line",
         "overdamped joint",
     )
-    text = COMPLETE + STOP.replace('"stop"', '"rest"').replace('"1 mm"', '"-1 mm"')
+    text = COMPLETE + edited(STOP, ('"stop"', '"rest"'), ('"1 mm"', '"-1 mm"'))
     for kind in kinds:
-        text = text.replace(*BAD[kind][:2], 1)
+        text = edited(text, BAD[kind][:2], count=1)
     found = problems_of(tmp_path, text)
     for sentence in (
         *(BAD[kind][2] for kind in kinds),
@@ -184,9 +184,14 @@ def test_problems_of_different_tables_do_not_hide_each_other(tmp_path):
 
 def test_places_and_hinges_of_tables_with_other_problems_are_still_checked(tmp_path):
     """A line with a bad axis still names its bodies, and its hinges still carry the damper."""
-    text = COMPLETE.replace('axis = "-y"', 'axis = "down"').replace('hinge = "root"', 'hinge = "middle_left"')
-    text = text.replace('outboard = "left"', 'outboard = "port"').replace('"5 N/mm"', '"5 N"')
-    found = problems_of(tmp_path, text.replace('point = "left"', 'point = "top"'))
+    changes = (
+        ('axis = "-y"', 'axis = "down"'),
+        ('hinge = "root"', 'hinge = "middle_left"'),
+        ('outboard = "left"', 'outboard = "port"'),
+        ('"5 N/mm"', '"5 N"'),
+        ('point = "left"', 'point = "top"'),
+    )
+    found = problems_of(tmp_path, edited(COMPLETE, *changes))
     assert len(found) == 4
     for words in (
         "axis: is 'down'",
@@ -199,10 +204,10 @@ def test_places_and_hinges_of_tables_with_other_problems_are_still_checked(tmp_p
 
 def test_a_misspelt_body_of_a_line_is_one_problem(tmp_path):
     """Two hinges, a damper and every body further out depend on it."""
-    text = COMPLETE.replace('hinge = "root"', 'hinge = "middle_left"')
+    text = edited(COMPLETE, ('hinge = "root"', 'hinge = "middle_left"'))
     for old, new in (('outboard = "outer"', 'outboard = "outr"'), ('inboard = "inner"', 'inboard = "iner"')):
-        assert len(problems_of(tmp_path, text.replace(old, new, 1))) == 1
-    assert len(problems_of(tmp_path, text.replace(*BAD["unknown outboard body"][:2], 1))) == 1
+        assert len(problems_of(tmp_path, edited(text, (old, new), count=1))) == 1
+    assert len(problems_of(tmp_path, edited(text, BAD["unknown outboard body"][:2], count=1))) == 1
 
 
 def test_what_only_just_holds_is_accepted(tmp_path):
@@ -214,9 +219,8 @@ def test_what_only_just_holds_is_accepted(tmp_path):
         (LATCH, LATCH + 'start_angle = "90 deg"\n'),
     )
     for old, new in changes:
-        assert old in COMPLETE
-        load_text(tmp_path, COMPLETE.replace(old, new, 1))
-    beyond = COMPLETE.replace(LATCH, LATCH + 'held = true\nstart_angle = "91 deg"\n', 1)
+        load_text(tmp_path, edited(COMPLETE, (old, new), count=1))
+    beyond = edited(COMPLETE, (LATCH, LATCH + 'held = true\nstart_angle = "91 deg"\n'), count=1)
     assert load_text(tmp_path, beyond).hinge_lines[0].held
 
 

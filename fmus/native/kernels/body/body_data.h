@@ -48,10 +48,12 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     return 1;
 }
 
-static int remembered_allocate(Remembered *remembered, size_t bytes, Memory *memory) {
-    remembered->eta = allocate(memory, bytes);
-    remembered->b = allocate(memory, 3 * bytes);
-    return remembered->eta && remembered->b;
+/* For so many numbers of a size, one a mode. */
+static int remembered_allocate(Remembered *remembered, size_t modes, size_t size, Memory *memory) {
+    remembered->eta = allocate(memory, modes * size);
+    remembered->b = allocate(memory, 3 * modes * size);
+    remembered->inertia = allocate(memory, 6 * size);
+    return remembered->eta && remembered->b && remembered->inertia;
 }
 
 /* Working memory that is too large for the stack; 0 without memory. */
@@ -74,8 +76,9 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     if (!body->damping_ratio || !body->order || !body->arms || !body->port_orientation || !body->shapes ||
         !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
-        !remembered_allocate(&body->at_start, mode, memory) || !remembered_allocate(&body->at_end, mode, memory) ||
-        !remembered_allocate(&body->at_end_complex, 2 * mode, memory))
+        !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||
+        !remembered_allocate(&body->at_end, n + 1, sizeof(double), memory) ||
+        !remembered_allocate(&body->at_end_complex, n + 1, sizeof(double complex), memory))
         return refuse(why, "no memory for a body of %lu modes", (unsigned long)body->modes);
     return 1;
 }

@@ -18,11 +18,11 @@ void NAME(body_complete)(void *self, real *x) {
     LocalWork stack;
     Work work = work_of(body, &stack);
     Quaternion q = quaternion_normalized(quaternion_of(x + ORIENTATION));
-    real a[9];
+    real a[9], inertia[6];
     quaternion_store(q, x + ORIENTATION);
     rotation_matrix(q, a);
     load_modes(body, x, work.eta, work.pi);
-    vector_store(angular_velocity(body, transposed_times(a, vector_of(x + SPIN)), &work), x + OMEGA);
+    vector_store(angular_velocity(body, transposed_times(a, vector_of(x + SPIN)), &work, inertia), x + OMEGA);
 }
 
 /* Rates of modal coordinates, momenta and heat; leaves the arms of the deformed body behind. */
@@ -78,7 +78,7 @@ int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, 
     vector_store(vector_scaled(1.0 / body->mass, vector_of(x + MOMENTUM)), rates + POSITION);
     quaternion_store(exchange_turning(quaternion_of(raw + ORIENTATION), vector_of(x + OMEGA)), rates + ORIENTATION);
     vector_store(vector_add(load.mean.force, weight), rates + MOMENTUM);
-    vector_store(vector_add(moment_of(body, load.wrenches, work.arms, a), load.mean.torque), rates + SPIN);
+    vector_store(vector_add(moment_of(body, &load, work.arms, a), load.mean.torque), rates + SPIN);
     return 1;
 }
 

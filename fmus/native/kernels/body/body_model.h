@@ -3,6 +3,7 @@
 #ifndef FANFOLD_BODY_MODEL_H
 #define FANFOLD_BODY_MODEL_H
 
+#include <stdint.h>
 #include <string.h>
 #include "inertia.h"
 #include "kernel.h"
@@ -12,10 +13,10 @@
 enum { POSITION = 0, ORIENTATION = 3, MOMENTUM = 7, SPIN = 10, OMEGA = 13, HEAT = 16, MODES = 17 };
 enum { WRENCH = 6, MOTION = 13 };
 
-/* B of the modal coordinates it was last evaluated for: a state is asked for it several times. */
+/* B and J - B B^T at the modal coordinates they were last evaluated for: a state is asked for them several times. */
 typedef struct {
     int known;
-    void *eta, *b;
+    void *eta, *b, *inertia;
 } Remembered;
 
 typedef struct {
@@ -47,11 +48,13 @@ typedef struct {
     real *deflection_start; /* 2 coordinates: the same at the start of a step */
     real *rates;            /* 2 coordinates: the same for the modal rates */
     real *arms;             /* coordinates */
+    real *arms_start;       /* coordinates: at the start of a step, world axes */
+    real *arms_end;         /* coordinates: at its end, world axes */
     CouplingScratch coupling;
 } Work;
 
 #define WORK_BY_MODE 13
-#define WORK_BY_PORT 11
+#define WORK_BY_PORT 13
 #define WORK_OF_COUPLING 12
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
@@ -97,6 +100,8 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.deflection_start = next + 6 * l;
     work.rates = next + 8 * l;
     work.arms = next + 10 * l;
+    work.arms_start = next + 11 * l;
+    work.arms_end = next + 12 * l;
     next += WORK_BY_PORT * l;
     work.coupling.quadratic = next;
     work.coupling.b = next + 6 * n;
@@ -127,18 +132,30 @@ typedef struct {
     int sloped;
 } Load;
 
+/* Whether any of these numbers, or its derivative, has a bit that a zero has not. */
+static inline int any_set(const real *numbers, size_t count) {
+    uint64_t bits = 0, own;
+    const unsigned char *bytes = (const unsigned char *)numbers;
+    for (size_t i = 0; i < count * sizeof(real); i += sizeof own) {
+        memcpy(&own, bytes + i, sizeof own);
+        bits |= own;
+    }
+    return bits != 0;
+}
+
 static inline Load load_of(const Body *body, const real *u) {
     Load load = {u, u + WRENCH * body->ports, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
-    for (size_t i = 0; i < WRENCH * body->ports; i++) load.sloped |= load.slopes[i] != 0.0;
+    load.sloped = any_set(load.slopes, WRENCH * body->ports);
     if (load.sloped) load.slope = sums_of(body, load.slopes);
     return load;
 }
 
-/* Sum of the moments of the ports' forces on arms in the axes of rotation a. */
-static inline Vector3 moment_of(const Body *body, const real *wrenches, const real *arms, const real a[9]) {
+/* Sum of the moments of the ports' mean forces on arms in the axes of rotation a. */
+static inline Vector3 moment_of(const Body *body, const Load *load, const real *arms, const real a[9]) {
     Vector3 sum = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < body->ports; k++)
-        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)), vector_of(wrenches + WRENCH * k)));
+        sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)),
+                                           vector_of(load->wrenches + WRENCH * k)));
     return sum;
 }
 
@@ -147,10 +164,17 @@ typedef struct {
     Vector3 mean, slope;
 } Course;
 
-/* Sums of the moments that means and slopes of the forces have on arms of one instant. */
-static inline Course moments_at(const Body *body, const Load *load, const real *arms, const real a[9]) {
-    Course found = {moment_of(body, load->wrenches, arms, a), {0.0, 0.0, 0.0}};
-    if (load->sloped) found.slope = moment_of(body, load->slopes, arms, a);
+/* The same of means and slopes, and the arms in world axes. */
+static inline Course moments_at(const Body *body, const Load *load, const real *arms, const real a[9],
+                                real *world_arms) {
+    Course found = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    for (size_t k = 0; k < body->ports; k++) {
+        Vector3 arm = matrix_times(a, vector_of(arms + 3 * k));
+        vector_store(arm, world_arms + 3 * k);
+        found.mean = vector_add(found.mean, vector_cross(arm, vector_of(load->wrenches + WRENCH * k)));
+        if (load->sloped)
+            found.slope = vector_add(found.slope, vector_cross(arm, vector_of(load->slopes + WRENCH * k)));
+    }
     return found;
 }
 

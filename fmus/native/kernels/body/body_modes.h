@@ -76,9 +76,12 @@ static inline int recalled(const Remembered *remembered, const real *eta, size_t
     return remembered->known && memcmp(remembered->eta, eta, modes * sizeof(real)) == 0;
 }
 
-static inline void remember(Remembered *remembered, const real *eta, const real *b, size_t modes) {
+/* b: NULL at a level without it. */
+static inline void remember(Remembered *remembered, const real *eta, const real *b, const real inertia[6],
+                            size_t modes) {
     memcpy(remembered->eta, eta, modes * sizeof(real));
-    memcpy(remembered->b, b, 3 * modes * sizeof(real));
+    if (b) memcpy(remembered->b, b, 3 * modes * sizeof(real));
+    memcpy(remembered->inertia, inertia, 6 * sizeof(real));
     remembered->known = 1;
 }
 
@@ -129,23 +132,56 @@ static inline void store_modes(const Body *body, const real *eta, const real *pi
     }
 }
 
+/* B and J - B B^T at eta in the working memory, as far as the level keeps them. */
+static inline void evaluate_coupling(const Body *body, const real *eta, const Work *work, real inertia[6]) {
+    const InertiaCoupling *coupling = &body->coupling;
+    if (coupling->full) {
+        quadratic_at(coupling, eta, &work->coupling);
+        gyroscopic_of(coupling, eta, work->coupling.b, &work->coupling);
+    }
+    if (coupling->varies) inertia_at(coupling, eta, &work->coupling, inertia);
+}
+
+/* Has these of the start of a step remembered; no derivative enters there. */
+void body_remember_start(Body *body, const double *eta);
+
+#ifndef FANFOLD_COMPLEX
+
+void body_remember_start(Body *body, const double *eta) {
+    size_t n = body->padded_modes;
+    const Remembered *end = &body->at_end;
+    if (recalled(&body->at_start, eta, n)) return;
+    if (recalled(end, eta, n)) {
+        remember(&body->at_start, eta, body->coupling.full ? end->b : NULL, end->inertia, n);
+        return;
+    }
+    LocalWork stack;
+    Work work = work_of(body, &stack);
+    double inertia[6];
+    evaluate_coupling(body, eta, &work, inertia);
+    remember(&body->at_start, eta, body->coupling.full ? work.coupling.b : NULL, inertia, n);
+}
+
+#endif
+
+/* Rates at the start of a step. */
+FANFOLD_VECTORISED static void start_rates(size_t n, const double *omega, const double *restrict b,
+                                           const real *restrict pi, real *restrict rate) {
+    for (size_t j = 0; j < n; j++)
+        rate[j] = pi[j] - (omega[0] * b[j] + omega[1] * b[n + j] + omega[2] * b[2 * n + j]);
+}
+
 /* The modes at the start of a step: coordinates, momenta, rates, no slope. No derivative enters here. */
 static inline void start_modes(Body *body, const double *x, const Work *work) {
     size_t m = body->modes, n = body->padded_modes;
+    double *eta = work->coupling.split;
     for (size_t j = 0; j < n; j++) {
-        work->eta_mean[j] = work->eta_start[j] = j < m ? x[MODES + body->order[j]] : 0.0;
+        work->eta_mean[j] = work->eta_start[j] = eta[j] = j < m ? x[MODES + body->order[j]] : 0.0;
         work->rate_mean[j] = work->pi_start[j] = j < m ? x[MODES + m + body->order[j]] : 0.0;
         work->slope[j] = 0.0;
     }
-    if (!body->coupling.full) return;
-#ifdef FANFOLD_COMPLEX
-    const real *b = gyroscopic_at(body, work->eta_start, work);
-#else
-    if (!recalled(&body->at_start, work->eta_start, n))
-        remember(&body->at_start, work->eta_start, gyroscopic_at(body, work->eta_start, work), n);
-    const real *b = body->at_start.b;
-#endif
-    modal_rate(n, constant_vector(x + OMEGA), b, work->pi_start, work->rate_mean);
+    if (body->coupling.varies) body_remember_start(body, eta);
+    if (body->coupling.full) start_rates(n, x + OMEGA, body->at_start.b, work->pi_start, work->rate_mean);
 }
 
 /* The modes over a step under their force, which the port forces join, and the means the iteration needs. */
@@ -253,49 +289,49 @@ static inline void couple(const Body *body, Vector3 omega, const Work *work, rea
 static inline Vector3 solved(const Body *body, const real inertia[6], Vector3 momentum, const real *pi,
                              const Work *work) {
     size_t n = body->padded_modes;
-    const real *b = work->coupling.b;
     if (!body->coupling.varies) return constant_times(body->coupling.inverse, momentum);
-    if (body->coupling.full) {
-        momentum.x -= dot_product(b, pi, n);
-        momentum.y -= dot_product(b + n, pi, n);
-        momentum.z -= dot_product(b + 2 * n, pi, n);
-    }
+    if (body->coupling.full) momentum = vector_subtract(momentum, gyroscopic_times(work->coupling.b, pi, n));
     return solve_symmetric(inertia, momentum);
 }
 
-/* First moments over the step just propagated: of the angular velocity (rad), which it returns, and of the modal rates;
-   torque: what turns the body in its own axes. */
+/* Angular velocity at the end of a step, from the momentum in body axes and the modes there; J - B B^T there as well. */
+static inline Vector3 angular_velocity(Body *body, Vector3 momentum, const Work *work, real inertia[6]) {
+    evaluate_coupling(body, work->eta, work, inertia);
+    const real *b = body->coupling.full ? work->coupling.b : NULL;
+    if (body->coupling.varies) remember(end_of(body), work->eta, b, inertia, body->padded_modes);
+    return solved(body, inertia, momentum, work->pi, work);
+}
+
+/* B of mid-step and its rate, from B of the end in the working memory and that of the start. */
+FANFOLD_VECTORISED static void gyroscopic_over(size_t count, double rate, const double *restrict start,
+                                               real *restrict b, real *restrict b_rate) {
+    for (size_t i = 0; i < count; i++) {
+        b_rate[i] = rate * (b[i] - start[i]);
+        b[i] = 0.5 * (b[i] + start[i]);
+    }
+}
+
+/* First moments over a step that led to `inertia_end`: of the angular velocity (rad), which it returns, and of the modal
+   rates. torque: what turns the body in its own axes; inertia: of mid-step. */
 static inline Vector3 moments_over(const Body *body, const Propagator *prop, Vector3 torque, Vector3 omega,
-                                   const real inertia[6], const Work *work) {
+                                   const real inertia[6], const real inertia_end[6], const Work *work) {
     const InertiaCoupling *coupling = &body->coupling;
     size_t n = body->padded_modes;
-    double scale = prop->h * prop->h / 6.0;
-    const real *b = work->coupling.b, *b_rate = work->coupling.b_rate, *pi = work->pi_mean;
+    double rate = 1.0 / prop->h, scale = prop->h * prop->h / 6.0;
+    real *b = work->coupling.b, *b_rate = work->coupling.b_rate, growth[6];
     moments_of_momenta(&body->oscillators, prop, n, work);
     if (coupling->full) {
-        gyroscopic_of(coupling, work->rate_mean, work->coupling.b_rate, &work->coupling);
-        torque.x -= dot_product(b_rate, pi, n);
-        torque.y -= dot_product(b_rate + n, pi, n);
-        torque.z -= dot_product(b_rate + 2 * n, pi, n);
+        gyroscopic_over(3 * n, rate, body->at_start.b, b, b_rate);
+        torque = vector_subtract(torque, gyroscopic_times(b_rate, work->pi_mean, n));
     }
-    if (coupling->varies) torque = vector_subtract(torque, growth_of_momentum(coupling, work->rate_mean, omega, &work->coupling));
+    if (coupling->varies) {
+        const double *inertia_start = body->at_start.inertia;
+        for (size_t p = 0; p < 6; p++) growth[p] = rate * (inertia_end[p] - inertia_start[p]);
+        torque = vector_subtract(torque, symmetric_times(growth, omega));
+    }
     Vector3 rate_moment = solved(body, inertia, vector_scaled(scale, torque), work->moment, work);
     if (coupling->full) moments_of_rates(n, rate_moment, b, vector_scaled(scale, omega), b_rate, work->moment);
     return rate_moment;
-}
-
-/* Angular velocity at the end of a step, from the momentum in body axes and the modes there. */
-static inline Vector3 angular_velocity(Body *body, Vector3 momentum, const Work *work) {
-    const InertiaCoupling *coupling = &body->coupling;
-    size_t n = body->padded_modes;
-    real inertia[6] = {0.0};
-    if (coupling->full) {
-        quadratic_at(coupling, work->eta, &work->coupling);
-        gyroscopic_of(coupling, work->eta, work->coupling.b, &work->coupling);
-        remember(end_of(body), work->eta, work->coupling.b, n);
-    }
-    if (coupling->varies) inertia_at(coupling, work->eta, &work->coupling, inertia);
-    return solved(body, inertia, momentum, work->pi, work);
 }
 
 #endif

@@ -12,12 +12,17 @@
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
 
-/* Outcome of a step's iteration: mean angular velocity and its first moment (rad), axes of mid-step; moments on the
-   arms of the start; heat. */
+/* Rotations of a step. */
 typedef struct {
-    Vector3 omega, rate_moment;
+    real start[9], mid[9], end[9];
+} Axes;
+
+/* Outcome of a step's iteration: mean angular velocity and what turned the body, axes of mid-step; J - B B^T there;
+   moments on the arms of the start; heat. */
+typedef struct {
+    Vector3 omega, torque;
     Course moments_start;
-    real heat;
+    real inertia[6], heat;
 } Turned;
 
 #ifdef FANFOLD_COMPLEX
@@ -73,97 +78,104 @@ static inline Vector3 turning_torque(const Course *moment, Vector3 omega, Vector
 }
 
 /* Mean angular velocity, iterated on the moments of the forces at both ends. */
-static inline Turned turned_rigid(const Body *body, const double *x, const Load *load, double h,
-                                  const real a_start[9], const Work *work) {
-    real a_mid[9], a_end[9];
+static inline void turn_rigid(const Body *body, const double *x, const Load *load, double h, Axes *axes,
+                              const Work *work, Turned *turned) {
     Course moment;
     Vector3 momentum;
     undeformed_arms(body, work);
-    Turned turned = {constant_vector(x + OMEGA), {0.0, 0.0, 0.0}, moments_at(body, load, work->arms, a_start), 0.0};
+    turned->omega = constant_vector(x + OMEGA);
+    turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
-        turn_on(a_start, turned.omega, h, a_mid, a_end);
-        Course moments_end = moments_at(body, load, work->arms, a_end);
-        moment = moment_over(load, &turned.moments_start, &moments_end);
-        momentum = mean_momentum(x, &moment, h, a_mid);
+        turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
+        Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
+        moment = moment_over(load, &turned->moments_start, &moments_end);
+        momentum = mean_momentum(x, &moment, h, axes->mid);
         Vector3 next = constant_times(body->coupling.inverse, momentum);
-        done = converged(turned.omega, next, h);
-        turned.omega = next;
+        done = converged(turned->omega, next, h);
+        turned->omega = next;
     }
-    Vector3 torque = turning_torque(&moment, turned.omega, momentum, a_mid);
-    turned.rate_moment = constant_times(body->coupling.inverse, vector_scaled(h * h / 6.0, torque));
-    return turned;
+    turned->torque = turning_torque(&moment, turned->omega, momentum, axes->mid);
+    turned->heat = 0.0;
 }
 
 /* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. */
-static inline Turned turned_flexible(Body *body, const double *x, const Load *load, double h,
-                                     const real a_start[9], const Work *work) {
+static inline void turn_flexible(Body *body, const double *x, const Load *load, double h, Axes *axes,
+                                 const Work *work, Turned *turned) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
-    real a_mid[9], a_end[9], inertia[6] = {0.0}, *turns = work->rates;
+    real *turns = work->rates;
     Course moment;
     Vector3 momentum;
     start_modes(body, x, work);
     deformed_arms(body, work->eta_start, work);
     memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
     memcpy(turns, work->deflection + l, l * sizeof(real));
-    Turned turned = {constant_vector(x + OMEGA), {0.0, 0.0, 0.0}, moments_at(body, load, work->arms, a_start), 0.0};
+    turned->omega = constant_vector(x + OMEGA);
+    turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
-        turn_on(a_start, turned.omega, h, a_mid, a_end);
-        couple(body, turned.omega, work, inertia);
-        modal_forces(body, load, a_start, a_mid, a_end, turns, work);
+        turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
+        couple(body, turned->omega, work, turned->inertia);
+        modal_forces(body, load, axes->start, axes->mid, axes->end, turns, work);
         propagate(prop, n, work);
         if (load->sloped) propagate_slopes(prop, n, work);
         deformed_arms(body, work->eta, work);
         for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
-        Course moments_end = moments_at(body, load, work->arms, a_end);
-        moment = moment_over(load, &turned.moments_start, &moments_end);
-        momentum = mean_momentum(x, &moment, h, a_mid);
-        Vector3 next = solved(body, inertia, momentum, work->pi_mean, work);
-        done = converged(turned.omega, next, h);
-        turned.omega = next;
+        Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
+        moment = moment_over(load, &turned->moments_start, &moments_end);
+        momentum = mean_momentum(x, &moment, h, axes->mid);
+        Vector3 next = solved(body, turned->inertia, momentum, work->pi_mean, work);
+        done = converged(turned->omega, next, h);
+        turned->omega = next;
     }
-    turned.heat = dissipated(prop, body->oscillators.compliance, n, work);
-    if (load->sloped) turned.heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
-    Vector3 torque = turning_torque(&moment, turned.omega, momentum, a_mid);
-    turned.rate_moment = moments_over(body, prop, torque, turned.omega, inertia, work);
-    return turned;
+    turned->heat = dissipated(prop, body->oscillators.compliance, n, work);
+    if (load->sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
+    turned->torque = turning_torque(&moment, turned->omega, momentum, axes->mid);
 }
 
-/* First moments of velocity and angular velocity of every port, from that of the velocity of the centre of mass: the
-   transpose of what slopes do in a step. */
-static inline void store_moments(const Body *body, const Turned *turned, Vector3 center, double h,
-                                 const real a_start[9], const real a_mid[9], const real a_end[9], const Work *work,
+/* First moments of velocity and angular velocity of every port, world axes, from those of the centre of mass and of
+   the body: the transpose of what slopes do in a step. turn: a sixth of the rotation over the step. */
+static inline void place_moments(const Body *body, Vector3 center, Vector3 rate_moment, Vector3 turn, const Work *work,
                                  real *moments) {
-    size_t l = body->coordinates;
-    real a_mean[9], change[9], *moved = work->wrenches;
-    Vector3 rate_moment = matrix_times(a_mid, turned->rate_moment);
-    Vector3 turn = vector_scaled(h / 6.0, matrix_times(a_mid, turned->omega));
-    for (size_t e = 0; e < 9; e++) {
-        a_mean[e] = 0.5 * (a_start[e] + a_end[e]);
-        change[e] = a_end[e] - a_start[e];
-    }
-    if (body->modes)
-        rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
+    const Vector3 at_end = vector_add(vector_scaled(0.5, rate_moment), turn);
+    const Vector3 at_start = vector_subtract(vector_scaled(0.5, rate_moment), turn);
     for (size_t k = 0; k < body->ports; k++, moments += WRENCH) {
-        Vector3 arm_start = constant_vector(body->arms + 3 * k), end = matrix_times(a_end, vector_of(work->arms + 3 * k));
-        if (body->modes) arm_start = vector_add(arm_start, vector_of(work->deflection_start + 3 * k));
-        Vector3 start = matrix_times(a_start, arm_start), velocity = center, spin = rate_moment;
-        velocity = vector_add(velocity, vector_cross(rate_moment, vector_mean(start, end)));
-        velocity = vector_add(velocity, vector_cross(turn, vector_subtract(end, start)));
-        if (body->modes) {
-            Vector3 own[2], mean_turn = vector_of(work->rates + 3 * k);
-            for (size_t i = 0; i < 2; i++) {
-                const real *at = work->deflection + l * i + 3 * k, *at_start = work->deflection_start + l * i + 3 * k;
-                own[i] = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(at), vector_of(at_start)));
-            }
-            Vector3 twist = twist_of(mean_turn, vector_of(moved + l + 3 * k)), twisted = twist_of(mean_turn, own[1]);
-            velocity = vector_add(velocity, matrix_times(a_mean, vector_of(moved + 3 * k)));
-            velocity = vector_add(velocity, matrix_times(change, own[0]));
-            spin = vector_add(spin, vector_add(matrix_times(a_mid, twist), matrix_times(change, twisted)));
-        }
-        vector_store(velocity, moments);
-        vector_store(spin, moments + 3);
+        Vector3 start = vector_cross(at_start, vector_of(work->arms_start + 3 * k));
+        Vector3 end = vector_cross(at_end, vector_of(work->arms_end + 3 * k));
+        vector_store(vector_add(center, vector_add(start, end)), moments);
+        vector_store(rate_moment, moments + 3);
     }
+}
+
+/* What the modes add to them: their own first moments, and a sixth of their change in axes that turn on. */
+static inline void add_modal_moments(const Body *body, const Axes *axes, const Work *work, real *moments) {
+    size_t l = body->coordinates;
+    real *moved = work->wrenches;
+    rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
+    for (size_t k = 0; k < body->ports; k++, moments += WRENCH) {
+        const real *end = work->deflection + 3 * k, *start = work->deflection_start + 3 * k;
+        Vector3 change = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end), vector_of(start)));
+        Vector3 half = vector_scaled(0.5, vector_of(moved + 3 * k)), turn = vector_of(work->rates + 3 * k);
+        Vector3 turning = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end + l), vector_of(start + l)));
+        Vector3 twist = twist_of(turn, vector_of(moved + l + 3 * k)), twisted = twist_of(turn, turning);
+        Vector3 velocity = vector_add(matrix_times(axes->end, vector_add(half, change)),
+                                      matrix_times(axes->start, vector_subtract(half, change)));
+        Vector3 turned = vector_subtract(matrix_times(axes->end, twisted), matrix_times(axes->start, twisted));
+        vector_store(vector_add(vector_of(moments), velocity), moments);
+        vector_store(vector_add(vector_of(moments + 3), vector_add(matrix_times(axes->mid, twist), turned)), moments + 3);
+    }
+}
+
+/* First moments over a step, from that of the velocity of the centre of mass; inertia_end: J - B B^T it led to. */
+static inline void store_moments(Body *body, const Turned *turned, Vector3 center, const real inertia_end[6], double h,
+                                 const Axes *axes, const Work *work, real *moments) {
+    Vector3 rate_moment, turn = vector_scaled(h / 6.0, matrix_times(axes->mid, turned->omega));
+    if (body->modes)
+        rate_moment = moments_over(body, oscillators_propagator(&body->oscillators, h), turned->torque, turned->omega,
+                                   turned->inertia, inertia_end, work);
+    else
+        rate_moment = constant_times(body->coupling.inverse, vector_scaled(h * h / 6.0, turned->torque));
+    place_moments(body, center, matrix_times(axes->mid, rate_moment), turn, work, moments);
+    if (body->modes) add_modal_moments(body, axes, work, moments);
 }
 
 /* One step under wrenches in world axes, linear in time. */
@@ -172,20 +184,23 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     Quaternion q = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
-    real a_start[9], a_mid[9], a_end[9];
-    rotation_matrix(q, a_start);
-    Turned turned = body->modes ? turned_flexible(body, x, &load, h, a_start, &work)
-                                : turned_rigid(body, x, &load, h, a_start, &work);
+    real inertia[6];
+    Axes axes;
+    rotation_matrix(q, axes.start);
+    Turned turned;
+    if (body->modes)
+        turn_flexible(body, x, &load, h, &axes, &work, &turned);
+    else
+        turn_rigid(body, x, &load, h, &axes, &work, &turned);
     Vector3 weight = constant_vector(body->gravity);
     Vector3 push = vector_scaled(h, vector_add(load.mean.force, vector_scaled(body->mass, weight)));
     Vector3 momentum = vector_add(constant_vector(x + MOMENTUM), push);
     Vector3 travel = vector_scaled(0.5 * h / body->mass, vector_add(constant_vector(x + MOMENTUM), momentum));
     travel = vector_subtract(travel, vector_scaled(h * h / (6.0 * body->mass), load.slope.force));
     Quaternion half_turn = quaternion_exponential(vector_scaled(0.5 * h, turned.omega));
-    rotation_matrix(quaternion_multiply(q, half_turn), a_mid);
     q = quaternion_normalized(quaternion_multiply(q, quaternion_multiply(half_turn, half_turn)));
-    rotation_matrix(q, a_end);
-    Course moments_end = moments_at(body, &load, work.arms, a_end);
+    rotation_matrix(q, axes.end);
+    Course moments_end = moments_at(body, &load, work.arms, axes.end, work.arms_end);
     Course moment = moment_over(&load, &turned.moments_start, &moments_end);
     Vector3 spin = vector_add(constant_vector(x + SPIN), vector_scaled(h, moment.mean));
     vector_store(momentum, x_next + MOMENTUM);
@@ -194,9 +209,9 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     vector_store(spin, x_next + SPIN);
     x_next[HEAT] = x[HEAT] + turned.heat;
     store_modes(body, work.eta, work.pi, x_next);
-    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), h, a_start, a_mid, a_end, &work,
+    vector_store(angular_velocity(body, transposed_times(axes.end, spin), &work, inertia), x_next + OMEGA);
+    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), inertia, h, &axes, &work,
                   x_next + MODES + 2 * body->modes);
-    vector_store(angular_velocity(body, transposed_times(a_end, spin), &work), x_next + OMEGA);
 }
 
 /* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
@@ -218,7 +233,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
             for (size_t j = 0; j < n; j++) work.eta[j] = body->oscillators.compliance[j] * work.port_force[j];
             deformed_arms(body, work.eta, &work);
         }
-        Vector3 moment = vector_add(moment_of(body, load.wrenches, work.arms, a), load.mean.torque);
+        Vector3 moment = vector_add(moment_of(body, &load, work.arms, a), load.mean.torque);
         Vector3 turn = constant_times(body->coupling.inverse, transposed_times(a, moment));
         q = quaternion_normalized(quaternion_multiply(start, quaternion_exponential(vector_scaled(h * h, turn))));
         rotation_matrix(q, a);

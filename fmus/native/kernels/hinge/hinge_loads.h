@@ -4,7 +4,6 @@
 #define FANFOLD_HINGE_LOADS_H
 
 #include "hinge_model.h"
-#include "workless.h"
 
 /* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
 static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
@@ -56,24 +55,32 @@ static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, Ste
     return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->end_weight);
 }
 
-/* Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes at order 4. */
-static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new,
-                               const StepMotion *motions, double h) {
-    real elastic[COORDINATE_COUNT], slope[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
-    StepMotion turn = motions[HINGE_ANGLE];
+/* Mean loads of bushing and latch. */
+static inline StiffLoads stiff_loads(const Hinge *hinge, const Grip *grip, const StepMotion *motions) {
+    StiffLoads loads = {.latch = {0.0, 0.0, 0.0, 0.0}};
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         StepMotion motion = motions[i];
         if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->aligned_angle);
-        MeanLoad load = stiff_load(hinge, i, &motion);
-        elastic[i] = load.force;
-        slope[i] = load.slope;
-        heat += load.heat;
-        numerical += load.numerical;
+        loads.bushing[i] = stiff_load(hinge, i, &motion);
+    }
+    if (latch_acts(hinge, grip)) loads.latch = mean_latch_load(hinge, grip, motions[HINGE_ANGLE]);
+    return loads;
+}
+
+/* Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes at order 4. */
+static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new,
+                               const StepMotion *motions, const StiffLoads *stiff, double h) {
+    real elastic[COORDINATE_COUNT], slope[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
+    StepMotion turn = motions[HINGE_ANGLE];
+    MeanLoad latch = stiff->latch;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        elastic[i] = stiff->bushing[i].force;
+        slope[i] = stiff->bushing[i].slope;
+        heat += stiff->bushing[i].heat;
+        numerical += stiff->bushing[i].numerical;
     }
     real change = turn.end - turn.start;
     real friction = friction_torque(hinge, grip, elastic, change / h);
-    MeanLoad latch = {0.0, 0.0, 0.0, 0.0};
-    if (latch_acts(hinge, grip)) latch = mean_latch_load(hinge, grip, turn);
     MeanLoad motor = drive_load(hinge, &hinge->motor, &turn), harness = drive_load(hinge, &hinge->harness, &turn);
     real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction + latch.force;
     numerical += latch.numerical;
@@ -126,34 +133,51 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
     };
 }
 
-/* Loads of one instant from coordinates and rates; heat as power (W). */
-static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
-    real load[COORDINATE_COUNT], damping = 0.0;
+/* What bushing and latch exert at one instant. */
+typedef struct Held {
+    real bushing[COORDINATE_COUNT], latch;
+} Held;
+
+/* By the laws, from coordinates and rates. */
+static inline Held held_at(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
+    Held held = {.latch = 0.0};
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->aligned_angle : coordinates[i];
-        load[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
-        damping += hinge->damping[i] * rates[i] * rates[i];
+        held.bushing[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
     }
-    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE];
+    if (latch_acts(hinge, grip))
+        held.latch = law_value(&hinge->latch, coordinates[HINGE_ANGLE] - grip->latched_angle) +
+                     -hinge->latch_damping * rates[HINGE_ANGLE];
+    return held;
+}
+
+/* Loads of one instant; heat as power (W). */
+static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates,
+                                  const Held *held) {
+    const real *load = held->bushing;
+    real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE], viscous = 0.0, damping = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) damping += hinge->damping[i] * rates[i] * rates[i];
     real friction = friction_torque(hinge, grip, load, rate);
-    real latch = 0.0, viscous = 0.0;
-    if (latch_acts(hinge, grip)) {
-        viscous = -hinge->latch_damping * rate;
-        latch = law_value(&hinge->latch, angle - grip->latched_angle) + viscous;
-    }
+    if (latch_acts(hinge, grip)) viscous = -hinge->latch_damping * rate;
     real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) + friction +
-                 latch;
+                 held->latch;
     if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (angle - grip->hold_angle);
     return (Loads){
         {load[0], load[1], load[2]},
         conjugate_torque(twist, (Transverse){load[4], load[5]}, (Transverse){coordinates[4], coordinates[5]}),
-        latch,
+        held->latch,
         friction,
         {-friction * rate, -viscous * rate, damping},
         0.0,
         {0.0, 0.0, 0.0},
         {0.0, 0.0, 0.0},
     };
+}
+
+/* Loads of one instant from coordinates and rates. */
+static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
+    Held held = held_at(hinge, grip, coordinates, rates);
+    return instant_loads(hinge, grip, coordinates, rates, &held);
 }
 
 #endif

@@ -7,10 +7,15 @@
 
 #include "laws.h"
 #include "relative.h"
+#include "workless.h"
 
 enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3 };
 
-/* State: where each part begins. SLIDE are the mean hinge rates and the sizes of the last two steps. */
+/* Loads of which the last means are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
+enum { LATCH_LOAD = COORDINATE_COUNT, LOAD_COUNT };
+
+/* State: where each part begins. SLIDE are the mean hinge rates and the sizes of the last two steps, SLIDING the same
+   with slopes, of order 4. */
 enum {
     FRAME = 0,
     GAP = 4,
@@ -29,7 +34,9 @@ enum {
     NUMERICAL = 57, /* what the scheme took away */
     ROUGHNESS = 58,
     SLOPES = 64,
-    STATES = 76
+    LOADS = 76,
+    SLIDING = LOADS + LOAD_COUNT * MID_STEP_SIZE,
+    STATES = SLIDING + MID_STEP_SLOPE_SIZE
 };
 
 enum {
@@ -103,6 +110,14 @@ typedef struct Loads {
     real latch_torque, friction_torque, heat[HEAT_CAUSES], numerical;
     Vector3 force_slope, torque_slope;
 } Loads;
+
+/* Mean loads of the bushing in the six coordinates and of the latch. */
+typedef struct StiffLoads {
+    MeanLoad bushing[COORDINATE_COUNT], latch;
+} StiffLoads;
+
+/* Where the last means of a load begin in the state. */
+static inline int load_place(int load) { return LOADS + MID_STEP_SIZE * load; }
 
 /* Motion of the inputs; the angle is the one nearest the reference. */
 static inline Motion hinge_motion(const Hinge *hinge, const real *u, real reference) {

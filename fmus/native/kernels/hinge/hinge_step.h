@@ -32,7 +32,7 @@ static inline void store_memories(const Hinge *hinge, const double *x, const Mot
         else
             remember_rates(motions + i, new->rates[i], mean_rate, end_rate);
     }
-    store_rate_after(x + SLIDE, x_next[MEAN_RATES + HINGE_ANGLE], h, x_next + SLIDE);
+    store_mid_step_after(x + SLIDE, x_next[MEAN_RATES + HINGE_ANGLE], h, x_next + SLIDE);
 }
 
 /* After an impulse only the rates of its end are known. */
@@ -41,7 +41,19 @@ static inline void store_rates_after_impulse(const Motion *new, real *x_next) {
         x_next[MEAN_RATES + i] = x_next[END_RATES + i] = new->rates[i];
         x_next[ROUGHNESS + i] = 0.0;
     }
-    store_starting_rate(new->rates[HINGE_ANGLE], x_next + SLIDE);
+    store_mid_step_start(new->rates[HINGE_ANGLE], x_next + SLIDE);
+}
+
+/* Loads and hinge rate of order 4 with one step more; the latch torque begins where the latch engages. */
+static inline void store_loads(const Hinge *hinge, const double *x, const Grip *grip, const StepMotion *motions,
+                               const StiffLoads *loads, double h, real *x_next) {
+    const StepMotion *turn = motions + HINGE_ANGLE;
+    for (int i = 0; i < COORDINATE_COUNT; i++)
+        store_mid_step_after(x + load_place(i), loads->bushing[i].force, h, x_next + load_place(i));
+    if (latch_acts(hinge, grip))
+        store_mid_step_after(x + load_place(LATCH_LOAD), loads->latch.force, h, x_next + load_place(LATCH_LOAD));
+    store_mid_step_slope_after(x + SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
+                               x_next + SLIDING);
 }
 
 /* Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule. */
@@ -73,6 +85,8 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, new->frame, {x[GAP], x[GAP + 1], x[GAP + 2]}, new->gap,
     };
     Loads loads;
+    for (int i = LOADS; i < SLIDING; i++) x_next[i] = 0.0;
+    store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + SLIDING);
     if (value_of(u[hinge->impulse]) > 0.5) {
         loads = impulse_loads(hinge, x, grip, new, h);
         if (hinge->locks) grip->latched_angle = new->coordinates[HINGE_ANGLE];
@@ -80,8 +94,10 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
     } else {
         StepMotion motions[COORDINATE_COUNT];
         step_motions(hinge, x, u, new, &passage, h, motions);
-        loads = mean_loads(hinge, x, grip, new, motions, h);
+        StiffLoads stiff = stiff_loads(hinge, grip, motions);
+        loads = mean_loads(hinge, x, grip, new, motions, &stiff, h);
         store_memories(hinge, x, new, motions, h, x_next);
+        if (hinge->paired) store_loads(hinge, x, grip, motions, &stiff, h, x_next);
     }
     store_mean_pair(&passage, loads.force, loads.torque, x_next + WRENCH);
     if (hinge->paired)

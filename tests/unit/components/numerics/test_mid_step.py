@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from components.numerics.mid_step import MidStepRate, StepMean, extrapolated
+from components.numerics.mid_step import MidStep, MidStepSlope, StepMean, extrapolated
 
 SIZES = [(0.1, 0.1), (0.05, 0.2), (0.3, 0.01)]
 
@@ -49,5 +49,32 @@ def test_a_first_step_has_its_own_slope_only():
 
 def test_rate_of_a_line():
     """Closed form: mean rates of a motion that speeds up evenly."""
-    rate = MidStepRate.starting(0.0).after(1.0, 0.2).after(1.75, 0.1)
+    rate = MidStep.starting(0.0).after(1.0, 0.2).after(1.75, 0.1)
     assert rate.now() == pytest.approx(2.0)
+
+
+def test_load_of_a_resolved_motion_is_that_of_its_law():
+    """Property: a smooth motion is recorded by its law, a rough one by the means of its load, a mixed one between."""
+    load = MidStep.starting(0.0).after(1.0, 0.2).after(1.75, 0.1)
+    assert load.load_now(3.0, 0.0) == 3.0
+    assert load.load_now(3.0, 1e-4) == pytest.approx(3.0, rel=1e-4)
+    assert load.load_now(3.0, 1e-2) == pytest.approx(2.5)
+    assert load.load_now(3.0, 1.0) == pytest.approx(2.0, rel=1e-4)
+
+
+def test_load_without_a_step_is_that_of_its_law():
+    """Rule: before the first step, and where a load has just begun, there is no mean to go by."""
+    assert MidStep.starting(0.0).load_now(3.0, 1.0) == 3.0
+    assert MidStep.starting(0.0).after(2.0, 0.1).load_now(3.0, 1e6) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(("h", "previous_h"), SIZES)
+def test_rate_with_slopes_at_communication_point(h, previous_h):
+    """Closed form: two steps with slopes know a parabola; one knows a line; none the rate at the start."""
+    u, line = Polynomial([1.0, -2.0, 3.0]), Polynomial([1.0, -2.0])
+    start = MidStepSlope.starting(4.0)
+    one = of_step(line, 0.7, h)
+    assert start.now() == 4.0
+    assert start.after(*one).now() == pytest.approx(line(0.7))
+    both = start.after(*of_step(u, 0.7 - h, previous_h)).after(*of_step(u, 0.7, h))
+    assert both.now() == pytest.approx(u(0.7), rel=1e-10)

@@ -1,0 +1,1 @@
+"""What `import orchestrator` offers, one module a subject; nothing is computed here."""

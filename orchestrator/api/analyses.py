@@ -1,0 +1,348 @@
+"""Analyses of scenes and results: functions that return records, and their pictures and files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..assembly.assemble import assemble, choose_fidelity
+from ..run.progress import Progress
+from ..scene import CheckedScene, SceneError
+from .documents import ResultLike, opened
+from .progress import chosen
+from .simulate import Names, Quantity, SceneLike, in_si, listed, load
+
+if TYPE_CHECKING:
+    from ..analysis.equilibrium import Equilibrium
+    from ..analysis.frequency_response import FrequencyResponse
+    from ..analysis.impact import Impact
+    from ..analysis.latch_tuning import Kind, Tuning
+    from ..analysis.mode_study import ModeStudy
+    from ..analysis.modes import Modes
+    from ..analysis.statics.configuration import Configuration, Named
+    from ..analysis.stress.hot_spots import PanelStress
+    from ..analysis.studies import LatchStudy
+    from ..analysis.torque_margin.margins import TorqueMargin
+    from ..analysis.torque_margin.restart import CaseRestart
+    from ..analysis.torque_margin.rules import FactorKind
+    from ..analysis.torque_margin.sweep import FrictionKind
+
+Angles = Mapping[str, Quantity]
+"""Angles of hinge lines by name, rad or texts such as "45 deg"."""
+Way = tuple[Quantity, Quantity]
+"""Angles of a hinge line from which and to which it is turned."""
+
+
+def modes(
+    scene: SceneLike,
+    configuration: Named = "current",
+    *,
+    angles: Angles | None = None,
+    latched: Names | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    as_posed: bool = False,
+    count: int = 15,
+) -> Modes:
+    """Natural frequencies, damping and effective masses of a scene in a configuration.
+
+    configuration: "stowed", "deployed", or "current", where a run begins; angles: of single lines in it. latched:
+    names of lines, "all" or "none"; by default all if deployed, else none. as_posed: about the hinge angles
+    themselves, not about the static equilibrium beside them. count: modes beyond the free motions.
+    """
+    from ..analysis.modes import find_modes
+
+    checked = load(scene).check_one_run()
+    target = _configuration(checked, configuration, angles, latched)
+    return find_modes(
+        checked, listed(rigid), listed(flexible), target, as_posed, _at_least(count, 1, "count")
+    )
+
+
+def frequency_response(
+    scene: SceneLike,
+    configuration: Named = "current",
+    *,
+    angles: Angles | None = None,
+    latched: Names | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    as_posed: bool = False,
+    excite: str = "z",
+    along: str | None = None,
+    points: Sequence[str] = ("interface",),
+    low: float = 0.1,
+    high: float = 100.0,
+    steps: int = 400,
+) -> FrequencyResponse:
+    """Response of a scene in a configuration (see `modes`) to vibration of its base.
+
+    excite: x, y, z, rx, ry or rz, the acceleration of the base along or about an axis; along: what is read, as
+    excited by default. points: BODY.POINT, whose acceleration is wanted; "interface" is the load on the base. low,
+    high: Hz. steps: frequencies, beside those around resonances.
+    """
+    from ..analysis.frequency_response import FrequencyResponse, frequency_grid, responses
+    from ..analysis.modes import DIRECTIONS
+    from ..analysis.statics.configuration import scene_model
+    from ..analysis.statics.linear_model import ZERO_FREQUENCY
+
+    for name, direction in (("excite", excite), ("along", along or excite)):
+        if direction not in DIRECTIONS:
+            raise SceneError([f"{name} is {direction!r}; it must be one of {', '.join(DIRECTIONS)}"])
+    if not ZERO_FREQUENCY <= low < high < float("inf"):
+        raise SceneError(
+            [f"low is {low:g} and high {high:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
+        )
+    checked = load(scene).check_one_run()
+    target = _configuration(checked, configuration, angles, latched)
+    model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
+    frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
+    found = responses(model, excite, along or excite, points, frequencies)
+    return FrequencyResponse(checked.header.name, excite, frequencies, tuple(found))
+
+
+def equilibrium(
+    scene: SceneLike,
+    configuration: Named = "current",
+    *,
+    angles: Angles | None = None,
+    latched: Names | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    hold: Names | None = None,
+    preload: bool = False,
+) -> Equilibrium:
+    """Static equilibrium of a scene in a configuration (see `modes`), and the loads of its connections.
+
+    hold: held lines by name, "all" or "none"; by default all that are not latched. preload: cable loops have exactly
+    their preload, as when a run begins.
+    """
+    from ..analysis.equilibrium import equilibrium as find
+    from ..analysis.equilibrium import lines_held
+
+    checked = load(scene).check_one_run()
+    target = _configuration(checked, configuration, angles, latched)
+    held = lines_held(checked, target, _text(hold), ())
+    return find(checked, listed(rigid), listed(flexible), target, held, preload)[1]
+
+
+def quasi_static(
+    scene: SceneLike,
+    sweeps: Mapping[str, Way],
+    configuration: Named = "current",
+    *,
+    angles: Angles | None = None,
+    latched: Names | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    hold: Names | None = None,
+    steps: int = 12,
+) -> list[Equilibrium]:
+    """Equilibria while lines turn together, such as {"HL1": (0, "90 deg")}; other lines follow, or are held."""
+    from ..analysis.equilibrium import Sweep, lines_held
+    from ..analysis.equilibrium import quasi_static as find
+
+    ways = [Sweep(line, _angle(line, start), _angle(line, end)) for line, (start, end) in sweeps.items()]
+    for way in ways:
+        if way.start == way.end:
+            raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
+    checked = load(scene).check_one_run()
+    target = _configuration(checked, configuration, angles, latched)
+    held = lines_held(checked, target, _text(hold), ways)
+    count = _at_least(steps, 1, "steps")
+    return find(checked, listed(rigid), listed(flexible), target, held, ways, count)
+
+
+def torque_margin(
+    scene: SceneLike,
+    *,
+    cases: Sequence[str] = (),
+    factors: FactorKind = "theoretical",
+    friction: FrictionKind = "sliding",
+    torques: Mapping[str, Mapping[str, Quantity]] | None = None,
+    positions: int = 19,
+) -> TorqueMargin:
+    """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
+
+    cases: variants to analyse beside each other, "base" for none; by default base, and cold if there is a cold one.
+    factors: "theoretical" or "measured" uncertainty factors of ECSS table 4-2. friction: "constant" is the preload
+    torque alone, "sliding" and "static" add that of the reactions. torques: further ones (N.m) by line and ECSS
+    symbol, such as {"HL2": {"HY": 0.02}}. positions: of the travel, its ends included.
+    """
+    from ..analysis.torque_margin.margins import margin_cases
+    from ..analysis.torque_margin.margins import torque_margin as find
+    from ..analysis.torque_margin.rules import DEMANDS, FACTORS
+
+    if factors not in FACTORS:
+        raise SceneError([f"there are no factors {factors!r}; factors are {', '.join(FACTORS)}"])
+    symbols = (*FACTORS["theoretical"], *DEMANDS)
+    extra: dict[str, dict[str, float]] = {}
+    for line, given in (torques or {}).items():
+        for symbol, torque in given.items():
+            if symbol not in symbols:
+                raise SceneError(
+                    [f"{line}: there is no torque {symbol!r}; symbols of ECSS are {', '.join(symbols)}"]
+                )
+            value = in_si(torque, "N.m", f"the torque {symbol} of {line}", "zero or positive")
+            extra.setdefault(line, {})[symbol] = value or 0.0
+    count = _at_least(positions, 2, "positions")
+    return find(margin_cases(load(scene), listed(cases)), count, factors, friction, extra)
+
+
+def restart(
+    scene: SceneLike,
+    positions: Sequence[str],
+    *,
+    cases: Sequence[str] = (),
+    until: Quantity | None = None,
+    folder: str | Path | None = None,
+    progress: bool | Progress | None = None,
+) -> list[CaseRestart]:
+    """Run a scene from rest at positions of its travel, such as ("25%", "45 deg"): does every line open.
+
+    An angle is that of the first line with a motor. cases: as for `torque_margin`. folder: where results go; None
+    keeps none.
+    """
+    from ..analysis.torque_margin.margins import margin_cases
+    from ..analysis.torque_margin.restart import restart_cases, restart_shares
+
+    scenes = margin_cases(load(scene), listed(cases))
+    shares = {case: restart_shares(one, listed(positions)) for case, one in scenes.items()}
+    end = in_si(until, "s", "until", "positive")
+    return restart_cases(scenes, shares, _folder(folder), end, chosen(progress))
+
+
+def latch_tuning(
+    scene: SceneLike,
+    line: str,
+    *,
+    frequency: Quantity | None = None,
+    stiffness_of: Kind | None = None,
+    hinge_stiffness: Quantity | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+) -> Tuning:
+    """The latch spring of a hinge line that gives the rigid pair of its bodies the frequency of the flexible one.
+
+    frequency: to meet, Hz; by default that of the flexible pair. stiffness_of: "total" or "structure", what the
+    frequency belongs to; by default the total with a frequency, else the structure. hinge_stiffness: measured, of the
+    line's hinges together, N.m/rad.
+    """
+    from ..analysis.latch_tuning import find_line, tune
+
+    checked = load(scene).check_one_run()
+    return tune(
+        checked,
+        find_line(checked, line),
+        choose_fidelity(checked, listed(rigid), listed(flexible)),
+        in_si(frequency, "Hz", "the frequency", "positive"),
+        stiffness_of,
+        in_si(hinge_stiffness, "N.m/rad", "the stiffness of the hinges", "positive"),
+    )
+
+
+def mode_study(
+    scene: SceneLike,
+    body: str | None = None,
+    *,
+    counts: Sequence[int] = (2, 3, 4, 5, 10, 20, 30),
+    rigid: Names = (),
+    flexible: Names = (),
+    tolerance: float | None = None,
+    folder: str | Path | None = None,
+    progress: bool | Progress | None = None,
+) -> ModeStudy:
+    """Latch-up of a scene against the number of a body's fixed-interface modes; the largest is the reference.
+
+    folder: where results go; None keeps them in memory.
+    """
+    from ..analysis.mode_study import mode_study as study
+
+    loaded, bar = load(scene), chosen(progress)
+    return study(loaded, body, counts, listed(rigid), listed(flexible), tolerance, _folder(folder), bar)
+
+
+def step_study(
+    scene: SceneLike,
+    *,
+    steps: Sequence[float] = (2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
+    rigid: Names = (),
+    flexible: Names = (),
+    tolerance: float | None = None,
+    folder: str | Path | None = None,
+    progress: bool | Progress | None = None,
+) -> LatchStudy:
+    """Latch-up of a scene against constant communication step sizes (s); the smallest is the reference.
+
+    folder: where results go; None keeps them in memory.
+    """
+    from ..analysis.step_study import step_study as study
+    from ..analysis.step_study import study_steps
+
+    assembly = assemble(load(scene).check_one_run(), listed(rigid), listed(flexible))
+    return study(assembly, study_steps(steps), tolerance, _folder(folder), chosen(progress))
+
+
+def stress(
+    result: ResultLike,
+    body: str,
+    *,
+    count: int = 10,
+    radius: Quantity = 0.05,
+    nodes: Sequence[int] | None = None,
+    within: tuple[float, float, float, float] | None = None,
+    around: tuple[float, float, float] | None = None,
+    insert_margin: Quantity = 0.0,
+) -> PanelStress:
+    """Von Mises stresses of a flexible panel's face sheets in a result: hot spots, peak field.
+
+    count: hot spots; radius: nodes this near to one (m) are no further one. Only nodes by number, within a rectangle
+    x0, x1, y0, y1 (m) of the body's frame, around x, y with a radius (m), and no nearer than insert_margin (m) to
+    rigid inserts, whose corners are singular.
+    """
+    from ..analysis.stress.hot_spots import Choice, panel_stress
+
+    margin = in_si(insert_margin, "m", "insert_margin", "zero or positive") or 0.0
+    choice = Choice(None if nodes is None else tuple(nodes), within, around, margin)
+    near = in_si(radius, "m", "radius", "zero or positive") or 0.0
+    return panel_stress(opened(result), body, choice, near, _at_least(count, 1, "count"))
+
+
+def impacts(result: ResultLike) -> list[Impact]:
+    """Every touch of every contact of a result in order of time: speed, force, impulse, energy."""
+    from ..analysis.impact import impacts as find
+
+    return find(opened(result))
+
+
+def _configuration(
+    scene: CheckedScene, named: Named, angles: Angles | None, latched: Names | None
+) -> Configuration:
+    from ..analysis.statics.configuration import configuration
+
+    if named not in ("stowed", "deployed", "current"):
+        raise SceneError(
+            [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
+        )
+    turned = {line: _angle(line, angle) for line, angle in (angles or {}).items()}
+    return configuration(scene, named, turned, _text(latched))
+
+
+def _angle(line: str, angle: Quantity) -> float:
+    return in_si(angle, "rad", f"the angle of {line}") or 0.0
+
+
+def _text(names: Names | None) -> str | None:
+    """Names as a text with commas between; none of them is not the same as None."""
+    return None if names is None else ",".join(listed(names)) or "none"
+
+
+def _at_least(count: int, least: int, what: str) -> int:
+    if count < least:
+        raise SceneError([f"{what} is {count}; it must be at least {least}"])
+    return count
+
+
+def _folder(folder: str | Path | None) -> Path | None:
+    return None if folder is None else Path(folder)

@@ -1,0 +1,56 @@
+"""Two results side by side, and reports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..results import compare as comparing
+from ..results.compare import Comparison
+from ..results.result import Result as Record
+from ..results.result import ResultError
+from .result import Result
+
+ResultLike = Record | str | Path
+"""A result, or the file of one."""
+
+
+def compare(a: ResultLike, b: ResultLike) -> Comparison:
+    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s)."""
+    return comparing.compare(opened(a), opened(b))
+
+
+def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Path]:
+    """Write overlays of two results, a drawn through and b dashed, into a folder; the paths written."""
+    from ..views import comparison
+
+    return comparison.plot_comparison(opened(a), opened(b), Path(folder))
+
+
+def report(
+    result: ResultLike, path: str | Path | None = None, other: ResultLike | None = None, frames: int = 60
+) -> Path:
+    """Write a result as one self-contained HTML file and return its path.
+
+    path: by default beside the file of the result. other: a second result to set against it. frames: pictures of the
+    animation, 0 for none. ResultError where the file cannot be an HTML file, or is one of the results.
+    """
+    from ..views.report.report import report as html
+
+    first, second = opened(result), None if other is None else opened(other)
+    if path is None and first.path is None:
+        raise ResultError(f"{first.name}: the result is in memory; name the file of the report")
+    target = Path(path) if path is not None else Path(str(first.path)).with_suffix(".html")
+    if target.suffix.lower() not in (".html", ".htm"):
+        raise ResultError(f"{target}: the report is an HTML file; let its name end in .html")
+    files = {one.path.resolve() for one in (first, second) if one is not None and one.path is not None}
+    if target.resolve() in files:
+        raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
+    target.write_text(html(first, second, frames), encoding="utf-8")
+    return target
+
+
+def opened(result: ResultLike) -> Result:
+    """A result, read where a file is named."""
+    if isinstance(result, Result):
+        return result
+    return Result.of(result) if isinstance(result, Record) else Result.open(result)

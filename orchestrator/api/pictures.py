@@ -1,0 +1,45 @@
+"""Pictures of what analyses found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from components import FanfoldError
+
+if TYPE_CHECKING:
+    from ..analysis.frequency_response import FrequencyResponse
+    from ..analysis.mode_study import ModeStudy
+    from ..analysis.modes import Modes
+    from ..analysis.stress.hot_spots import PanelStress
+    from ..analysis.studies import LatchStudy
+    from ..analysis.torque_margin.margins import TorqueMargin
+
+    Found = FrequencyResponse | LatchStudy | ModeStudy | Modes | PanelStress | TorqueMargin
+
+
+def plot(found: Found, folder: str | Path) -> list[Path]:
+    """Write the pictures of what an analysis found into a folder; the paths written.
+
+    Of results see `Result.plot` and `plot_comparison`. FanfoldError for what has no pictures.
+    """
+    from ..views.linear import plot_modes, plot_response
+    from ..views.stress import plot_stress
+    from ..views.studies import plot_study
+    from ..views.torque_margin import plot_margins
+
+    drawn_by = {
+        "FrequencyResponse": plot_response,
+        "LatchStudy": plot_study,
+        "ModeStudy": lambda study, path: plot_study(study.latch_up, path),
+        "Modes": plot_modes,
+        "PanelStress": plot_stress,
+        "TorqueMargin": plot_margins,
+    }
+    kind = type(found).__name__
+    if kind not in drawn_by:
+        raise FanfoldError(f"there are no pictures of a {kind}; there are of {', '.join(drawn_by)}")
+    path = Path(folder)
+    path.mkdir(parents=True, exist_ok=True)
+    paths: list[Path] = drawn_by[kind](found, path)  # type: ignore[operator]
+    return paths

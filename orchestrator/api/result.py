@@ -1,0 +1,146 @@
+"""A result as people use it: signals with unit and time, latch times, figures, tables, files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from ..results import key_figures
+from ..results.estimated_errors import ESTIMATED_ERRORS
+from ..results.key_figures import Headline
+from ..results.result import Result as Record
+from ..results.result import ResultError, Scalar
+from ..results.result_file import save
+from ..results.signal import Instant, Side, Signal, instant
+from ..run.progress import Progress
+from ..run.run import RunError
+from ..run.simulation import Simulation
+from ..run.verify import Verified
+from .progress import chosen, in_notebook
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Result(Record):
+    """What a run did, in memory or in a file; `simulate` returns one, `Result.open` reads one.
+
+    `result["hl1_hinge", "latch_torque"]` is a signal: an array with `unit` and `time`. `time`, `events`,
+    `components`, `variables(component)`, `statistics`, `provenance` tell what there is.
+    """
+
+    simulation: Simulation | None = field(default=None, kw_only=True)
+    """what it takes to repeat the run; None where the result was read from a file"""
+
+    @classmethod
+    def of(cls, record: Record, simulation: Simulation | None = None) -> Self:
+        """The same result with everything that is offered here."""
+        return cls(*(getattr(record, one.name) for one in fields(Record)), simulation=simulation)
+
+    def __getitem__(self, key: tuple[str, str]) -> Signal:
+        if not isinstance(key, tuple) or len(key) != 2:
+            raise ResultError(f"{self.name}: {key!r} is no signal; give its component and its variable")
+        component, variable = key
+        values = self.signal(component, variable)
+        unit, description = self.unit(component, variable), self.description(component, variable)
+        return Signal(values, self.time, unit, f"{component}.{variable}", description, tuple(self.events))
+
+    def latch_torque(self, line: str) -> Signal:
+        """Latch torque (N.m) of a hinge line, the sum over its hinges; ResultError where there is no such line."""
+        lines = {one.name: one for one in self.hinge_lines}
+        if line not in lines:
+            raise ResultError(
+                f"{self.name}: there is no hinge line {line!r}; lines are {', '.join(lines) or 'none'}"
+            )
+        torque = key_figures.line_latch_torque(self, lines[line])
+        text = "Latch torque, sum over the hinges of the line"
+        return Signal(torque, self.time, "N.m", f"{line}.latch_torque", text, tuple(self.events))
+
+    def at(self, time: float, side: Side = "after") -> Instant:
+        """All signals at one time (s): `result.at(7.5)["panel", "frame_position"]`.
+
+        Between communication points values are interpolated linearly. An event has several rows of one time, or
+        within 2e-7 s of it, as a latch impulse takes 1e-7 s: near an event the values are those after all of them,
+        or with side="before" those before. ResultError outside of the run.
+        """
+        return instant(self, time, side)
+
+    @cached_property
+    def headline(self) -> Headline:
+        """What the deployment is judged by: latch times, peaks, energies, with estimated errors."""
+        return key_figures.headline(self)
+
+    @property
+    def latch_times(self) -> dict[str, float]:
+        """Latch-up (s) of every hinge line that latched."""
+        return key_figures.latch_times(self)
+
+    @property
+    def costs(self) -> dict[str, Scalar]:
+        """What the run cost: steps, iterations, wall time (s), ..., by the names of `statistics`."""
+        return {name: value for name, value in self.statistics.items() if name != ESTIMATED_ERRORS}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences on what is not as it should be: lines that have not latched, numbers that may be off."""
+        return (*self.headline.open_ends(), *self.headline.warnings)
+
+    def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
+        """Run twice more with steps halved and quartered: extrapolated value, error, order of every headline number.
+
+        Only of a result that `simulate` returned; where it has a file, the others stand beside it as
+        NAME.halved.h5 and NAME.quartered.h5.
+        """
+        if self.simulation is None:
+            raise RunError(f"{self.name}: only the result of a run of this session can be verified")
+        return self.simulation.verify(chosen(progress))
+
+    def save(self, path: str | Path) -> Result:
+        """Write the result into a file (HDF5), replacing an earlier result there, and return it as read from it."""
+        return type(self).of(save(self, path), self.simulation)
+
+    def plot(self, name: str) -> Figure:
+        """A figure (Matplotlib) by its name, such as "deployment_angles", "latch_torques", "shapes".
+
+        A notebook shows it; `figure.savefig("torques.png")` writes it. ResultError lists the names there are.
+        """
+        from ..views.plots import draw_one
+
+        if in_notebook():
+            import matplotlib.pyplot  # noqa: F401 - makes notebooks show figures
+        return draw_one(self, name).figure
+
+    def plot_all(self, folder: str | Path, format: str = "png") -> list[Path]:
+        """Write every figure that the signals allow into a folder; the paths written."""
+        from ..views.plots import plot_all
+
+        return plot_all(self, folder, format)
+
+    def to_dataframe(self, components: Sequence[str] | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
+        """Signals as a table (pandas.DataFrame) over time, columns COMPONENT.VARIABLE, or [0], [1], ... of vectors.
+
+        components: by name; by default all. ResultError where pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise ResultError(
+                "a data frame needs pandas, which is not installed: pip install pandas"
+            ) from None
+        columns: dict[str, Any] = {}
+        for component in self.components if components is None else components:
+            for variable in self.variables(component):
+                values = self.signal(component, variable)
+                name = f"{component}.{variable}"
+                vector = {f"{name}[{k}]": column for k, column in enumerate(values.T)}
+                columns |= {name: values} if values.ndim == 1 else vector
+        return pd.DataFrame(columns, index=pd.Index(self.time, name="time, s"))
+
+    def __repr__(self) -> str:
+        latched = ", ".join(f"{line} {time:.4g} s" for line, time in self.latch_times.items())
+        state = "" if self.complete else "interrupted, "
+        return f"<Result {self.name}: {state}{self.time[-1]:g} s, latched: {latched or 'nothing'}>"

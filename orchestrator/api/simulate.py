@@ -1,0 +1,160 @@
+"""Loading and running scenes."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from fmus import Backend, FmiVersion
+
+from ..assembly.assemble import assemble
+from ..cosim.network import Order
+from ..run import run
+from ..run.progress import Progress
+from ..run.run import MasterKind
+from ..run.simulation import Options, python_sentence
+from ..run.simulation import simulate as run_simulation
+from ..scene import list_scenes
+from ..scene.builder import Scene
+from ..scene.component_connections import WrenchMode
+from ..scene.layers import Setting
+from ..scene.table import SceneError
+from ..scene.units import Sign, to_si
+from .progress import chosen
+from .result import Result
+
+SceneLike = Scene | str | Path
+"""A scene, or the name or file of one."""
+Names = str | Sequence[str] | frozenset[str]
+"""Names, or one of them; "all" is every one."""
+Quantity = float | str
+"""A number in SI units, or a text with its unit such as "90 deg"."""
+
+
+class FanfoldWarning(UserWarning):
+    """A sentence on a run that is not as it should be."""
+
+
+def scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with Fanfold."""
+    return list_scenes()
+
+
+def load(
+    scene: SceneLike,
+    variant: Names = (),
+    settings: Mapping[str, object] | Sequence[Setting] = (),
+) -> Scene:
+    """A scene by its name or file, or one built in code, with variants and single values laid over it.
+
+    variant: one or several, in order. settings: such as {"friction.coefficient": 0.1, "scene.until": "8 s"}.
+    SceneError with everything that is wrong with it.
+    """
+    if isinstance(scene, Scene):
+        found = scene.with_variants(*listed(variant)).with_settings(settings)
+        found.check()
+        return found
+    return Scene.load(scene, listed(variant), settings)
+
+
+def simulate(
+    scene: SceneLike,
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    step: Quantity | None = None,
+    order: Order | None = None,
+    master: MasterKind = "implicit",
+    backend: Backend | None = None,
+    save: str | Path | None = None,
+    estimate: bool = True,
+    progress: bool | Progress | None = None,
+) -> Result:
+    """Deploy a scene and return what happened, in memory or in the file that `save` names.
+
+    rigid, flexible: bodies by name, "all" for every one; others are what the scene says. until: end time, s.
+    tolerance: relative accuracy, by default that of the scene. step: a constant communication step size, s. order:
+    2 or 4, of the coupling; by default 4 with flexible bodies. master: "jacobi" and "gauss-seidel" are explicit and
+    need a step. backend: "native" or "python" FMUs. estimate: tell the errors of headline numbers, for half the
+    cost of the run. progress: a bar, by default in notebooks.
+
+    What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
+    where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
+    """
+    loaded = load(scene)
+    options = Options(
+        rigid=frozenset(listed(rigid)),
+        flexible=frozenset(listed(flexible)),
+        until=in_si(until, "s", "until"),
+        tolerance=tolerance,
+        step=in_si(step, "s", "step"),
+        order=order,
+        master=master,
+        backend=backend,
+    )
+    found = run_simulation(
+        loaded.check_one_run(),
+        options,
+        None if save is None else Path(save),
+        estimate=estimate,
+        progress=chosen(progress),
+        warn=_warn,
+    )
+    return Result.of(found.outcome.result, found)
+
+
+def export(
+    scene: SceneLike,
+    folder: str | Path,
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    wrench_mode: WrenchMode = "endpoint",
+    fmi: FmiVersion = "2.0",
+    sources: bool = False,
+    backend: Backend | None = None,
+) -> list[Path]:
+    """Write every component of a scene as an FMU into a folder, and return the paths.
+
+    wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
+    sources: add the C sources, to be compiled on other platforms.
+    """
+    checked = load(scene).check_one_run()
+    if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
+        _warn(sentence)
+    assembly = assemble(checked, listed(rigid), listed(flexible), wrench_mode)
+    return run.export(assembly, Path(folder), backend, fmi, sources)
+
+
+def check(fmu: str | Path) -> list[str]:
+    """Every problem of an FMU as a sentence; empty where there is none."""
+    from fmus import check_fmu
+
+    return list(check_fmu(Path(fmu)))
+
+
+def listed(names: Names) -> tuple[str, ...]:
+    """Names in their order."""
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> float | None:
+    """A quantity in its SI unit, None for none; SceneError where it is no such quantity."""
+    if value is None:
+        return None
+    try:
+        return to_si(value, unit, sign)
+    except ValueError as error:
+        raise SceneError([f"{what} {error}"]) from None
+
+
+def _warn(sentence: str) -> None:
+    """Warn where the code stands that called us."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
+        level, frame = level + 1, frame.f_back
+    warnings.warn(sentence, FanfoldWarning, stacklevel=level)

@@ -1,0 +1,104 @@
+"""What a run records: signals of its components, one row a communication point; here into memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from ..assembly import Geometry, HingeLine
+from .result import Event, Result, Scalar, Vector
+
+if TYPE_CHECKING:
+    from components import Layout
+
+_ROWS = 1000
+
+
+@dataclass(frozen=True)
+class SignalGroup:
+    """Signals of one component; their values arrive as one flat array per communication point."""
+
+    component: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    sizes: tuple[int, ...]
+    descriptions: tuple[str, ...]
+
+    @classmethod
+    def of(cls, component: str, layout: Layout) -> Self:
+        """Every quantity of a layout, in its order."""
+        found = layout.quantities
+        return cls(
+            component,
+            tuple(q.name for q in found),
+            tuple(q.unit for q in found),
+            tuple(q.size for q in found),
+            tuple(q.description for q in found),
+        )
+
+
+class MemoryRecorder:
+    """Keeps a result in memory while the run goes; what `ResultWriter` is for files, with the same arguments."""
+
+    def __init__(
+        self,
+        groups: Sequence[SignalGroup],
+        provenance: Mapping[str, str],
+        geometry: Mapping[str, Geometry],
+        hinge_lines: Sequence[HingeLine],
+    ) -> None:
+        self._groups = groups
+        self._provenance, self._geometry, self._hinge_lines = provenance, geometry, tuple(hinge_lines)
+        self._width = sum(sum(group.sizes) for group in groups)
+        self._blocks: list[Vector] = []
+        self._times: list[float] = []
+        self._events: list[Event] = []
+        self._statistics: dict[str, Scalar] = {}
+        self._complete = False
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Add a communication point: one flat array per group, in the order of the groups."""
+        row = len(self._times) % _ROWS
+        if row == 0:
+            self._blocks.append(np.zeros((_ROWS, self._width)))
+        np.concatenate(values, out=self._blocks[-1][row])
+        self._times.append(time)
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Add an event; the text of a latch-up contains "latch"."""
+        self._events.append((time, component, text))
+
+    def statistics(self, values: Mapping[str, Scalar]) -> None:
+        """Set scalars about the run by name; a name given before gets the new value."""
+        self._statistics |= values
+
+    def result(self) -> Result:
+        """What was recorded up to now."""
+        count = len(self._times)
+        rows = np.concatenate([*self._blocks, np.zeros((0, self._width))])[:count]
+        signals: dict[tuple[str, str], Vector] = {}
+        catalogue: dict[str, dict[str, tuple[str, str]]] = {}
+        place = 0
+        for group in self._groups:
+            known = catalogue.setdefault(group.component, {})
+            for name, unit, size, text in zip(
+                group.names, group.units, group.sizes, group.descriptions, strict=True
+            ):
+                known[name] = (unit, text)
+                signals[group.component, name] = (
+                    rows[:, place] if size == 1 else rows[:, place : place + size]
+                )
+                place += size
+        return Result(
+            None, np.array(self._times), self._events, self._statistics, self._provenance, self._hinge_lines,
+            self._geometry, self._complete, catalogue, signals,
+        )  # fmt: skip
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self._complete = kind is None

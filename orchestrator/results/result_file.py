@@ -1,0 +1,247 @@
+"""Results written into HDF5 files while the run goes, so that an interrupted run can be read.
+
+    /time                              s, one row per communication point (two at an event, before and after)
+    /signals/<component>/<variable>    (N,) or (N, size), attributes `unit` and `description`
+    /events/{time, component, event}   equally long
+    /statistics                        attributes
+    /provenance/<name>                 text
+    /geometry/<body>/{positions, shapes, faces}
+    /hinge_lines                       JSON text
+
+Rows are collected in memory and written once a second, at the latest when they fill a chunk. The file format
+is the one of HDF5 1.8: it has no mark "open for writing" that would keep other tools from an interrupted run.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, replace
+from pathlib import Path
+from time import monotonic
+from typing import Any, Self
+
+import h5py
+import numpy as np
+
+from ..assembly import Geometry, HingeLine
+from .columns import Column, ColumnMaker
+from .recorder import SignalGroup
+from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Event, Result, ResultError, Scalar, Vector, reason
+
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+_ROWS = 1000
+_SECONDS = 1.0
+_TEXT = h5py.string_dtype("utf-8")
+_EVENT_BYTES = 255
+_EVENT_TEXT = h5py.string_dtype("utf-8", _EVENT_BYTES)
+
+
+class ResultWriter:
+    """Writes a result while the run goes; a context manager that leaves `complete` unset after an exception.
+
+    groups: signals in the order `append` gets their values in; channels of the whole scene are a group named
+    "scene". provenance: texts by name (scene, versions, digests).
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        groups: Sequence[SignalGroup],
+        provenance: Mapping[str, str],
+        geometry: Mapping[str, Geometry],
+        hinge_lines: Sequence[HingeLine],
+    ) -> None:
+        self.path = Path(path)
+        if self.path.is_symlink():  # its target is what is meant
+            self.path = self.path.resolve()
+        width = sum(sum(group.sizes) for group in groups)
+        self._buffer = np.zeros((_ROWS, width + 1))
+        self._rows = [row[:-1] for row in self._buffer]
+        self._times = self._buffer[:, -1]
+        self._start = 0
+        self._filled = 0
+        self._due = 0.0
+        self._events: list[Event] = []
+        try:
+            self._spare_other_files()
+            self.path.unlink(missing_ok=True)  # opening "w" would empty a file that another run is writing
+            self._file: Any = h5py.File(self.path, "x", libver=("v108", "v108"))
+        except HDF5_ERRORS as error:
+            raise ResultError(f"{self.path}: the result cannot be written here ({reason(error)})") from None
+        self._file.attrs["format"] = FORMAT
+        self._file.attrs["format_version"] = FORMAT_VERSION
+        self._file.attrs["complete"] = False
+        maker = ColumnMaker(_ROWS)
+        self._columns = self._create_columns(maker, groups)
+        clock = {"unit": "s", "description": "Time of the communication points"}
+        self._time = maker.make(self._file, "time", slice(width, width + 1), clock)
+        self._create_events()
+        self._file.create_group("statistics")
+        _write_provenance(self._file.create_group("provenance", track_order=True), provenance)
+        _write_geometry(self._file.create_group("geometry", track_order=True), geometry)
+        lines = json.dumps([asdict(line) for line in hinge_lines])
+        self._file.create_dataset("hinge_lines", data=lines, dtype=_TEXT)
+
+    def _spare_other_files(self) -> None:
+        """Refuse to replace what cannot be an earlier result, such as a scene or a device given as output."""
+        if self.path.exists() and not self.path.is_file():
+            raise ResultError(
+                f"{self.path}: this is not a file that a result can be written to; name another"
+            )
+        if self.path.is_file() and self.path.stat().st_size:
+            with self.path.open("rb") as file:
+                if file.read(len(_SIGNATURE)) != _SIGNATURE:
+                    raise ResultError(
+                        f"{self.path}: this file is not a result and would be lost; name another"
+                    )
+
+    def _create_columns(self, maker: ColumnMaker, groups: Sequence[SignalGroup]) -> list[Column]:
+        signals = self._file.create_group("signals", track_order=True)
+        columns, position = [], 0
+        for group in groups:
+            folder = signals.create_group(group.component, track_order=True)
+            rows = zip(group.names, group.units, group.sizes, group.descriptions, strict=True)
+            for name, unit, size, description in rows:
+                where = slice(position, position + size)
+                columns.append(maker.make(folder, name, where, {"unit": unit, "description": description}))
+                position += size
+        return columns
+
+    def _create_events(self) -> None:
+        events = self._file.create_group("events")
+        kinds = {"time": np.float64, "component": _EVENT_TEXT, "event": _EVENT_TEXT}
+        for name, kind in kinds.items():
+            events.create_dataset(name, (0,), kind, maxshape=(None,), chunks=(16,))
+        events["time"].attrs["unit"] = "s"
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Add a communication point: one flat array per group, in the order of the groups."""
+        k = self._filled
+        np.concatenate(values, out=self._rows[k])
+        self._times[k] = time
+        self._filled = k + 1
+        if k + 1 == _ROWS or monotonic() > self._due:
+            self.flush()
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Add an event; the text of a latch-up contains "latch"."""
+        self._events.append((time, component, text))
+
+    def statistics(self, values: Mapping[str, Scalar]) -> None:
+        """Set scalars about the run by name; a name given before gets the new value."""
+        for name, value in values.items():
+            self._file["statistics"].attrs[name] = value
+
+    def flush(self) -> None:
+        """Write what was collected; from then on an interrupted run holds it.
+
+        Times reach the disk after everything else, and readers believe the times. ResultError where it
+        cannot be written, or where the file was taken away.
+        """
+        if not self.path.exists():
+            raise ResultError(f"{self.path}: the result was removed while the run was writing it")
+        try:
+            self._write_rows(self._columns)
+            self._append_events("component", [_event_text(event[1]) for event in self._events])
+            self._append_events("event", [_event_text(event[2]) for event in self._events])
+            self._file.flush()
+            self._write_rows([self._time])
+            self._append_events("time", [event[0] for event in self._events])
+            self._file.flush()
+        except HDF5_ERRORS as error:
+            raise ResultError(f"{self.path}: the result cannot be written ({reason(error)})") from None
+        self._events = []
+        if self._filled == _ROWS:
+            self._start, self._filled = self._start + _ROWS, 0
+        self._due = monotonic() + _SECONDS
+
+    def _write_rows(self, columns: Sequence[Column]) -> None:
+        if self._filled:
+            for column in columns:
+                column.write(self._buffer, self._start, self._start + self._filled)
+
+    def _append_events(self, name: str, values: Sequence[float | bytes]) -> None:
+        if values:
+            dataset = self._file["events"][name]
+            before = dataset.shape[0]
+            dataset.resize(before + len(values), 0)
+            dataset[before:] = values
+
+    def close(self, complete: bool = True) -> None:
+        """Write the rest and close the file; complete: the run came to its end."""
+        if not self._file:
+            return
+        try:
+            self.flush()
+            self._file.attrs.modify("complete", complete)
+        finally:
+            with suppress(*HDF5_ERRORS):  # a full disk was told of by the flush before
+                self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close(complete=kind is None)
+
+    def result(self) -> Result:
+        """What was written, once it is closed."""
+        return Result.open(self.path)
+
+
+def save(result: Result, path: str | Path) -> Result:
+    """Write a result into a file, replacing an earlier result there, and return it as read from that file."""
+    signals = {name: result.variables(name) for name in result.components}
+    values = [result.signal(name, variable) for name, found in signals.items() for variable in found]
+    sizes = iter([1 if v.ndim == 1 else v.shape[1] for v in values])
+    groups = [
+        SignalGroup(
+            name,
+            found,
+            tuple(result.unit(name, variable) for variable in found),
+            tuple(next(sizes) for _ in found),
+            tuple(result.description(name, variable) for variable in found),
+        )
+        for name, found in signals.items()
+    ]
+    rows = np.column_stack(values) if values else np.zeros((result.time.size, 0))
+    with ResultWriter(path, groups, result.provenance, result.geometry, result.hinge_lines) as writer:
+        for time, row in zip(result.time.tolist(), rows, strict=True):
+            writer.append(time, [row])
+        for event in result.events:
+            writer.event(*event)
+        writer.statistics(result.statistics)
+        writer.close(result.complete)
+    return writer.result()
+
+
+def with_statistics(result: Result, values: Mapping[str, Scalar]) -> Result:
+    """The result with scalars about its run by name, in its file as well; ResultError where that cannot be written."""
+    if result.path is not None:
+        try:
+            with h5py.File(result.path, "r+") as file:
+                for name, value in values.items():
+                    file["statistics"].attrs[name] = value
+        except HDF5_ERRORS as error:
+            raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
+    return replace(result, statistics={**result.statistics, **values})
+
+
+def _write_provenance(folder: Any, provenance: Mapping[str, str]) -> None:  # noqa: ANN401
+    for name, text in provenance.items():
+        folder.create_dataset(name, data=text, dtype=_TEXT)
+
+
+def _write_geometry(folder: Any, geometry: Mapping[str, Geometry]) -> None:  # noqa: ANN401
+    for name, body in geometry.items():
+        group = folder.create_group(name)
+        group["positions"] = np.asarray(body.positions, dtype=float)
+        group["shapes"] = np.asarray(body.shapes, dtype=float)
+        group["faces"] = np.asarray(body.faces, dtype=np.int64)
+
+
+def _event_text(text: str) -> bytes:
+    """UTF-8 of at most as many bytes as an event takes, cut between characters."""
+    return text.encode()[:_EVENT_BYTES].decode(errors="ignore").encode()

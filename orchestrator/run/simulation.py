@@ -1,0 +1,144 @@
+"""A run of a scene from beginning to end: fidelities, accuracy, master, estimated errors, and what is told of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from fmus import Backend, native_library
+
+from ..assembly import Assembly
+from ..assembly.assemble import assemble
+from ..cosim.master import Settings
+from ..cosim.network import Order
+from ..scene import CheckedScene
+from .companion import with_estimates
+from .progress import Progress, followed, silent
+from .run import Loader, MasterKind, Outcome, RunError, as_fmus, run
+from .verify import Verified, verify
+
+Warn = Callable[[str], None]
+_TOLERANCES = (1e-10, 0.1)
+_SMALLEST_STEP = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How to run a scene; None is what the scene says, or what is best.
+
+    rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
+    constant communication step size, s. order: of the coupling. RunError for what cannot be.
+    """
+
+    rigid: Collection[str] = ()
+    flexible: Collection[str] = ()
+    until: float | None = None
+    tolerance: float | None = None
+    step: float | None = None
+    order: Order | None = None
+    master: MasterKind = "implicit"
+    backend: Backend | None = None
+
+    def __post_init__(self) -> None:
+        low, high = _TOLERANCES
+        if self.until is not None and not 0.0 < self.until < float("inf"):
+            raise RunError(f"the end time is {self.until:g} s; it must be positive and finite")
+        if self.tolerance is not None and not low <= self.tolerance <= high:
+            raise RunError(f"the tolerance is {self.tolerance:g}; it must be between {low:g} and {high:g}")
+        if self.step is not None and not _SMALLEST_STEP <= self.step < float("inf"):
+            raise RunError(
+                f"the step is {self.step:g} s; it must be finite, and {_SMALLEST_STEP:g} s at least"
+            )
+        if self.order not in (None, 2, 4):
+            raise RunError(f"the order of the coupling is {self.order!r}; it must be 2 or 4")
+        if self.master not in ("implicit", "jacobi", "gauss-seidel"):
+            raise RunError(f"there is no master {self.master!r}; masters are implicit, jacobi, gauss-seidel")
+        if self.master != "implicit" and self.step is None:
+            raise RunError("an explicit master needs a step that is stable; for rigid wings try 2e-5 s")
+        if self.backend not in (None, "native", "python"):
+            raise RunError(f"there is no back end {self.backend!r}; back ends are native and python")
+        if self.backend == "native" and native_library() is None:
+            raise RunError("no native library was built; install Fanfold again where there is a C compiler")
+
+    def assemble(self, scene: CheckedScene) -> Assembly:
+        """A scene at these fidelities, for this master."""
+        return assemble(scene, self.rigid, self.flexible, "mean" if self.master == "implicit" else "endpoint")
+
+    def settings(self, assembly: Assembly) -> Settings:
+        """Numbers of the master for an assembly."""
+        return Settings(
+            tolerance=self.tolerance or assembly.tolerance,
+            largest_step=assembly.largest_step,
+            fixed_step=self.step,
+            order=self.order,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Simulation:
+    """A finished run, and what it takes to repeat it."""
+
+    assembly: Assembly
+    settings: Settings
+    until: float
+    load: Loader
+    outcome: Outcome
+
+    def verify(self, progress: Progress = silent) -> list[Verified]:
+        """Run twice more with every step halved and quartered; results stand beside the first, if that has a file."""
+        with followed(progress, self.assembly.name, self.until) as watch:
+            return verify(self.assembly, self.outcome, self.settings, self.until, watch, self.load)
+
+
+def simulate(
+    scene: CheckedScene,
+    options: Options,
+    output: Path | None = None,
+    *,
+    estimate: bool = True,
+    progress: Progress = silent,
+    warn: Warn = lambda sentence: None,
+) -> Simulation:
+    """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
+
+    estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
+    """
+    if sentence := python_sentence(options.backend):
+        warn(sentence)
+    assembly = options.assemble(scene)
+    for sentence in _held_sentences(assembly, options.flexible):
+        warn(sentence)
+    settings, end = options.settings(assembly), options.until or assembly.until
+    load = partial(as_fmus, backend=options.backend)
+    with followed(progress, assembly.name, end) as watch:
+        outcome = run(assembly, output, settings, end, options.master, watch, warn, load)
+    if estimate:
+        with followed(progress, f"{assembly.name}: errors", end) as watch:
+            outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+    for sentence in outcome.headline.open_ends():
+        warn(sentence)
+    return Simulation(assembly, settings, end, load, outcome)
+
+
+def python_sentence(backend: Backend | None) -> str:
+    """What to tell where nothing was said of a back end and there is no native one; empty where there is."""
+    if backend is not None or native_library() is not None:
+        return ""
+    return "no native library was built at installation; PythonFMUs are used, which are slower"
+
+
+def _held_sentences(assembly: Assembly, flexible: Collection[str]) -> Iterator[str]:
+    for name in sorted({*flexible} - {"all"} - {*assembly.flexible}):
+        yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
+
+
+def result_file(name: str, variants: Sequence[str]) -> Path:
+    """File of the result of a scene with variants where none is named."""
+    return Path(".".join((name, *variants, "h5")))
+
+
+def phase_file(path: Path, phase: str) -> Path:
+    """File of the result of one phase; the one named where the scene has no phases."""
+    return path.with_suffix(f".{phase}{path.suffix}") if phase else path

@@ -1,0 +1,287 @@
+"""Scenes made in code: what is built here is the tree of tables that a scene file holds, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import tomli_w
+
+from .body_tables import Base, Body
+from .connection_tables import Ccl, Connection, Damper
+from .damping import StructuralDamping
+from .hinge_line_tables import Friction, HingeLine, Joint
+from .layers import Layers, Setting, Tree, read_layers
+from .reader import check_layers, find_scene
+from .schema import CheckedScene, Header
+from .table import SceneError, Table
+from .validation import EntryReader
+
+Hinges = Mapping[str, str | tuple[str, str] | Mapping[str, object]]
+"""Hinges by name: the point that both bodies have, or inboard and outboard point, or all keys of a hinge."""
+
+
+class Scene:
+    """A scene to build, change, check, save and run.
+
+        wing = Scene("one_panel", until="8 s")
+        base = wing.base(points={"left": (0, 0.565, 0), "right": (0, -0.565, 0)})
+        panel = wing.body("panel", catalogue="workbench_panel")
+        wing.hinge_line("HL", base, panel, axis="+y", aligned_angle="180 deg", hinges={...})
+
+    Methods that add a table take the keys of that table in scene files, plain numbers in SI units or texts such as
+    "90 deg", and return its name; a key that the table does not know, or cannot be, is a SceneError at once. What
+    tables say about each other is told by `check`, which every run does first. Variants and settings are laid over
+    the tables in the end, so what is added later is below them.
+    """
+
+    def __init__(self, name: str, *, until: float | str, **header: object) -> None:
+        """An empty scene; header: further keys of [scene], such as tolerance, largest_step, preload, gravity."""
+        self._layers = Layers(name, {}, {}, frozenset())
+        self._variants: tuple[str, ...] = ()
+        self._settings: tuple[tuple[str, Any], ...] = ()
+        self._set("scene", Header, {"name": name, "until": until, **header})
+
+    @classmethod
+    def load(
+        cls,
+        scene: str | Path,
+        variants: str | Sequence[str] = (),
+        settings: Mapping[str, object] | Sequence[Setting] = (),
+    ) -> Self:
+        """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it."""
+        found = cls.__new__(cls)
+        found._layers = read_layers(find_scene(str(scene)), find_scene)
+        found._variants, found._settings = (), ()
+        found = found.with_variants(*_listed(variants)).with_settings(settings)
+        found.check()
+        return found
+
+    @property
+    def name(self) -> str:
+        """Its name, after which results are called."""
+        return str(self.tree["scene"]["name"])
+
+    @property
+    def tree(self) -> Tree:
+        """Its tables as a scene file holds them, variants and settings laid over them; a copy."""
+        return deepcopy(self._layers.over(self._variants, self._settings)[0])
+
+    @property
+    def variants(self) -> tuple[str, ...]:
+        """Names of its variants; those laid over it are `chosen`."""
+        return tuple(self._layers.variants)
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Names of the variants laid over it, in order."""
+        return self._variants
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Names of its bodies."""
+        return _names(self.tree, "body")
+
+    @property
+    def hinge_lines(self) -> tuple[str, ...]:
+        """Names of its hinge lines."""
+        return _names(self.tree, "hinge_line")
+
+    @property
+    def runs(self) -> dict[str, Scene]:
+        """Scenes to run one after the other, by phase; itself under "" where it has no phases or one is chosen."""
+        phases = self.tree["scene"].get("phases", [])
+        if not phases or set(phases) & set(self._variants):
+            return {"": self}
+        return {phase: self.with_variants(phase) for phase in phases}
+
+    def with_variants(self, *names: str) -> Self:
+        """The same with these variants over those it has; SceneError where it has no such variant."""
+        found = self.copy()
+        found._variants = (*self._variants, *names)
+        found._layers.over(found._variants)
+        return found
+
+    def with_settings(self, settings: Mapping[str, object] | Sequence[Setting]) -> Self:
+        """The same with single values over it, such as {"friction.coefficient": 0.1, "hinge_line.HL.held": True}."""
+        pairs = list(settings.items()) if isinstance(settings, Mapping) else settings
+        found = self.copy()
+        found._settings = (*self._settings, *(_plain_setting(self._layers.file, pair) for pair in pairs))
+        found._layers.over(found._variants, found._settings)
+        return found
+
+    def copy(self) -> Self:
+        """A scene of its own with the same tables."""
+        found = self.__class__.__new__(self.__class__)
+        found.__dict__.update(self.__dict__)
+        found._layers = deepcopy(self._layers)
+        return found
+
+    def base(self, name: str = "base", *, points: Mapping[str, object], **keys: object) -> str:
+        """The spacecraft, [base], with points (m) by name; free: its mass, center_of_mass and inertia if it moves."""
+        return self._set("base", Base, {"name": name, "points": points, **keys})
+
+    def body(self, name: str, **keys: object) -> str:
+        """Add a [[body]]: catalogue, or rigid with mass, center_of_mass, inertia and points.
+
+        Further keys: place, fidelity, fixed_interface_modes, inertia_coupling, damping_ratio, structural_damping,
+        damping_scale, modes_off, frequencies_off, attached_masses.
+        """
+        return self._add("body", Body, {"name": name, **keys})
+
+    def hinge_line(self, name: str, inboard: str, outboard: str, *, hinges: Hinges, **keys: object) -> str:
+        """Add a [[hinge_line]] between two bodies by name: axis, aligned_angle, and what turns, stops or holds it.
+
+        Further keys: stowed_angle, start_angle, latch_angle, held, motor, harness, friction_preload, latch. Keys of a
+        hinge: kind, translational_stiffness, rotational_stiffness, harness, sensor.
+        """
+        listed = [{"name": hinge, **_ends(ends)} for hinge, ends in hinges.items()]
+        entry = {"name": name, "inboard": inboard, "outboard": outboard, **keys, "hinges": listed}
+        return self._add("hinge_line", HingeLine, entry)
+
+    def ccl(self, name: str, **keys: object) -> str:
+        """Add a closed cable loop, [[ccl]]: preload, strand_stiffness, pulley_1, pulley_2, and guide where it has one.
+
+        Further keys: axis, strand_damping.
+        """
+        return self._add("ccl", Ccl, {"name": name, **keys})
+
+    def damper(self, name: str, hinge: str, **keys: object) -> str:
+        """Add an eddy-current damper at a hinge, [[damper]]: damping_coefficient, peak_rate."""
+        return self._add("damper", Damper, {"name": name, "hinge": hinge, **keys})
+
+    def connection(self, name: str, kind: str, *, ports: Mapping[str, object], **keys: object) -> str:
+        """Add any registered component, [[connection]]: ports as body, point and offset; structure, parameters."""
+        return self._add("connection", Connection, {"name": name, "kind": kind, "ports": ports, **keys})
+
+    def joint(self, **keys: object) -> None:
+        """Set [joint], stiffnesses of all hinges: axial_stiffness, radial_stiffness, cross_stiffness.
+
+        Further keys: damping_ratio, damping_frequency.
+        """
+        self._set("joint", Joint, keys)
+
+    def friction(self, **keys: object) -> None:
+        """Set [friction] of all hinges: coefficient, static_ratio, pin_radius, bending_arm, stiction_velocity.
+
+        Further key: flexible_stiction_factor.
+        """
+        self._set("friction", Friction, keys)
+
+    def structural_damping(self, ratio: float | str, reference_frequency: float | str) -> None:
+        """Set [structural_damping]: fraction of critical that a mode of the reference frequency (Hz) gets."""
+        keys = {"ratio": ratio, "reference_frequency": reference_frequency}
+        self._set("structural_damping", StructuralDamping, keys)
+
+    def variant(self, name: str, layer: Mapping[str, object]) -> str:
+        """Add a [variant.NAME]: tables to lay over the others, arrays of named entries merging by name."""
+        self._layers = Layers(
+            self._layers.file,
+            self._layers.tree,
+            {**self._layers.variants, name: _plain(f"{self._layers.file}: variant.{name}", layer)},
+            self._layers.added,
+        )
+        return name
+
+    def check(self) -> CheckedScene:
+        """Its records; SceneError with everything that is wrong with it."""
+        return check_layers(self._layers, self._variants, self._settings)
+
+    def check_one_run(self) -> CheckedScene:
+        """Its records; SceneError as well where it runs in phases and none of them is chosen."""
+        runs = self.runs
+        if len(runs) > 1 or "" not in runs:
+            raise SceneError(
+                [f"{self._layers.file}: it runs in phases; choose one of its variants {', '.join(runs)}"]
+            )
+        return self.check()
+
+    def to_toml(self) -> str:
+        """The text of its scene file, with its variants.
+
+        Where variants or settings are laid over it, the outcome alone: others were meant for the scene below.
+        """
+        tree = self.tree
+        if self._variants or self._settings:
+            tree["scene"].pop("phases", None)
+        elif self.variants:
+            tree["variant"] = deepcopy(dict(self._layers.variants))
+        return tomli_w.dumps(tree)
+
+    def save(self, path: str | Path) -> Path:
+        """Write its scene file, replacing what is there, and return the path."""
+        path = Path(path)
+        path.write_text(self.to_toml(), encoding="utf-8")
+        return path
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Scene):
+            return NotImplemented
+        return self.tree == other.tree and self._layers.variants == other._layers.variants
+
+    __hash__ = None  # type: ignore[assignment] # it can be changed
+
+    def __repr__(self) -> str:
+        parts = {"bodies": self.bodies, "hinge lines": self.hinge_lines, "variants": self.variants}
+        told = [f"{what} {', '.join(names)}" for what, names in parts.items() if names]
+        return f"<Scene {'.'.join((self.name, *self._variants))}: {'; '.join(told) or 'empty'}>"
+
+    def _set(self, key: str, model: type[Table], keys: Mapping[str, object]) -> str:
+        """Put a table where it belongs and return its name; SceneError with its problems."""
+        table = _plain(f"{self._layers.file}: {key}", keys)
+        reader = EntryReader({key: table}, ())
+        reader.table(key, model, required=True)
+        self._refuse(reader.problems)
+        self._layers.tree[key] = table
+        return str(table.get("name", key))
+
+    def _add(self, key: str, model: type[Table], keys: Mapping[str, object]) -> str:
+        """Put an entry behind the others of its array and return its name; SceneError with its problems."""
+        entry = _plain(f"{self._layers.file}: {key}.{keys['name']}", keys)
+        reader = EntryReader({key: [entry]}, ())
+        reader.tables(key, model)
+        self._refuse(reader.problems)
+        self._layers.tree.setdefault(key, []).append(entry)
+        return str(entry["name"])
+
+    def _refuse(self, problems: Sequence[str]) -> None:
+        if problems:
+            raise SceneError([f"{self._layers.file}: {problem}" for problem in problems])
+
+
+def _listed(names: str | Sequence[str]) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def _names(tree: Tree, key: str) -> tuple[str, ...]:
+    return tuple(entry["name"] for entry in tree.get(key, []))
+
+
+def _ends(ends: str | tuple[str, str] | Mapping[str, object]) -> dict[str, object]:
+    """Keys of a hinge from the short forms for its points."""
+    if isinstance(ends, Mapping):
+        return dict(ends)
+    inboard, outboard = (ends, ends) if isinstance(ends, str) else ends
+    return {"inboard": inboard, "outboard": outboard}
+
+
+def _plain_setting(file: str, setting: Setting) -> Any:  # noqa: ANN401 - a setting
+    if isinstance(setting, str):
+        return setting
+    return setting[0], _plain(f"{file}: {setting[0]}", setting[1])
+
+
+def _plain(key: str, value: object) -> Any:  # noqa: ANN401 - whatever a TOML file gives
+    """A value as a TOML file gives it: tables, lists, texts, numbers; SceneError where it is none of them."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(f"{key}.{name}", entry) for name, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(f"{key}[{k + 1}]", entry) for k, entry in enumerate(value)]
+    if isinstance(value, bool | int | float | str):
+        return value
+    raise SceneError([f"{key}: is {value!r}; give a number, a text, a list or a table"])

@@ -1,0 +1,110 @@
+"""Every example runs, and what it finds is right: closed forms, data sheets, conservation laws."""
+
+from __future__ import annotations
+
+import ast
+import runpy
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+EXAMPLES = sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem != "test_examples")
+LINES = {"friction_sweep": 8, "wing_of_panels": 25}
+"""Done-when: lines of code that these take at most."""
+
+
+def around_a_latch_up(found, folder):
+    """Data sheet: 6.2514 kg.m2 on 4147.8 N.m/rad; damping of 2 % leaves exp(-0.02 pi / 2) of the first swing."""
+    assert found["inertia"] == pytest.approx(6.2514, rel=5e-3)
+    largest = np.max(np.abs(found["torque"]))
+    assert largest / found["swing"] == pytest.approx(np.exp(-0.01 * np.pi), rel=0.03)
+    assert found["after"]["hinge_left", "angle"] == pytest.approx(np.pi, abs=1e-6)
+
+
+def for_other_tools(found, folder):
+    """Data sheet: 28.76 N.m.s/rad, here at 0.5 rad/s."""
+    assert found["torque"] == pytest.approx(-14.38)
+    assert found["problems"] == []
+    assert len(found["paths"]) == 12
+
+
+def friction_sweep(found, folder):
+    """Friction makes every line later; thesis: 7.4, 8.5, 11.6 s at 0.10."""
+    times = np.array([list(run.latch_times.values()) for run in found["runs"]])
+    assert times.shape == (20, 3)
+    assert np.all(np.diff(times, axis=0) > 0.0)
+    at_tenth = [np.interp(0.10, found["frictions"], column) for column in times.T]
+    assert sorted(at_tenth) == pytest.approx([7.4, 8.5, 11.6], rel=0.01)
+    assert (folder / "latch_times.png").exists()
+
+
+def margin_against_friction(found, folder):
+    """The ECSS rule has the last word: just above the friction found it fails, just below it holds."""
+    assert 0.05 < found["low"] < found["high"] < 0.15
+    assert not found["passes"](found["high"])
+    assert found["opens"] == {"HL2": True}
+    assert [path.name for path in found["pictures"]] == ["torque_margin_HL2.png"]
+
+
+def modes_of_the_wing(found, folder):
+    """The spring that gives the rigid wing this frequency is stiffer than the assumed 2500 N.m/rad; 0.714 Hz."""
+    frequencies = found["deployed"].frequencies
+    assert frequencies[0] == pytest.approx(0.714, abs=1e-3)
+    assert found["rigid"].frequencies[0] < frequencies[0]
+    assert found["tuning"].check == pytest.approx(frequencies[0], rel=1e-6)
+    assert np.min(np.abs(frequencies - found["resonance"])) < 0.02 * found["resonance"]
+    assert all(path.exists() for path in found["pictures"])
+
+
+def rigid_or_flexible(found, folder):
+    """The rigid latch is tuned to the panel's first mode, so that its peak is close."""
+    assert found["peaks"]["flexible"] / found["peaks"]["rigid"] == pytest.approx(1.0, abs=0.1)
+    assert {row.quantity for row in found["comparison"].rows} >= {"latch-up", "latch torque peak"}
+    assert found["page"] == Path("flexible.html")
+    assert found["page"].read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert len(found["overlays"]) >= 3
+
+
+def scatter(found, folder):
+    """Around 11.65 s, the latch-up of the wing as it is meant."""
+    assert np.all(np.abs(found["times"] - 11.65) < 0.5)
+    assert np.std(found["times"]) > 0.01
+
+
+def where_the_energy_goes(found, folder):
+    """Conservation: heat is less than what was released, by what still moves; the damper takes most."""
+    total = sum(found["heat"].values())
+    assert 0.9 * found["released"] < total < found["released"]
+    assert max(found["heat"], key=found["heat"].get) == "damper"
+    assert found["residual"] < 2e-3 * found["released"]
+
+
+def wing_of_panels(found, folder):
+    """Every line opens and latches; motors give their mean torque times their travel."""
+    result = found["result"]
+    assert sorted(result.latch_times) == ["HL1", "HL2", "HL3", "HL4"]
+    released = sum(result.at(30.0)[name, "motor_energy"] for name in result.recording("motor_energy"))
+    assert released == pytest.approx(1.0 * (0.5 + 3.0) * np.pi, rel=0.01)
+
+
+CHECKS = {name: one for name, one in list(globals().items()) if name in EXAMPLES}
+
+
+def lines_of_code(path):
+    """Lines of a file that are neither empty nor its docstring."""
+    text = path.read_text(encoding="utf-8")
+    docstring = ast.parse(text).body[0]
+    return sum(bool(line.strip()) for line in text.splitlines()[docstring.end_lineno :])
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_example(name, tmp_path, monkeypatch):
+    """An example is short, says in a sentence what it asks, runs anywhere, and its answer is right."""
+    path = Path(__file__).with_name(f"{name}.py")
+    assert lines_of_code(path) <= LINES.get(name, 60)
+    monkeypatch.chdir(tmp_path)
+    with mpl.rc_context({"backend": "agg"}):
+        found = runpy.run_path(str(path), run_name="__main__")
+    CHECKS[name](found, tmp_path)
