@@ -16,29 +16,58 @@ from tests.benchmark.stability import (
     run,
     sweep_row,
 )
+from tests.references.native_fmus import needs_native
 
 PANELS = {"rigid": (0, 1.0), "flexible": (16, 1.0), "undamped": (16, 0.0)}
 GRID = list(product((1e3, 2e6, 1e10), (1e2, 1e9), (1e-4, 2e-3, 2e-2)))
 
 
-@pytest.mark.parametrize("order", [2, 4])
 @pytest.mark.parametrize("panel", PANELS)
 @pytest.mark.parametrize(("joint", "latch", "h"), GRID)
-def test_the_implicit_master_never_diverges(panel, joint, latch, h, order):
-    """Wrenches that do the work of a potential conserve energy at any stiffness and step (design: section 3)."""
+def test_the_implicit_master_never_diverges(panel, joint, latch, h):
+    """Held wrenches that are mean wrenches conserve energy at any stiffness and step (design: section 3)."""
+    assert residual_of_stable_run(panel, joint, latch, Settings(fixed_step=h)) < 1e-3
+
+
+@needs_native
+@pytest.mark.parametrize("panel", PANELS)
+@pytest.mark.parametrize(("joint", "latch", "h"), GRID)
+def test_order_four_never_diverges(panel, joint, latch, h):
+    """So do wrenches with slopes, up to the rotation of flexible bodies.
+
+    A panel that bounces on a latch like a wall within steps of 20 ms, which do not resolve its first modes, leaves
+    2.6e-3: that goes with the square of its rate and with h^2.5, and is 5e-6 without modes.
+    """
+    settings = Settings(fixed_step=h, order=4)
+    assert residual_of_stable_run(panel, joint, latch, settings, native=True) < (4e-3 if h > 1e-2 else 1e-3)
+
+
+def residual_of_stable_run(panel, joint, latch, settings, *, native=False):
     modes, damping = PANELS[panel]
     data = panel_data(modes)
-    outcome = run(*panel_scene(data, joint, latch, damping), 60 * h, Settings(fixed_step=h, order=order))
+    until = 60 * settings.fixed_step
+    outcome = run(*panel_scene(data, joint, latch, damping), until, settings, native=native)
     verdict = judge(outcome, pi / latch_frequency(data, latch))
     assert not verdict.diverged, outcome.failure or verdict
-    # rotations are of second order in the step, and a wall has slopes that work on them
-    assert verdict.residual < (1e-3 if order == 2 else 1e-2)
+    return verdict.residual
 
 
+@needs_native
+@pytest.mark.parametrize("latch", [1e2, 1e9])
+def test_order_four_stores_no_passing_excess(latch):
+    """Without inertial terms, which lend it thousands of times that, an unresolved latch holds what came in."""
+    settings = Settings(fixed_step=2e-2, order=4)
+    outcome = run(*panel_scene(panel_data(16), 1e10, latch), 60 * 2e-2, settings, native=True)
+    assert judge(outcome, 1e-3).excess < 2e-3
+
+
+@needs_native
 @pytest.mark.parametrize("order", [2, 4])
 def test_absurd_trial_wrenches_are_no_solution(order):
     """Undamped, under a latch like a wall: the iteration once went off to wrenches of 1e50 and passed for solved."""
-    outcome = run(*panel_scene(panel_data(16), 1e5, 1e9, 0.0), 1.0, Settings(fixed_step=5e-3, order=order))
+    outcome = run(
+        *panel_scene(panel_data(16), 1e5, 1e9, 0.0), 1.0, Settings(fixed_step=5e-3, order=order), native=True
+    )
     assert not judge(outcome, 1e-3).diverged, outcome.failure
 
 

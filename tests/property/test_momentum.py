@@ -85,14 +85,18 @@ def drift(run, name, bodies=("spacecraft", "panel")):
     return np.abs(total - total[0]).max(), max(np.abs(v).max() for v in each)
 
 
+ORDERS = pytest.mark.parametrize("order", [2, 4])
+
+
+@ORDERS
 @pytest.mark.parametrize("latch", ["none", "spring", "kinematic"])
-def test_deployment_in_free_flight_keeps_both_momenta(latch):
+def test_deployment_in_free_flight_keeps_both_momenta(latch, order):
     """Benchmark 14: P and H constant to 1e-12 of the largest body momentum, through motor, friction and latch.
 
     The angular momentum of a connection's two wrenches is balanced as far as the coupling iterates; the linear
     one always.
     """
-    run = free_scene(latch, 0.5, Settings(tolerance=1e-8, fixed_step=1e-3))
+    run = free_scene(latch, 0.5, Settings(tolerance=1e-8, fixed_step=1e-3, order=order))
     assert len(run.events) == (latch != "none")
     assert run.signal("hinge_left", "angle").max() > PI - 1e-6
     for name in ("linear_momentum", "angular_momentum"):
@@ -101,12 +105,13 @@ def test_deployment_in_free_flight_keeps_both_momenta(latch):
     assert np.ptp(run.signal("panel", "angular_momentum")[:, 1]) > 1.0
 
 
-def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteration():
+@ORDERS
+def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteration(order):
     """Conservation law at default settings: P to round-off, H to the iteration's tolerance.
 
     That is 1e-6 of the largest torque and 1e-6 N.m, over 1 s and against the momentum.
     """
-    run = free_scene("spring", 1.0, Settings())
+    run = free_scene("spring", 1.0, Settings(order=order))
     change, size = drift(run, "linear_momentum")
     assert change < 1e-12 * size
     change, size = drift(run, "angular_momentum")
@@ -115,12 +120,13 @@ def test_adaptive_deployment_keeps_both_momenta_to_the_tolerance_of_the_iteratio
     assert change < 1e-6 * size
 
 
+@ORDERS
 @pytest.mark.parametrize("latch", ["spring", "kinematic"])
-def test_energy_of_the_deployment_closes(latch):
+def test_energy_of_the_deployment_closes(latch, order):
     """Benchmark 14: stored + dissipated is constant; the rest is the rotation error, of second order in the step."""
     rest = []
     for step in (2e-3, 1e-3):
-        run = free_scene(latch, 0.25, Settings(tolerance=1e-8, fixed_step=step))
+        run = free_scene(latch, 0.25, Settings(tolerance=1e-8, fixed_step=step, order=order))
         rest.append(np.abs(run.scene("energy_residual")).max())
     assert rest[0] < 1e-5 * run.signal("panel", "kinetic_energy").max()
     assert rest[1] < 0.5 * rest[0]
@@ -132,15 +138,21 @@ def test_energy_of_the_deployment_closes(latch):
     suppress_health_check=[HealthCheck.too_slow],
     phases=(Phase.explicit, Phase.reuse, Phase.generate),
 )
-@given(spin=THREE, velocity=THREE, angle=st.floats(0.1, 3.0), step=st.sampled_from((1e-3, 4e-3, 2e-2)))
-def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step):
+@given(
+    spin=THREE,
+    velocity=THREE,
+    angle=st.floats(0.1, 3.0),
+    step=st.sampled_from((1e-3, 4e-3, 2e-2)),
+    order=st.sampled_from((2, 4)),
+)
+def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step, order):
     """Conservation law at every step size and attitude, to round-off and what the iteration leaves.
 
     Two hinges, soft so that the iteration can go to 1e-10 N.m, which adds up over the time at most.
     """
     soft = {**JOINT, "translational_stiffness": (2e4, 2e4, 2e4), "rotational_stiffness": (0.0, 2e3, 2e3)}
     run = free_scene(
-        "none", 30 * step, Settings(tolerance=1e-8, fixed_step=step), angle, 0.3, spin, velocity,
+        "none", 30 * step, Settings(tolerance=1e-8, fixed_step=step, order=order), angle, 0.3, spin, velocity,
         soft, Tolerance(1e-12, 100.0, 100.0),
     )  # fmt: skip
     change, size = drift(run, "linear_momentum")
@@ -149,7 +161,8 @@ def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step):
     assert change < 1e-13 * max(size, 1.0) + 2 * 1e-10 * 30 * step
 
 
-def test_flexible_bodies_exchange_momentum_exactly():
+@ORDERS
+def test_flexible_bodies_exchange_momentum_exactly(order):
     """Conservation law with full inertia coupling: two flexible bodies that pull at each other through a hinge.
 
     With the usual 1e-6 N.m at which the iteration ends, 1e-9 would be left; here it is told to go on.
@@ -167,7 +180,7 @@ def test_flexible_bodies_exchange_momentum_exactly():
     links = between("hinge", "one.outboard", "two.inboard")
     run = completed(
         0.3, parts, links,
-        settings=Settings(tolerance=1e-8, fixed_step=2e-3), iteration=Tolerance(1e-12, 10.0, 10.0),
+        settings=Settings(tolerance=1e-8, fixed_step=2e-3, order=order), iteration=Tolerance(1e-12, 10.0, 10.0),
     )  # fmt: skip
     assert np.abs(run.signal("hinge", "axial_force")).max() < 1e3
     assert np.abs(run.signal("one", "modal_coordinate")).max() > 1e-3
