@@ -33,9 +33,9 @@ def ring_down(step):
 
 
 def test_log_decrement_of_a_free_ring_down():
-    """Closed form: ratio f_1 / f_ref, at half a degree. What steps damp themselves is at least of second order.
+    """Closed form: ratio f_1 / f_ref, at half a degree. Steps of the size of the panel's relaxation time add nothing.
 
-    Steps of 0.25 ms resolve the panel's relaxation time, 0.8 ms, by three; what they add is 0.2 % of the ratio.
+    That is 0.8 ms; what they add is of fourth order in the vibration, far below the 0.5 % of small angles and damping.
     """
     expected_frequency = float(normal_modes(linearise(_deployed())).frequencies[0])
     expected = RATIO * expected_frequency / REFERENCE
@@ -43,7 +43,7 @@ def test_log_decrement_of_a_free_ring_down():
     fine, frequency = ring_down(2.5e-4)
     assert frequency == pytest.approx(expected_frequency, rel=1e-4)
     assert fine == pytest.approx(expected, rel=5e-3)
-    assert abs(fine - expected) < abs(coarse - expected) / 12.0
+    assert coarse == pytest.approx(fine, rel=1e-4)
 
 
 def _deployed():
