@@ -36,7 +36,7 @@ def test_order_four_never_diverges(panel, joint, latch, h):
     """So do wrenches with slopes, up to the rotation of flexible bodies.
 
     A panel that bounces on a latch like a wall within steps of 20 ms, which do not resolve its first modes, leaves
-    2.6e-3: that goes with the square of its rate and with h^2.5, and is 5e-6 without modes.
+    2.6e-3: that goes with the square of its rate and with h^2.5, and is 2e-6 without modes.
     """
     settings = Settings(fixed_step=h, order=4)
     assert residual_of_stable_run(panel, joint, latch, settings, native=True) < (4e-3 if h > 1e-2 else 1e-3)
