@@ -90,7 +90,8 @@ def test_transverse_sadm_torque_shows_only_with_flexible_bodies():
         RUNS("amos3", "central_loops", rigid=r, tolerance=TREND).headline.interface_torque_peaks
         for r in (RIGID, ())
     )
-    assert max(rigid[0], rigid[2]) < 1e-6
+    iteration = 1e-6  # what an iteration leaves, of the largest torque
+    assert max(rigid[0], rigid[2]) < iteration * rigid[1]
     assert min(flexible[0], flexible[2]) > 0.5
 
 
