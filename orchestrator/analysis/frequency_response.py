@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from components.contract.component import Vector
 
 from ..scene import SceneError
-from .modes import DIRECTIONS
 from .statics.linear_model import LinearModel, modal_damping, normal_modes
+from .vibration import DIRECTIONS, INTERFACE
 
 Complex = NDArray[np.complex128]
-INTERFACE = "interface"
 _AROUND = np.concatenate((-np.geomspace(0.1, 30.0, 12)[::-1], [0.0], np.geomspace(0.1, 30.0, 12)))
 """Frequencies around a resonance, in half-widths of its peak."""
 _LEAST_DAMPING = 1e-5

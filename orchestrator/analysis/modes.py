@@ -27,11 +27,9 @@ from .statics.linear_model import (
     modal_damping,
     normal_modes,
 )
+from .vibration import DIRECTIONS
 
 _SMALLEST_SHARE = 1e-3
-
-DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
-"""Translations along, then rotations about the world axes."""
 
 
 class Mode(NamedTuple):

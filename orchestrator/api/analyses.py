@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..analysis.studies import LatchStudy
     from ..analysis.torque_margin.margins import TorqueMargin
     from ..analysis.torque_margin.restart import CaseRestart
-    from ..analysis.torque_margin.rules import FactorKind
+    from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
 
 Angles = Mapping[str, Quantity]
@@ -83,9 +83,8 @@ def frequency_response(
     high: Hz. steps: frequencies, beside those around resonances.
     """
     from ..analysis.frequency_response import FrequencyResponse, frequency_grid, responses
-    from ..analysis.modes import DIRECTIONS
     from ..analysis.statics.configuration import scene_model
-    from ..analysis.statics.linear_model import ZERO_FREQUENCY
+    from ..analysis.vibration import DIRECTIONS, ZERO_FREQUENCY
 
     for name, direction in (("excite", excite), ("along", along or excite)):
         if direction not in DIRECTIONS:
@@ -172,7 +171,7 @@ def torque_margin(
     """
     from ..analysis.torque_margin.margins import margin_cases
     from ..analysis.torque_margin.margins import torque_margin as find
-    from ..analysis.torque_margin.rules import DEMANDS, FACTORS
+    from ..analysis.torque_margin.standard import DEMANDS, FACTORS
 
     if factors not in FACTORS:
         raise SceneError([f"there are no factors {factors!r}; factors are {', '.join(FACTORS)}"])
@@ -278,10 +277,9 @@ def step_study(
     folder: where results go; None keeps them in memory.
     """
     from ..analysis.step_study import step_study as study
-    from ..analysis.step_study import study_steps
 
     assembly = assemble(load(scene).check_one_run(), listed(rigid), listed(flexible))
-    return study(assembly, study_steps(steps), tolerance, _folder(folder), chosen(progress))
+    return study(assembly, steps, tolerance, _folder(folder), chosen(progress))
 
 
 def stress(

@@ -14,7 +14,8 @@ import numpy as np
 
 from ...scene import CheckedScene, SceneError
 from ...scene.builder import Scene
-from .rules import FACTORS, LIMIT, RULES, FactorKind, Found, margins
+from .rules import LIMIT, RULES, Found, margins
+from .standard import FACTORS, FactorKind
 from .sweep import FrictionKind, driven_lines, sweep
 from .undriven import without_margin
 

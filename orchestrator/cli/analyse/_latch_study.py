@@ -5,17 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.studies import Case, LatchStudy, latch_rows
 from ..options import Command
-from ..tables import plain_table
 from ..types import Number
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.studies import Case, LatchStudy
 
 _NUMBER = 7
 
@@ -28,6 +30,8 @@ def report_study(
     if content is not None:
         click.echo(json.dumps(content))
         return
+    from rich.console import Console
+
     console = Console()
     console.print(latch_table(f"{study.scene}: against {study.against}", study.shown, study.reference))
     for table in further:
@@ -55,6 +59,9 @@ def study_options(study: str, runs: str) -> Callable[[Command], Command]:
 
 def latch_table(title: str, cases: Sequence[Case], reference: Case) -> Table:
     """Latch times and latch torque peaks of every case, with their differences from the reference."""
+    from ...analysis.studies import latch_rows
+    from ..tables import plain_table
+
     table = plain_table(title)
     table.add_column("case")
     for heading in (

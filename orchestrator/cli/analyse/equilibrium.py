@@ -11,7 +11,6 @@ import orchestrator as fanfold
 from ..options import SceneChoice, ordered_names, refuse_idle, scene_choice
 from ..types import Count
 from ._configuration import ConfigurationChoice, angle_of, configuration_choice, lines_given
-from ._equilibrium_tables import print_loads, print_sweep
 
 _EXAMPLES = """\b
 Examples:
@@ -78,7 +77,10 @@ def command(
     if as_json:
         content = {"scene": scene.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
-    elif sweeps:
+        return
+    from ._equilibrium_tables import print_loads, print_sweep
+
+    if sweeps:
         print_sweep(found)
     else:
         print_loads(found[0])

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.frequency_response import INTERFACE, FrequencyResponse, peaks
-from ...analysis.modes import DIRECTIONS
-from ...analysis.statics.linear_model import ZERO_FREQUENCY
+from ...analysis.vibration import DIRECTIONS, INTERFACE, ZERO_FREQUENCY
 from ..options import SceneChoice, ordered_names, scene_choice
 from ..types import Count, Number, Picture
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice
+
+if TYPE_CHECKING:
+    from ...analysis.frequency_response import FrequencyResponse
 
 _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
 """Below it the round-off of stiff joints would be stiffer than what moves."""
@@ -90,6 +90,11 @@ def command(
 
 
 def _print(found: FrequencyResponse) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ...analysis.frequency_response import peaks
+
     table = Table(title="largest resonances")
     for heading in ("output", "unit"):
         table.add_column(heading, no_wrap=True)

@@ -5,22 +5,26 @@ from __future__ import annotations
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.impact import Impact
-from ..tables import plain_table
 from ..types import Picture
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.impact import Impact
 
 _NUMBER = 7
 
 
 def impact_table(found: list[Impact]) -> Table:
     """For people."""
+    from ..tables import plain_table
+
     table = plain_table("impacts")
     table.add_column("contact")
     for heading in (
@@ -63,5 +67,7 @@ def command(result: Path, output: Path | None, as_json: bool) -> None:
     if not found:
         click.echo("nothing touched; no picture was drawn")
         return
+    from rich.console import Console
+
     Console().print(impact_table(found))
     click.echo(picture)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import json
-from math import pi
+from math import degrees, isfinite, pi
+from typing import TYPE_CHECKING
 
 import click
-import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.latch_tuning import Kind, Tuning
 from ..options import SceneChoice, scene_choice
 from ..types import Number, given_quantity
+
+if TYPE_CHECKING:
+    from ...analysis.latch_tuning import Kind, Tuning
 
 
 def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> float | None:
@@ -61,16 +61,19 @@ def command(
     _print(tuning)
     click.echo(tuning.scope)
     for angle, torque in tuning.law:
-        click.echo(f"latch law: {np.rad2deg(angle):9.4f} deg {torque:9.4f} N.m")
+        click.echo(f"latch law: {degrees(angle):9.4f} deg {torque:9.4f} N.m")
 
 
 def _print(tuning: Tuning) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
     table = Table(title=f"latch spring of {tuning.line}")
     table.add_column("quantity")
     table.add_column("value", justify="right")
     table.add_column("unit")
     inboard, outboard = tuning.inertias
-    fixed = not np.isfinite(inboard)
+    fixed = not isfinite(inboard)
     inner, unit = ("fixed", "") if fixed else (f"{inboard:.6g}", "kg.m2")
     table.add_row("inertia about the line, inboard", inner, unit)
     table.add_row("inertia about the line, outboard", f"{outboard:.6g}", "kg.m2")

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.mode_study import Frequencies, Vector, mode_label
 from ..options import SceneChoice, scene_choice
 from ..progress import progress
-from ..tables import Column, tables_that_fit
 from ._latch_study import report_study, study_options
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.mode_study import Frequencies, Vector
 
 
 def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Table]:
@@ -23,6 +25,9 @@ def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Tabl
 
     width: of the terminal, in characters.
     """
+    from ...analysis.mode_study import mode_label
+    from ..tables import Column, tables_that_fit
+
     count = len(found.free)
     fixed = [
         Column("mode", [str(k + 1) for k in range(count)]),
@@ -84,5 +89,7 @@ def command(
         folder=folder,
         progress=progress,
     )
+    from rich.console import Console
+
     tables = frequency_tables(study.body, study.frequencies, Console().width)
     report_study(study.latch_up, folder, study.as_dict() if as_json else None, tables)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
 
 import orchestrator as fanfold
 
-from ...analysis.modes import DIRECTIONS, Modes
+from ...analysis.vibration import DIRECTIONS
 from ..options import SceneChoice, refuse_idle, scene_choice
-from ..tables import plain_table
 from ..types import Count
 from ._configuration import ConfigurationChoice, as_posed_option, configuration_choice
+
+if TYPE_CHECKING:
+    from ...analysis.modes import Modes
 
 _ROUNDED_UP = (9.995, 99.95)
 """%: from here on two decimals, and one, take more than four characters"""
@@ -61,6 +63,10 @@ def command(
 
 
 def _print(found: Modes) -> None:
+    from rich.console import Console
+
+    from ..tables import plain_table
+
     table = plain_table("normal modes; effective masses in % of the rigid ones")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
@@ -84,6 +90,8 @@ def _print(found: Modes) -> None:
 
 def _print_damping(found: Modes) -> None:
     """What damps the first mode, and by which rule."""
+    from rich.console import Console
+
     console, modes, structural = Console(), found.listed, found.structural_damping
     if modes and modes[0].damping_shares:
         told = list(modes[0].damping_shares.items())[:_TOLD]

@@ -5,15 +5,18 @@ from __future__ import annotations
 import csv
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 import orchestrator as fanfold
 
-from ...analysis.stress.hot_spots import HotSpot, PanelStress
 from ..types import Count, Number
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...analysis.stress.hot_spots import HotSpot, PanelStress
 
 _COLUMNS = ("rank", "von Mises, MPa", "node", "face", "time, s", "x, m", "y, m", "insert")
 
@@ -91,6 +94,8 @@ def command(
         around=around,
         insert_margin=insert_margin,
     )
+    from rich.console import Console
+
     console = Console()
     console.print(_table(found))
     console.print(
@@ -104,6 +109,8 @@ def command(
 
 
 def _table(found: PanelStress) -> Table:
+    from rich.table import Table
+
     table = Table(title=f"{found.body}: hot spots of the von Mises stress, {found.radius:g} m apart")
     for name in _COLUMNS:
         table.add_column(name, justify="left" if name in ("face", "insert") else "right")

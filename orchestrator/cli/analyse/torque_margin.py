@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
 
 import orchestrator as fanfold
 
-from ...analysis.torque_margin.margins import margin_cases
-from ...analysis.torque_margin.restart import restart_shares
-from ...analysis.torque_margin.rules import DEMANDS, FACTORS, FactorKind
-from ...analysis.torque_margin.sweep import FrictionKind
+from ...analysis.torque_margin.standard import DEMANDS, FACTORS, FactorKind
 from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..progress import progress
 from ..types import Count, Number, given_quantity
-from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
+
+if TYPE_CHECKING:
+    from ...analysis.torque_margin.sweep import FrictionKind
 
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
 
@@ -89,6 +88,12 @@ def command(
     as_json: bool,
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
+    from rich.console import Console
+
+    from ...analysis.torque_margin.margins import margin_cases
+    from ...analysis.torque_margin.restart import restart_shares
+    from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
+
     refuse_idle("--until", "--restart")
     scene = choice.load()
     for case in margin_cases(scene, names).values():

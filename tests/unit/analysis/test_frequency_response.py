@@ -11,7 +11,6 @@ from scipy.sparse.linalg import splu
 
 from components import catalogue
 from orchestrator.analysis.frequency_response import (
-    INTERFACE,
     base_response,
     frequency_grid,
     peaks,
@@ -20,6 +19,7 @@ from orchestrator.analysis.frequency_response import (
 )
 from orchestrator.analysis.statics.configuration import configuration, placed
 from orchestrator.analysis.statics.linear_model import linearise, normal_modes
+from orchestrator.analysis.vibration import INTERFACE
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
 from tests.references.edits import edited

@@ -12,7 +12,8 @@ from click.testing import CliRunner
 
 from orchestrator.analysis.torque_margin.margins import find_margins, margin_cases
 from orchestrator.analysis.torque_margin.restart import restart, restart_share
-from orchestrator.analysis.torque_margin.rules import FACTORS, LineTorques, margins
+from orchestrator.analysis.torque_margin.rules import LineTorques, margins
+from orchestrator.analysis.torque_margin.standard import FACTORS
 from orchestrator.analysis.torque_margin.sweep import sweep
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, find_scene, load_scene

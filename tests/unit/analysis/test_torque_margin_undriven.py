@@ -12,7 +12,8 @@ from click.testing import CliRunner
 
 from orchestrator.analysis.torque_margin.margins import TorqueMargin
 from orchestrator.analysis.torque_margin.restart import CaseRestart, Restart
-from orchestrator.analysis.torque_margin.rules import FACTORS, Found, LineTorques, margins
+from orchestrator.analysis.torque_margin.rules import Found, LineTorques, margins
+from orchestrator.analysis.torque_margin.standard import FACTORS
 from orchestrator.analysis.torque_margin.undriven import without_margin
 from orchestrator.cli.analyse._torque_margin_tables import (
     margin_table,

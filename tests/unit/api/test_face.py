@@ -44,10 +44,16 @@ def test_every_name_is_there_and_typed():
         fanfold.simulat  # noqa: B018
 
 
-def test_import_is_light():
-    """Rule: neither the face nor the command line loads a library before it needs one."""
-    code = f"import sys; import orchestrator.cli.main; print({set(HEAVY)!r} & set(sys.modules))"
-    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "set()\n"
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["analyse", "--help"]])
+def test_help_is_light(arguments):
+    """Rule: neither the face nor the command line, with all its analyses, loads a library before it needs one."""
+    code = (
+        "import sys; from orchestrator.cli.main import main; "
+        f"main({arguments!r}, standalone_mode=False); print({set(HEAVY)!r} & set(sys.modules))"
+    )
+    shown = subprocess.check_output([sys.executable, "-c", code], text=True)
+    assert shown.startswith("Usage:")
+    assert shown.endswith("\nset()\n")
 
 
 def fastest(code, *, tries=5):

@@ -1,0 +1,20 @@
+"""Factors and symbols of the torque margin in ECSS-E-ST-33-01C, 2009 edition."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, Literal
+
+FactorKind = Literal["theoretical", "measured"]
+
+SPRING_ACTUATOR: Final = 0.8
+"""Clause 4.7.5.3.2e."""
+DYNAMIC: Final = 1.25
+"""Factor on the torque for a specified acceleration, T_D."""
+FACTORS: Final[Mapping[FactorKind, Mapping[str, float]]] = {
+    "theoretical": {"I": 1.1, "S": 1.2, "HM": 1.5, "FR": 3.0, "HY": 3.0, "HA": 3.0, "HD": 3.0},
+    "measured": {"I": 1.1, "S": 1.2, "HM": 1.2, "FR": 1.5, "HY": 1.5, "HA": 1.5, "HD": 3.0},
+}
+"""Table 4-2: inertia, spring, motor magnetic losses, friction, hysteresis, others (harness), adhesion."""
+DEMANDS: Final = ("TD", "TL")
+"""Torque for a specified acceleration, and specified output torque; no resistances."""
