@@ -217,12 +217,6 @@ def test_folders_stay_small(top):
     assert crowded == {}
 
 
-def test_help_loads_no_heavy_library():
-    """The command line answers --help without finite elements and without pictures."""
-    code = "import sys; import orchestrator.cli.main; print({'skfem', 'matplotlib'} & set(sys.modules))"
-    assert output_of(sys.executable, "-c", code) == (0, "set()\n")
-
-
 def test_packages_share_one_folder():
     """Packaging: three generic names from one installation, not from three different ones."""
     folders = {Path(package.__file__).resolve().parents[1] for package in (components, fmus, orchestrator)}
