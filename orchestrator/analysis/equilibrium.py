@@ -97,11 +97,9 @@ def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], s
     free = free_lines(scene, target, held)
     if not free:
         loops = " that stretch no cable loop" if scene.loops else ""
-        return (
-            f"its hinge lines are all held or latched, so choose other angles with --angle or --sweep{loops}"
-        )
+        return f"its hinge lines are all held or latched, so choose other angles or sweeps{loops}"
     kept = ",".join([*(name for name in held if name not in swept), *free])
-    return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} with --hold {kept}"
+    return f"nothing holds {', '.join(free)}; hold {'it' if len(free) == 1 else 'them'} as well, hold: {kept}"
 
 
 def lines_held(

@@ -137,8 +137,8 @@ def without(total: float, part: float) -> float:
     if part <= total:
         raise SceneError(
             [
-                f"--hinge-stiffness: {part:.6g} N.m/rad must be above the total {total:.6g} N.m/rad that the hinges "
-                "are part of; if the frequency is that of the structure alone, say --stiffness-of structure"
+                f"the stiffness of the hinges, {part:.6g} N.m/rad, must be above the total {total:.6g} N.m/rad that "
+                "they are part of; if the frequency is that of the structure alone, ask for that of the structure"
             ]
         )
     return 1.0 / (1.0 / total - 1.0 / part)
@@ -230,7 +230,7 @@ def tune(
             raise SceneError(
                 [
                     f"{scene.file}: hinge_line.{line.name}: {line.inboard} and {line.outboard} are rigid, so there is "
-                    "no frequency to tune to; give one with --frequency, or make one of them --flexible"
+                    "no frequency to tune to; give a frequency, or make one of them flexible"
                 ]
             )
         frequency, overlap = pair(scene, line, flexible, None).mode()

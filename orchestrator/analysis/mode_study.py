@@ -112,17 +112,15 @@ def studied_body(scene: CheckedScene, name: str | None, rigid: Collection[str]) 
         return bodies[left[0]]
     if not bodies or (name is None and left) or (name is not None and name not in bodies):
         known = ", ".join(left or bodies) or "none"
-        raise RunError(
-            f"{scene.file}: name the body to study with --body; bodies that can have modes are {known}"
-        )
+        raise RunError(f"{scene.file}: name the body to study; bodies that can have modes are {known}")
     studied = name or next(iter(bodies))
     if studied not in left:
         others = ",".join(body for body in bodies if body != studied)
         advice = (
-            f"make only others rigid: --body {studied} --rigid {others}" if others else "leave --rigid out"
+            f"make only others rigid, body: {studied}, rigid: {others}" if others else "make no body rigid"
         )
         whose = f"{name} has no modes" if name else "no body has modes"
-        raise RunError(f"{scene.file}: with this --rigid {whose} to count; {advice}")
+        raise RunError(f"{scene.file}: with these bodies rigid {whose} to count; {advice}")
     return bodies[studied]
 
 

@@ -80,7 +80,7 @@ def refuse_unlatched(reference: Case) -> None:
         end = reference.outcome.headline.end_time
         raise RunError(
             f"{reference.label}: no hinge line latched within {end:g} s, so there is nothing to compare; "
-            f"run longer, such as --set scene.until={2.0 * end:g}"
+            f"run longer, such as with the setting scene.until={2.0 * end:g}"
         )
 
 

@@ -142,7 +142,7 @@ def loaded(
     free = [line.name for line in scene.hinge_lines if not line.held and line.name not in target.latched]
     hinges = hinges_of(scene, free)
     mechanism.command("hold", 1.0, hinges)
-    settle(mechanism, "--as-posed takes the hinge angles as they are, without equilibrium")
+    settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
     mechanism.command("hold", 0.0, hinges)
     return mechanism
 

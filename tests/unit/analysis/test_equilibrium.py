@@ -196,11 +196,11 @@ def test_what_has_no_equilibrium_is_refused(tmp_path):
     path = tmp_path / "loose.toml"
     path.write_text(text, encoding="utf-8")
     loose = load_scene(path)
-    with pytest.raises(SceneError, match=r"2 motions without stiffness.*--hold root_line,middle_line"):
+    with pytest.raises(SceneError, match=r"2 motions without stiffness.*hold: root_line,middle_line"):
         equilibrium(loose, (), (), configuration(loose), ())
     scene = wing(tmp_path)
     with pytest.raises(
-        SceneError, match=r"nothing holds root_line; hold it with --hold middle_line,root_line"
+        SceneError, match=r"nothing holds root_line; hold it as well, hold: middle_line,root_line"
     ):
         equilibrium(scene, (), (), configuration(scene), ("middle_line",))
 
