@@ -10,7 +10,7 @@ from pathlib import Path
 from fmus import Backend, FmiVersion
 
 from ..assembly.assemble import assemble
-from ..cosim.network import Order
+from ..cosim.ports import Order
 from ..run import run
 from ..run.progress import Progress
 from ..run.run import MasterKind

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fmus import Backend
 
     from ..api.result import Result
-    from ..cosim.network import Order
+    from ..cosim.ports import Order
     from ..run.run import MasterKind
     from ..run.verify import Verified
 

@@ -15,7 +15,10 @@ from typing import Literal
 import numpy as np
 
 from ..assembly import HingeLine
-from .master import Master, Recorder, Settings
+from .cosimulation import CoSimulation, Recorder
+from .implicit.convergence import Tolerance
+from .implicit.solvers import solver_for
+from .master import Settings
 from .network import Network
 from .participant import ParticipantError
 from .stepping import StepError
@@ -23,9 +26,11 @@ from .stepping import StepError
 Order = Literal["jacobi", "gauss-seidel"]
 
 _BOUND = 1e15
+_PRELOAD_TOLERANCE = 1e-6
+"""Of the wrenches in the static equilibrium that a run may start from."""
 
 
-class ExplicitMaster(Master):
+class ExplicitMaster(CoSimulation):
     """Steps the participants of a network one after the other, without iteration and without roll-back.
 
     The communication step is `fixed_step` of the settings, or else `largest_step`; step control, events
@@ -40,7 +45,8 @@ class ExplicitMaster(Master):
         settings: Settings,
         order: Order = "gauss-seidel",
     ) -> None:
-        super().__init__(network, hinge_lines, recorder, settings)
+        super().__init__(network, hinge_lines, recorder, solver_for(network, Tolerance(_PRELOAD_TOLERANCE)))
+        self.settings = settings
         self.order = order
 
     def initialize(self, *, preload: bool) -> None:
@@ -51,16 +57,11 @@ class ExplicitMaster(Master):
                 f"{', '.join(locks)}: an explicit master cannot solve for a kinematic latch; assemble "
                 "the scene for endpoint wrenches, or use the implicit master"
             )
-        fixed = [p.name for p in self._participants if not p.can_restore]
+        fixed = [p.name for p in self.network.participants if not p.can_restore]
         if preload and fixed:
             raise StepError(f"static preload needs FMUs that can return to a saved state; {fixed[0]} cannot")
         super().initialize(preload=preload)
         self._exchange()
-
-    def _save(self) -> None:
-        """Only the static preload, which asks for it beforehand, ever returns to a saved state."""
-        if all(p.can_restore for p in self._participants):
-            super()._save()
 
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where values grow beyond all bounds."""
@@ -70,10 +71,9 @@ class ExplicitMaster(Master):
             remaining = until - self.time
             h = remaining if remaining < 1.001 * size else size
             self._step_or_fail(h)
-            self.time += h
-            self.statistics.steps += 1
+            self._advance(h)
             self.statistics.sweeps += 1
-            self._observe(0.0)
+            self._observe()
             self._record(h, 1)
             self.settings.progress(self.time, h)
 
@@ -123,10 +123,11 @@ class ExplicitMaster(Master):
         for connection in self.network.connections:
             connection.write()
             connection.read()
-        self.network.collect_wrenches(self._wrenches)
-        self.network.set_wrenches(self._wrenches)
+        wrenches = self.solver.accepted
+        self.network.collect_wrenches(wrenches)
+        self.network.set_wrenches(wrenches)
 
     @property
     def _bounded(self) -> bool:
-        values = np.concatenate([self._wrenches, *(body.outputs for body in self.network.bodies)])
+        values = np.concatenate([self.solver.accepted, *(body.outputs for body in self.network.bodies)])
         return bool(np.abs(values).max(initial=0.0) < _BOUND)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import POINTER, Structure, addressof, byref, c_double, c_size_t, c_uint32, c_void_p, cast, pointer
+from ctypes import POINTER, addressof, byref, c_double, c_uint32, c_void_p, cast, pointer
 from itertools import groupby
 from pathlib import Path
 from tempfile import mkdtemp
@@ -25,40 +25,19 @@ from fmpy.fmi2 import (
 from components import Layout, Quantity
 from fmus import NATIVE_TOOL
 
-from .network import MOMENTS, MOTION, SLOPES, WRENCH
-from .participant import ParticipantError, Vector
+from .coupling_library import Calls, library
+from .participant import Matrix, ParticipantError, Vector
+from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
 from .shared_library import share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = ("latch_distance", "latched")
 """Outputs that the master reads in every iteration beside the ports."""
 FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its state", "give observations")
-"""What an FMU could not do, by the number that the engine has for it; "" where a message says more."""
+"""What an FMU could not do, by the number that the native solver has for it; "" where a message says more."""
 _FINITE = 4
 _OVERWRITES_NO_STATE = "PythonFMU"
 _ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
-
-
-class Calls(Structure):
-    """An FMU as the engine sees it, `Participant` in native/coupling.c: functions, references, arrays, state.
-
-    The engine adds what it knows of the ports.
-    """
-
-    _fields_ = (
-        *(
-            (name, c_void_p)
-            for name in (
-                *("component", "set_real", "get_real", "do_step", "get_state", "set_state", "free_state"),
-                *("derivative", "input_references", "output_references", "observation_references"),
-            )
-        ),
-        *((name, c_size_t) for name in ("inputs", "outputs", "observations", "overwrites_state")),
-        *((name, c_void_p) for name in ("input", "output", "observation", "saved")),
-        *((name, c_size_t) for name in ("ports", "slopes", "moments")),
-        ("links", c_void_p),
-        ("turned", c_void_p),
-    )
 
 
 class FmuParticipant:
@@ -144,7 +123,7 @@ class FmuParticipant:
         self.calls = self._record()
 
     def _record(self) -> Calls:
-        """Functions and arrays of this instance for the engine; valid until `close`."""
+        """Functions and arrays of this instance for the native solver; valid until `close`."""
         record = Calls()
         record.component = self._component
         for name, function in (
@@ -169,8 +148,13 @@ class FmuParticipant:
         record.overwrites_state = self._overwrites_state
         return record
 
+    @property
+    def native(self) -> FmuParticipant | None:
+        """Itself, if it can return to a saved state, as the native solver always has it do."""
+        return self if self.can_restore else None
+
     def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
-        """What to raise when a call of the engine failed, by its number in `FAILURES`."""
+        """What to raise when a call of the native solver failed, by its number in `FAILURES`."""
         self._time = time
         try:
             if call == _FINITE:
@@ -241,6 +225,22 @@ class FmuParticipant:
         self.write()
         self.check(self._get_real(self._component, *self._observe_arguments), "give observations")
         return self._observations
+
+    def interface_jacobian(self, places: PortPlaces, width: Width) -> Matrix | None:
+        """fmi2GetDirectionalDerivative of the step just made; None without the library that puts them together."""
+        compiled = library()
+        if compiled is None or not self.directional_derivatives:
+            return None
+        self.calls.ports, self.calls.slopes, self.calls.moments = (
+            places.ports,
+            places.slopes or 0,
+            places.moments or 0,
+        )
+        matrix, slope = np.empty(width.jacobian(places)), np.empty(self.outputs.size)
+        derivatives = compiled.coupling_mobility if places.side == "body" else compiled.coupling_stiffness
+        status = derivatives(byref(self.calls), matrix.ctypes.data, slope.ctypes.data, width == WIDTHS[4])
+        self.check(status, "give derivatives")
+        return matrix
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Set a parameter, also in the saved state, which is the present one between steps."""

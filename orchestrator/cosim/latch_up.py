@@ -12,11 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .implicit.coupling import Coupling
-from .implicit.interface_jacobian import first_port_axes, stepped, stiffness_of
+from .implicit.differences import stepped
+from .implicit.interface_jacobian import first_port_axes, jacobian_block
 from .implicit.local_error import WatchedTorque
-from .network import Matrix, PortPlaces, Width
-from .participant import Participant, Vector
+from .implicit.solver import Solver
+from .participant import Matrix, Participant, Vector
+from .ports import PortPlaces, Width
 
 _LONG_STEP = 100.0
 """Step (s) over which damping and friction add nothing to a connection's stiffness."""
@@ -66,9 +67,9 @@ class Slope(NamedTuple):
     long: Matrix
 
 
-def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> list[Slope]:
+def slopes(solver: Solver, names: Sequence[str], time: float, h: float) -> list[Slope]:
     """Stiffnesses of connections by name, at the motions and under the commands of now."""
-    network = coupling.network
+    network = solver.network
     places = {c.name: p for c, p in zip(network.connections, network.connection_places, strict=True)}
     return [
         Slope(
@@ -83,16 +84,16 @@ def slopes(coupling: Coupling, names: Sequence[str], time: float, h: float) -> l
 
 def _stiffness(connection: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Matrix:
     stepped(connection, time, h)
-    matrix = stiffness_of(connection, places, width, time, h).matrix
+    matrix = jacobian_block(connection, places, width, time, h).matrix
     table = matrix.reshape(places.ports, width.wrench, places.ports, width.coordinates)[:, :6, :, :6]
     return table.reshape(6 * places.ports, 6 * places.ports)
 
 
 def stiffenings(
-    coupling: Coupling, names: Sequence[str], before: Sequence[Slope], after: Sequence[Slope], h: float
+    solver: Solver, names: Sequence[str], before: Sequence[Slope], after: Sequence[Slope], h: float
 ) -> tuple[Stiffening, ...]:
     """What an event changed at hinges, from their slopes before and after; those that it made no stiffer left out."""
-    numbers = {c.name: i for i, c in enumerate(coupling.network.connections)}
+    numbers = {c.name: i for i, c in enumerate(solver.network.connections)}
     found = []
     for name, old, new in zip(names, before, after, strict=True):
         change = old.long - new.long
@@ -100,7 +101,7 @@ def stiffenings(
         values, vectors = np.linalg.eigh(0.5 * (turning + turning.T))
         if values[-1] <= _LEAST_STIFFENING * float(np.abs(new.long).max()):
             continue
-        axis, last_port = vectors[:, -1], coupling.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
+        axis, last_port = vectors[:, -1], solver.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
         viscous = (old.step - new.step - change)[-3:, -3:]
         found.append(
             Stiffening(
@@ -115,43 +116,43 @@ def stiffenings(
     return tuple(found)
 
 
-def stiffened_line(coupling: Coupling, hinges: tuple[Stiffening, ...], h: float) -> StiffenedLine:
-    """Frequency and energy of a line on the time scale of a step h, whose matrices the coupling has in use."""
+def stiffened_line(solver: Solver, hinges: tuple[Stiffening, ...], h: float) -> StiffenedLine:
+    """Frequency and energy of a line on the time scale of a step h, whose matrices the solver has in use."""
     stiffness = np.array([hinge.stiffness for hinge in hinges])
-    compliance = np.array([_turned(coupling, hinge, hinges) for hinge in hinges]).T
+    compliance = np.array([_turned(solver, hinge, hinges) for hinge in hinges]).T
     root = np.sqrt(stiffness)
     largest = float(np.linalg.eigvals(root[:, None] * compliance * root).real.max(initial=0.0))
     if largest <= 0.0:
         return StiffenedLine(0.0, 0.0, 0.0, hinges)
     square = 2.0 * largest / h**2
-    rates = np.array([_rate(coupling, hinge) for hinge in hinges])
+    rates = np.array([_rate(solver, hinge) for hinge in hinges])
     damping = max(hinge.damping / hinge.stiffness for hinge in hinges)
     energy = 0.5 * float(stiffness @ rates**2) / square
     return StiffenedLine(float(np.sqrt(square)), damping * square, energy, hinges)
 
 
-def _turned(coupling: Coupling, loaded: Stiffening, hinges: Sequence[Stiffening]) -> list[float]:
+def _turned(solver: Solver, loaded: Stiffening, hinges: Sequence[Stiffening]) -> list[float]:
     """Rotations (rad) of all hinges under a torque of 1 N.m at one, held over the step, all joints in place."""
-    network = coupling.network
+    network = solver.network
     wrenches = np.zeros((len(network.port_names), network.width.wrench))
     wrenches[network.connection_links[loaded.connection], :6] = loaded.wrench.reshape(-1, 6)
-    motions = coupling.response(wrenches.ravel())[:, :6]
+    motions = solver.displacements(wrenches.ravel())[:, :6]
     return [
         float(hinge.rotation @ motions[network.connection_links[hinge.connection]].ravel())
         for hinge in hinges
     ]
 
 
-def _rate(coupling: Coupling, hinge: Stiffening) -> float:
+def _rate(solver: Solver, hinge: Stiffening) -> float:
     """Present rate (rad/s) of the rotation."""
     table = hinge.rotation.reshape(-1, 6)
-    ports = coupling.network.connections[hinge.connection].inputs[: 13 * len(table)]
+    ports = solver.network.connections[hinge.connection].inputs[: 13 * len(table)]
     return float(table.ravel() @ ports.reshape(-1, 13)[:, 7:].ravel())
 
 
-def watched_torques(coupling: Coupling, line: StiffenedLine, energy: float) -> list[WatchedTorque]:
+def watched_torques(solver: Solver, line: StiffenedLine, energy: float) -> list[WatchedTorque]:
     """The torques of a latched line's hinges, judged beside an energy (J) of the line."""
-    network = coupling.network
+    network = solver.network
     found = []
     for hinge in line.hinges:
         links = network.connection_links[hinge.connection]

@@ -1,23 +1,19 @@
-"""The master algorithm: initialisation, static preload, implicit steps, events, recording."""
+"""The master algorithm: implicit steps, their size, events inside them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Protocol
-
-import numpy as np
 
 from ..assembly import HingeLine
-from .energy_balance import Energies
+from .cosimulation import CoSimulation, Recorder
 from .energy_guard import EnergyGuard
 from .implicit.convergence import Solution, Tolerance
-from .implicit.coupling import Coupling
+from .implicit.solvers import solver_for
 from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
-from .network import Network, Order
-from .participant import Vector
-from .static_search import DURATION, StaticSearch
+from .network import Network
+from .ports import Order
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
 
 _ITERATED = {2: 1e-2, 4: 1e-3}
@@ -28,27 +24,6 @@ _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
-
-
-class Recorder(Protocol):
-    """Takes what happened, in order."""
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Something switched."""
-
-
-SCENE_CHANNELS = (
-    ("step_size", "s", "Communication step size that led here"),
-    ("iterations", "1", "Sweeps over all participants in that step"),
-    ("stored_energy", "J", "Kinetic and potential energy of all participants"),
-    ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
-    ("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
-    ("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
-    ("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,97 +49,32 @@ class Settings:
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 
-@dataclass(slots=True)
-class Statistics:
-    """What a run cost; fmu_time: seconds inside FMUs in steps that the engine made."""
-
-    steps: int = 0
-    sweeps: int = 0
-    rejected: int = 0
-    probes: int = 0
-    fmu_time: float = 0.0
-
-
-class Master:
+class Master(CoSimulation):
     """Couples the participants of a network implicitly and follows them through time."""
 
     def __init__(
         self, network: Network, hinge_lines: Sequence[HingeLine], recorder: Recorder, settings: Settings
     ) -> None:
-        self.network = network
-        self.recorder = recorder
+        tolerance = Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
+        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance))
         self.settings = settings
-        self.statistics = Statistics()
-        self.time = 0.0
-        self.segments: list[list[float]] = [[]]
-        self._participants = [*network.bodies, *network.connections]
-        self._pending = [line for line in hinge_lines if line.latches]
-        self._coupling = Coupling(
-            network, Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
-        )
-        self._coupling.persistent = not self._controlled
+        self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
         self._sizes = StepSizes(largest, settings.smallest_step, network.order)
         self._sizes.restart(min(settings.start_step, largest))
-        self._wrenches = self._coupling.accepted
-        self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
         self._guard = EnergyGuard(self._energies)
         self._parts = 1
         self._latched: list[StiffenedLine] = []
-        outputs = {line.name: network.by_name[line.sensor] for line in self._pending}
-        self._sensors = {
-            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
-            for name, sensor in outputs.items()
-        }
-        self._scene = np.zeros(len(SCENE_CHANNELS))
-        ends = np.cumsum([p.observation_layout.size for p in self._participants])
-        self._recorded = [*np.split(self._coupling.observations, ends)[:-1], self._scene]
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
-        start = -DURATION if preload else 0.0
-        for participant in self._participants:
-            if "order" in participant.parameter_layout:
-                participant.set_parameter("order", self.network.order)
-        for body in self.network.bodies:
-            body.write()
-            body.read()
-        self.network.carry_motion()
-        for connection in self.network.connections:
-            connection.write()
-        for participant in self._participants:
-            participant.initialize(start)
-            participant.read()
+        super().initialize(preload=preload)
         self._save()
-        if preload:
-            self._seek_equilibrium()
-        self._energy_start = energies = self._observe(0.0)
-        self._guard = EnergyGuard(energies)
+        self._guard = EnergyGuard(self._energies)
         self._error = ErrorEstimate(
-            self.settings.tolerance, energies.stored, self.settings.driving_energy, self.network.order
+            self.settings.tolerance, self._energies.stored, self.settings.driving_energy, self.network.order
         )
-        self._record(0.0, 0)
-
-    def _seek_equilibrium(self) -> None:
-        """Static equilibrium of the participants with all hinges held."""
-        changed = [
-            (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
-            for p in self._participants
-            for name, value in (("quasi_static", 1.0), ("end_weight", 1.0))
-            if name in p.parameter_layout
-        ]
-        for participant, name, value, _ in changed:
-            participant.set_parameter(name, value)
-        self._command("hold", 1.0)
-        self._coupling.mode = "static"
-        StaticSearch(self._coupling, self.network.bodies, self._wrenches).run()
-        self._watch()
-        for participant, name, _, normal in changed:
-            participant.set_parameter(name, normal)
-        self._command("hold", 0.0)
-        self._coupling.mode = "dynamic"
-        self._coupling.forget()
 
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where no step size converges."""
@@ -181,9 +91,7 @@ class Master:
             if line is not None:
                 self._latch(line)
             self.settings.progress(self.time, h)
-        self.statistics.sweeps = self._coupling.sweeps
-        self.statistics.probes = self._coupling.probes
-        self.statistics.fmu_time = self._coupling.fmu_time
+        self.statistics.sweeps, self.statistics.fmu_time = self.solver.costs()
 
     def _next_step(self, until: float) -> float:
         remaining = until - self.time
@@ -207,11 +115,11 @@ class Master:
 
     def _try_step(self, h: float) -> Solution | None:
         """A converged step whose error is accepted, or None with a smaller step size set."""
-        coupling = self._coupling
-        solution = coupling.solve(self.time, h, coupling.predicted(self.time, h))
+        solver = self.solver
+        solution = solver.solve(self.time, h, solver.predicted(self.time, h))
         if not solution.converged:
             if not self._smaller():
-                raise failure(coupling, solution, self.time, h)
+                raise failure(solver, solution, self.time, h)
             self.statistics.rejected += 1
             return None
         if not self._guard.allows(self._observe(h), h):
@@ -222,7 +130,7 @@ class Master:
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
             return solution
-        square = coupling.error_square(self.time, h, self._error.energy)
+        square = solver.error_square(self.time, h, self._error.energy)
         if square is None or self._sizes.judge(self._error(square)):
             return solution
         self.statistics.rejected += 1
@@ -245,28 +153,22 @@ class Master:
                 best, best_time = line, h * before / (before - after)
         return best
 
-    def _distance(self, line: HingeLine) -> float:
-        outputs, place = self._sensors[line.name]
-        return outputs.item(place)
-
     def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution]:
         """Repeat the step so that it ends where the hinge line latches."""
         found = [solution]
 
         def distance(trial: float) -> float:
-            guess = self._coupling.predicted(self.time, trial)
-            found[0] = self._coupling.solve(self.time, trial, guess)
+            guess = self.solver.predicted(self.time, trial)
+            found[0] = self.solver.solve(self.time, trial, guess)
             if not found[0].converged:
-                raise failure(self._coupling, found[0], self.time, trial)
+                raise failure(self.solver, found[0], self.time, trial)
             return self._distance(line)
 
         return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
 
     def _accept(self, h: float, solution: Solution) -> None:
-        self.statistics.steps += 1
-        self.segments[-1].append(h)
-        self._coupling.accept(self.time, h)
-        self.time += h
+        self.solver.accept(self.time, h)
+        self._advance(h)
         self._watch()
         self._record(h, solution.iterations)
         self._error.see(self._energies.kinetic)
@@ -279,18 +181,18 @@ class Master:
             self._impulse()
         self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
         size = self._engage(line)
-        self._coupling.forget()
+        self.solver.forget()
         if line.kinematic:
             self._impulse()
         elif self.settings.fixed_step is None:
             self._record_latched(min(_IMPULSE_STEP, 0.1 * size))
-        self._coupling.restart()
+        self.solver.restart()
         self._sizes.restart(size, stirred=False)
         self.segments.append([])
 
     def _record_latched(self, after: float) -> None:
         """A row with the torque that the damping of a latch begins with, told as a little later (s)."""
-        self._coupling.restore()
+        self.solver.restore()
         self._observe(0.0)
         self.time += after
         self._record(after, 0)
@@ -301,18 +203,18 @@ class Master:
 
         What a latch law stiffens is resolved, and its torque judged from now on. A lock cannot be resolved.
         """
-        coupling, h = self._coupling, self._sizes.size
+        solver, h = self.solver, self._sizes.size
         if line.kinematic or not self._controlled:
             self._command("latch_command", 1.0, line.hinges)
             return min(h, self.settings.event_step)
-        coupling.linearize(self.time, self._sizes.largest)
-        before = slopes(coupling, line.hinges, self.time, h)
+        solver.linearize(self.time, self._sizes.largest)
+        before = slopes(solver, line.hinges, self.time, h)
         self._command("latch_command", 1.0, line.hinges)
-        after = slopes(coupling, line.hinges, self.time, h)
+        after = slopes(solver, line.hinges, self.time, h)
         self._command("latch_command", 0.0, line.hinges)
-        hinges = stiffenings(coupling, line.hinges, before, after, h)
+        hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            slow = stiffened_line(coupling, hinges, self._sizes.largest)
+            slow = stiffened_line(solver, hinges, self._sizes.largest)
             self._latched.append(slow)
             self._judge_latches()
             h = self._resolving(slow, h)
@@ -330,20 +232,20 @@ class Master:
                 break
             swing = 1.0 / found.fastest
             size = max(swing, 0.1 * size)
-            self._coupling.linearize(self.time, size)
-            found = stiffened_line(self._coupling, found.hinges, size)
+            self.solver.linearize(self.time, size)
+            found = stiffened_line(self.solver, found.hinges, size)
         wanted = self._error.resolved_angle
         return wanted / found.fastest if found.fastest * h > wanted else h
 
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""
         whole = self._error.energy
-        self._coupling.watch(
+        self.solver.watch(
             [
                 torque
                 for line in self._latched
                 for torque in watched_torques(
-                    self._coupling, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
+                    self.solver, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
                 )
             ]
         )
@@ -351,52 +253,30 @@ class Master:
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""
         self._command("impulse", 1.0)
-        coupling = self._coupling
-        usual = coupling.tolerance, coupling.persistent
-        coupling.tolerance, coupling.persistent = Tolerance(_IMPULSE_TOLERANCE), True
-        coupling.forget()
-        solution = coupling.solve(self.time, _IMPULSE_STEP, self._wrenches)
-        coupling.tolerance, coupling.persistent = usual
+        solver = self.solver
+        usual = solver.tolerance, solver.persistent
+        solver.tolerance, solver.persistent = Tolerance(_IMPULSE_TOLERANCE), True
+        solver.forget()
+        solution = solver.solve(self.time, _IMPULSE_STEP, solver.accepted)
+        solver.tolerance, solver.persistent = usual
         if not solution.converged:
-            raise failure(self._coupling, solution, self.time, _IMPULSE_STEP)
+            raise failure(solver, solution, self.time, _IMPULSE_STEP)
         self.time += _IMPULSE_STEP
         self._save()
         self._command("impulse", 0.0)
-        self._coupling.forget()
+        self.solver.forget()
         self._observe(0.0)
         self._record(_IMPULSE_STEP, solution.iterations)
 
-    def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
-        """Set a discrete input of all participants that have it, or of the named ones."""
-        for participant in self._participants:
-            if name in participant.input_layout and (names is None or participant.name in names):
-                participant.inputs[participant.input_layout[name]] = value
-
     def _save(self) -> None:
         """The present states are those to return to."""
-        self._coupling.save(self.time)
+        self.solver.save(self.time)
         self._watch()
 
     def _watch(self) -> None:
         """Note how far the hinge lines are from their latches."""
         self._before = {line.name: self._distance(line) for line in self._pending}
 
-    def _observe(self, h: float) -> Energies:
-        """Observations of all participants, h (s) after the present time, and their energies."""
-        self._energies = self._coupling.observe(self.time + h)
-        return self._energies
-
     def _record(self, h: float, iterations: int) -> None:
-        """The last observations and the scene's channels to the recorder."""
-        found, start = self._energies, self._energy_start
-        self._guard.accept(found)
-        self._scene[:] = (
-            h,
-            iterations,
-            found.stored,
-            found.dissipated - start.dissipated,
-            found.numerical - start.numerical,
-            found.supplied - start.supplied,
-            found.balance - start.balance,
-        )
-        self.recorder.append(self.time, self._recorded)
+        self._guard.accept(self._energies)
+        super()._record(h, iterations)

@@ -9,54 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from components import FanfoldError, Layout
+from components import FanfoldError
 
 from ..assembly import Link
-from .participant import Participant, Vector
-
-Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
-
-MOTION = ("position", "orientation", "velocity", "angular_velocity")
-WRENCH = ("force", "torque")
-SLOPES = ("force_slope", "torque_slope")
-MOMENTS = ("velocity_moment", "angular_velocity_moment")
-Order = Literal[2, 4]
-_UNITS = {
-    "position": "m",
-    "orientation": "1",
-    "velocity": "m/s",
-    "angular_velocity": "rad/s",
-    "force": "N",
-    "torque": "N.m",
-}
-
-
-class Width(NamedTuple):
-    """Numbers of a port: of its wrench, with slope, and of its motion as coordinates.
-
-    Coordinates are translation and rotation vector, at order 4 first moments of both rates, then the rates, world axes.
-    """
-
-    wrench: int
-    coordinates: int
-
-
-WIDTHS = {2: Width(6, 12), 4: Width(12, 18)}
-
-
-class PortPlaces(NamedTuple):
-    """Where a participant holds what its ports carry, port after port: wrenches and motions from its arrays' start.
-
-    ports: how many. slopes, moments: where the first port's begin in the array on the same side; None without.
-    """
-
-    ports: int
-    slopes: int | None
-    moments: int | None
+from .participant import Matrix, Participant, Vector
+from .ports import MOTION, UNITS, WIDTHS, WRENCH, Order, Side, port_places
 
 
 class Meeting(NamedTuple):
@@ -76,9 +37,9 @@ class NetworkError(FanfoldError):
         self.problems = list(problems)
 
 
-def port_sides(participant: Participant) -> dict[str, Literal["body", "connection"]]:
+def port_sides(participant: Participant) -> dict[str, Side]:
     """Ports of a participant by name, found from its variables, with the side each is on."""
-    sides: dict[str, Literal["body", "connection"]] = {}
+    sides: dict[str, Side] = {}
     for layout, side in ((participant.input_layout, "body"), (participant.output_layout, "connection")):
         for quantity in layout.quantities:
             port, _, variable = quantity.name.rpartition(".")
@@ -90,8 +51,8 @@ def port_sides(participant: Participant) -> dict[str, Literal["body", "connectio
 class Network:
     """Participants joined port to port.
 
-    bodies, connections: participants in order. wrenches: the unknown, shape (width.wrench x body ports,), of which
-    each body's inputs hold a copy. `port_names[i]` is the (body, port) of the i-th wrench in it, `meetings[i]`
+    participants: all, bodies before connections. wrenches: the unknown, shape (width.wrench x body ports,), of
+    which each body's inputs hold a copy. `port_names[i]` is the (body, port) of the i-th wrench in it, `meetings[i]`
     what meets there. order: 4 where slopes are carried as well, between ports that have them.
     """
 
@@ -103,6 +64,7 @@ class Network:
         sides = {p.name: port_sides(p) for p in participants}
         self.bodies = [p for p in participants if "body" in sides[p.name].values()]
         self.connections = [p for p in participants if "connection" in sides[p.name].values()]
+        self.participants = [*self.bodies, *self.connections]
         self.by_name = {p.name: p for p in participants}
         self.port_names = [(b.name, port) for b in self.bodies for port in sides[b.name]]
         self.body_ports = [list(sides[b.name]) for b in self.bodies]
@@ -112,11 +74,11 @@ class Network:
         self.order = order
         self.width = width = WIDTHS[order]
         self.body_places = [
-            _places(p.input_layout, p.output_layout, ports, order)
+            port_places("body", p.input_layout, p.output_layout, ports, order)
             for p, ports in zip(self.bodies, self.body_ports, strict=True)
         ]
         self.connection_places = [
-            _places(p.output_layout, p.input_layout, ports, order)
+            port_places("connection", p.input_layout, p.output_layout, ports, order)
             for p, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
         self.size = width.wrench * len(self.port_names)
@@ -184,32 +146,6 @@ class Network:
         number = row // self.width.wrench
         (body, port), (connection, side) = self.port_names[number], self.partner[number]
         return f"{connection}.{side} on {body}.{port}"
-
-
-def _places(wrenches: Layout, motions: Layout, ports: Sequence[str], order: Order) -> PortPlaces:
-    """Places of a participant's ports, from its layouts on the sides of wrenches and of motions."""
-    if order == 2:
-        return PortPlaces(len(ports), None, None)
-    found = [
-        [layout[f"{port}.{name}"].start for port in ports for name in names]
-        if all(f"{port}.{name}" in layout for port in ports for name in names)
-        else []
-        for layout, names in ((wrenches, SLOPES), (motions, MOMENTS))
-    ]
-    if any(
-        places != list(range(places[0], places[0] + 3 * len(places), 3)) if places else True
-        for places in found
-    ):
-        return PortPlaces(len(ports), None, None)
-    return PortPlaces(len(ports), found[0][0], found[1][0])
-
-
-def carried(layout: Layout, order: Order) -> int:
-    """How many numbers of inputs or outputs a network exchanges: slopes, which come last, only at order 4."""
-    if order == 4:
-        return layout.size
-    slopes = (q for q in layout.quantities if q.name.rpartition(".")[2] in (*SLOPES, *MOMENTS))
-    return min((layout[q.name].start for q in slopes), default=layout.size)
 
 
 def _port_table(values: Vector, first: int, width: int, ports: int) -> Matrix:
@@ -284,8 +220,8 @@ def _unit_problems(participant: Participant, port: str, side: str) -> list[str]:
                 problems.append(
                     f"{participant.name}.{name}: has {quantity.size} elements; a port needs {size}"
                 )
-            elif quantity.unit != _UNITS[variable]:
+            elif quantity.unit != UNITS[variable]:
                 problems.append(
-                    f"{participant.name}.{name}: is in {quantity.unit or 'no unit'}; a port needs {_UNITS[variable]}"
+                    f"{participant.name}.{name}: is in {quantity.unit or 'no unit'}; a port needs {UNITS[variable]}"
                 )
     return problems

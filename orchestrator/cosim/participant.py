@@ -14,12 +14,24 @@ import numpy as np
 from components import REGISTRY, Component, ComponentError, FanfoldError, Layout
 
 from ..assembly import Part
+from .coupling_library import Calls
+from .ports import PortPlaces, Width
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
+Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 class ParticipantError(FanfoldError):
     """A participant failed: a sentence with its name, and the time where there is one."""
+
+
+class NativeAccess(Protocol):
+    """What a solver in C needs to call a participant by itself."""
+
+    calls: Calls
+
+    def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
+        """What to raise when a call failed, by its number in native/coupling.c and its FMI status."""
 
 
 class Participant(Protocol):
@@ -27,7 +39,8 @@ class Participant(Protocol):
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
     the present state in the one slot there is; `restore` goes back to it, any number of times.
-    `constant_mobility`: of a body, see `Component`; False where nothing is known.
+    `constant_mobility`: of a body, see `Component`; False where nothing is known. `native`: for a
+    solver in C that makes these calls itself; None where only Python can.
     """
 
     name: str
@@ -39,6 +52,10 @@ class Participant(Protocol):
     parameter_layout: Layout
     can_restore: bool
     constant_mobility: bool
+
+    @property
+    def native(self) -> NativeAccess | None:
+        """Functions and memory for a solver in C."""
 
     def initialize(self, time: float) -> None:
         """Leave initialisation with the inputs as they are."""
@@ -61,6 +78,12 @@ class Participant(Protocol):
     def observe(self) -> Vector:
         """The observations of the present state and inputs, an array of the participant's own."""
 
+    def interface_jacobian(self, places: PortPlaces, width: Width) -> Matrix | None:
+        """Derivatives of the step just made, by the inputs it was made with; None where it cannot tell.
+
+        Of a body's motions by its wrenches (coordinates, wrenches), of a connection's wrenches by its motions.
+        """
+
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; ParticipantError for an unknown name or an impossible value."""
 
@@ -72,6 +95,7 @@ class InProcess:
     """A component as a participant, without an FMU around it."""
 
     can_restore = True
+    native = None
 
     def __init__(
         self, name: str, component: Component, start: Mapping[str, float | Sequence[float]] | None = None
@@ -148,6 +172,9 @@ class InProcess:
         if self._constants is None:
             self._prepare()
         return self.component.observe(self._constants, self._state, self.inputs)
+
+    def interface_jacobian(self, places: PortPlaces, width: Width) -> None:
+        """Components tell of their steps by differences only."""
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; it acts from the next step on."""

@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from .implicit.coupling import Coupling
-from .participant import Participant, Vector
+from .implicit.solver import Solver
+from .participant import Vector
 from .stepping import StepError, failure
 
 _STEPS = (0.005, 0.01, 0.02, *(0.03,) * 6, *(0.06,) * 6, *(0.12,) * 5)
@@ -29,38 +29,38 @@ _UNHELD = 1e-3
 
 
 class StaticSearch:
-    """Brings the participants of a coupling to static equilibrium, from their saved states at -`DURATION`.
+    """Brings the participants of a solver to static equilibrium, from their saved states at -`DURATION`.
 
     They are saved there. StepError where a step converges at no size, or where something is free to move.
     """
 
-    def __init__(self, coupling: Coupling, bodies: Sequence[Participant], wrenches: Vector) -> None:
-        self._coupling = coupling
-        self._bodies = bodies
-        self._wrenches = wrenches
+    def __init__(self, solver: Solver) -> None:
+        self._solver = solver
+        self._bodies = solver.network.bodies
 
     def run(self) -> None:
-        """Search; the wrenches are those of the equilibrium afterwards."""
-        coupling = self._coupling
-        usual, coupling.persistent = coupling.persistent, True
+        """Search; the solver's accepted wrenches are those of the equilibrium afterwards."""
+        solver = self._solver
+        usual, solver.persistent = solver.persistent, True
         time = -DURATION
         poses = [self._poses()]
         for h in _STEPS:
             self._follow(time, h)
             time += h
             poses.append(self._poses())
-        coupling.persistent = usual
+        solver.persistent = usual
         self._check_held(*poses[-3:], h=_STEPS[-1])
 
     def _follow(self, time: float, h: float) -> None:
         """A step, or several short ones in its place where it does not converge."""
-        solution = self._coupling.solve(time, h, self._wrenches)
+        solver = self._solver
+        solution = solver.solve(time, h, solver.accepted)
         if solution.converged:
-            self._wrenches[:] = self._coupling.wrenches
-            self._coupling.save(time + h)
+            solver.accepted[:] = solver.wrenches
+            solver.save(time + h)
             return
         if h < _SHORTEST:
-            raise failure(self._coupling, solution, time, h)
+            raise failure(solver, solution, time, h)
         for part in range(_PARTS):
             self._follow(time + part * h / _PARTS, h / _PARTS)
 

@@ -10,9 +10,9 @@ from math import ceil, floor, log, sqrt
 from components import FanfoldError
 
 from .implicit.convergence import Solution
-from .implicit.coupling import Coupling
-from .network import Order
+from .implicit.solver import Solver
 from .participant import ParticipantError
+from .ports import Order
 
 _RATIO = sqrt(2.0)
 _ERROR_SHARES = {2: 0.0025, 4: 0.01}
@@ -160,7 +160,7 @@ def find_event(distance: Callable[[float], float], before: float, after: float, 
     return trial
 
 
-def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Exception:
+def failure(solver: Solver, solution: Solution, time: float, h: float) -> Exception:
     """What to raise when even the smallest step does not converge: a participant's own error, or a StepError.
 
     The search for static equilibrium comes before t = 0; its times mean nothing to a reader.
@@ -172,7 +172,7 @@ def failure(coupling: Coupling, solution: Solution, time: float, h: float) -> Ex
         what, advice = _SEARCH, "and whether it starts far from equilibrium"
     return StepError(
         f"{what} does not converge: after {solution.iterations} iterations the "
-        f"wrench of {coupling.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
+        f"wrench of {solver.network.port_of_row(solution.worst_row)} still changes by {solution.correction:.3g} "
         f"times its tolerance; loosen the tolerance, check that connection's stiffness, {advice}"
     )
 

@@ -19,11 +19,13 @@ from components import REGISTRY, ComponentError, FanfoldError
 from fmus import Backend, FmiVersion, build_fmu
 
 from ..assembly import Assembly
+from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
-from ..cosim.master import SCENE_CHANNELS, Master, Settings
-from ..cosim.network import Network, NetworkError, Order
+from ..cosim.master import Master, Settings
+from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
+from ..cosim.ports import Order
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup

@@ -12,7 +12,7 @@ from fmus import Backend, native_library
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..cosim.master import Settings
-from ..cosim.network import Order
+from ..cosim.ports import Order
 from ..scene import CheckedScene
 from .companion import with_estimates
 from .progress import Progress, followed, silent

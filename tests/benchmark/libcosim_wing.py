@@ -25,7 +25,7 @@ from fmus import Backend
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.network import MOTION, WRENCH
+from orchestrator.cosim.ports import MOTION, WRENCH
 from orchestrator.run.run import as_fmus, export
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.component_connections import WrenchMode

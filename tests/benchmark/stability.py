@@ -29,10 +29,12 @@ from components import catalogue, rotation_matrix
 from components.flexible.modal import ModalData
 from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
+from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.explicit import ExplicitMaster
-from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
-from orchestrator.cosim.network import Network, Order
+from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import ParticipantError, in_process
+from orchestrator.cosim.ports import Order
 from orchestrator.cosim.stepping import StepError
 from orchestrator.run.run import as_fmus
 

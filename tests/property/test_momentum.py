@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from components.body import Body
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Settings
 from tests.references.coupled import between, completed, rigid, turned
 

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from components.flexible.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.cosim.implicit.coupling import Tolerance
-from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.cosim.cosimulation import SCENE_CHANNELS
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 
@@ -86,7 +87,7 @@ def prepared(
     recording = Recording()
     master = Master(network, lines, recording, settings)
     if iteration is not None:
-        master._coupling.tolerance = iteration
+        master.solver.tolerance = iteration
     run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
     recording.run = run
     for (name, key), value in (commands or {}).items():

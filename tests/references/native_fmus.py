@@ -1,4 +1,4 @@
-"""A small scene as native FMUs in the engine, against the same scene in process."""
+"""A small scene as native FMUs, against the same scene in process."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import pytest
 
 from fmus import native_library
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.implicit import engine
-from orchestrator.cosim.implicit.coupling import Tolerance
-from orchestrator.cosim.implicit.interface_jacobian import probe_stiffness, stiffness_of
+from orchestrator.cosim.coupling_library import library
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
 from tests.references.coupled import Recording, Run, completed
 
 needs_native = pytest.mark.skipif(
-    native_library() is None or engine.library() is None, reason="no C compiler built the native FMUs"
+    native_library() is None or library() is None, reason="no C compiler built the native FMUs"
 )
 _TIGHT = Tolerance(1e-9, 1e-5, 1e-5)
 
@@ -37,7 +37,7 @@ def native_errors(
     with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
         network, recording = Network(participants, links), Recording()
         master = Master(network, (), recording, settings)
-        master._coupling.tolerance = _TIGHT
+        master.solver.tolerance = _TIGHT
         run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
         recording.run = run
         master.initialize(preload=False)
@@ -47,9 +47,10 @@ def native_errors(
         for quantity in connection.observation_layout.quantities:
             found, expected = run.signal(name, quantity.name), reference.signal(name, quantity.name)
             differences.append(np.abs(found - expected).max() / max(np.abs(expected).max(), 1e-3))
-        master._coupling.sweep(until, h)
+        master.solver.sweep(until, h)
         places = network.connection_places[network.connections.index(connection)]
-        exact = stiffness_of(connection, places, network.width, until, h).matrix
-        probed = probe_stiffness(connection, places, network.width, until, h).matrix
-        size = max(float(np.abs(probed).max()), 1e-3)
-        return float(max(differences)), float(np.abs(exact - probed).max()) / size
+        exact = connection.interface_jacobian(places, network.width)
+        assert exact is not None
+        expected = jacobian_by_differences(connection, places, network.width, until, h)
+        size = max(float(np.abs(expected).max()), 1e-3)
+        return float(max(differences)), float(np.abs(exact - expected).max()) / size

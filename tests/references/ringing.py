@@ -14,8 +14,9 @@ from orchestrator.analysis.statics.linear_model import linearise, normal_modes
 from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.master import SCENE_CHANNELS, Master, Settings
+from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene

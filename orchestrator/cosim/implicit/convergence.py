@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..network import Matrix, Width
-from ..participant import ParticipantError, Vector
+from ..participant import Matrix, ParticipantError, Vector
+from ..ports import Width
 
 MAX_ITERATIONS = 14
 REFRESHED = (2, 4, 8)

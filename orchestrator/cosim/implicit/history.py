@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..network import Width
 from ..participant import Vector
+from ..ports import Width
 
 Table = np.ndarray[Any, np.dtype[np.float64]]
 

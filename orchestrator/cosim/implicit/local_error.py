@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..network import Matrix, Network
-from ..participant import Vector
+from ..network import Network
+from ..participant import Matrix, Vector
 from .convergence import noise
 from .history import Bend
 from .interface_jacobian import first_port_axes

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from ..network import Matrix, Network
-from ..participant import Vector
+from ..network import Network
+from ..participant import Matrix, Vector
 
 # a chain fills in as little as in its natural order, and a tree of chains does not depend on that order
 _PERMUTATION: Literal["MMD_AT_PLUS_A"] = "MMD_AT_PLUS_A"

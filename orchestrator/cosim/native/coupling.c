@@ -1,5 +1,5 @@
-/* The inner loop of a coupled step over FMI 2.0 functions; see cosim/implicit/coupling.py for the method and
-   cosim/implicit/engine.py for who fills these structures. Nothing here allocates or is global. */
+/* The inner loop of a coupled step over FMI 2.0 functions; see cosim/implicit/python_solver.py for the method and
+   cosim/implicit/native_solver.py for who fills these structures. Nothing here allocates or is global. */
 
 #define _POSIX_C_SOURCE 199309L
 
@@ -15,8 +15,8 @@
 
 /* What a participant can fail in, in the order of FAILURES in orchestrator/cosim/fmu.py. */
 enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE };
-/* How an iteration ends, in the order of Status in orchestrator/cosim/implicit/engine.py. */
-enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, WANTS_MATRICES, WANTS_PROBES, GOES_ON };
+/* How an iteration ends, in the order of Status in orchestrator/cosim/implicit/native_solver.py. */
+enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, WANTS_MATRICES, WANTS_EVALUATION, GOES_ON };
 
 static double seconds_now(void) {
 #ifdef _WIN32
@@ -219,7 +219,7 @@ static int correct(Network *n) {
     if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {
-            if (k > 0) return too_slow(n) || ++n->endured > n->limits.patience ? WANTS_PROBES : apply(n, step);
+            if (k > 0) return too_slow(n) || ++n->endured > n->limits.patience ? WANTS_EVALUATION : apply(n, step);
             assemble(n);
             return restart(n);
         }
@@ -265,7 +265,7 @@ EXPORT int coupling_iterate(Network *n, double time, double h, int ready) {
     return proceed(n, ready);
 }
 
-/* Go on with the probes that the iteration wanted; again: it had others before. */
+/* Go on with the matrices that the iteration wanted; again: it had others before. */
 EXPORT int coupling_resume(Network *n, int again) {
     n->endured = 0;
     assemble(n);
@@ -273,7 +273,7 @@ EXPORT int coupling_resume(Network *n, int again) {
     return status == GOES_ON ? proceed(n, 1) : status;
 }
 
-/* Assemble and factorise from the present probes and motions. */
+/* Assemble and factorise from the present matrices and motions. */
 EXPORT void coupling_assemble(Network *n) { assemble(n); }
 
 /* Chord Newton correction for a residual. */
@@ -329,7 +329,7 @@ EXPORT int coupling_observe(Network *n) {
         if (status > FMI_WARNING) return fail(n, i, OBSERVE, status);
     }
     const size_t *row = n->energy_rows;
-    for (size_t kind = 0; kind < ENERGIES; kind++) {
+    for (size_t kind = 0; kind < n->energy_kinds; kind++) {
         n->energies[kind] = 0.0;
         for (size_t i = 0; i < n->participants; i++) n->energies[kind] += n->observations[*row++];
     }

@@ -1,4 +1,4 @@
-/* A network of FMUs as the engine sees it; orchestrator/cosim/implicit/engine.py fills these structures. */
+/* A network of FMUs as the native solver sees it; orchestrator/cosim/implicit/native_solver.py fills these structures. */
 
 #ifndef FANFOLD_NETWORK_H
 #define FANFOLD_NETWORK_H
@@ -14,7 +14,7 @@ typedef struct {
 /* A matrix like Participant.turned, and the axes (3, 3) of the participant's first port when it was made. */
 typedef struct {
     const double *matrix, *axes;
-} Probe;
+} JacobianBlock;
 
 /* Numbers of the iteration, see cosim/implicit/convergence.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
@@ -26,7 +26,7 @@ typedef struct {
     double relative, force, torque;
 } Tolerance;
 
-enum { POINTS = 3, ENERGIES = 5 };
+enum { POINTS = 3 };
 
 /* A rotation about an axis fixed in a port of a connection that an event made stiff: what the torque about it, the
    rows [row, row + 3) of the unknown, may err is judged beside an energy of its own. weight: 1 over twice the
@@ -45,25 +45,26 @@ typedef struct {
 } History;
 
 /* Bodies come before connections. Arrays have `size` rows but: steps (most, size), squares (most,), product
-   with room for a connection's rows over a body's columns, watched (watched_count,), observations of all participants in order and a zero,
-   energy_rows (ENERGIES, participants): where observations hold them. */
+   with room for a connection's rows over a body's columns, watched (watched_count,), observations of all participants
+   in order and a zero, energies (energy_kinds,), energy_rows (energy_kinds, participants): where observations hold
+   them. */
 typedef struct {
     size_t participants, bodies, links, size;
     Width width;
     Participant *participant;
     const Link *link;
-    const Probe *mobility, *stiffness;
+    const JacobianBlock *mobility, *stiffness;
     const Part *parts; /* by connection, its ports, its ports again, the ports of the first port's body */
     double *wrenches, *accepted, *law, *residual, *scale, *round_off, *steps, *squares, *product, *bend, *noise;
     double *observations;
     const size_t *energy_rows;
+    double *energies;
     const Watched *watched;
-    size_t watched_count;
+    size_t energy_kinds, watched_count;
     Limits limits;
     Tolerance tolerance;
     Matrix matrix;
     History history;
-    double energies[ENERGIES];
     double time, h, last, correction, seconds, reach; /* reach (m): largest coordinate of a port */
     size_t iteration, kept, endured, sweeps, worst_row, singular, failed, failed_call;
     int failed_status;

@@ -1,4 +1,4 @@
-/* An FMI 2.0 FMU as the engine sees it, and the derivatives of its last step in the coordinates of the ports. */
+/* An FMI 2.0 FMU as the native solver sees it, and the derivatives of its last step in the coordinates of the ports. */
 
 #ifndef FANFOLD_PARTICIPANT_H
 #define FANFOLD_PARTICIPANT_H

@@ -1,4 +1,4 @@
-/* The linear system of a coupled step: I - stiffness x mobility from probes turned to the present orientations. */
+/* The linear system of a coupled step: I - stiffness x mobility from matrices turned to the present orientations. */
 
 #ifndef FANFOLD_SYSTEM_H
 #define FANFOLD_SYSTEM_H
@@ -13,12 +13,12 @@ static INLINE void axes_of(const double *motion, double *axes) {
     axes[6] = 2.0 * (x * z - w * y), axes[7] = 2.0 * (y * z + w * x), axes[8] = 1.0 - 2.0 * (x * x + y * y);
 }
 
-/* A matrix (rows, columns) of 3-vectors over 3-vectors, turned from the axes of its probe to those of `motion`;
+/* A matrix (rows, columns) of 3-vectors over 3-vectors, turned from the axes it was made in to those of `motion`;
    of every `period` rows only the first `used`. */
-static INLINE void turn(const Probe *probe, const double *motion, size_t rows, size_t columns, size_t period,
+static INLINE void turn(const JacobianBlock *block, const double *motion, size_t rows, size_t columns, size_t period,
                         size_t used, double *restrict turned) {
     double now[9], t[9];
-    const double *before = probe->axes;
+    const double *before = block->axes;
     axes_of(motion, now);
     for (size_t i = 0; i < 3; i++)
         for (size_t j = 0; j < 3; j++)
@@ -26,7 +26,7 @@ static INLINE void turn(const Probe *probe, const double *motion, size_t rows, s
                            now[3 * i + 2] * before[3 * j + 2];
     for (size_t row = 0; row < rows; row += 3) {
         if (row % period >= used) continue;
-        const double *a = probe->matrix + row * columns, *b = a + columns, *c = b + columns;
+        const double *a = block->matrix + row * columns, *b = a + columns, *c = b + columns;
         for (size_t i = 0; i < 3; i++) {
             double *restrict out = turned + (row + i) * columns;
             const double t0 = t[3 * i], t1 = t[3 * i + 1], t2 = t[3 * i + 2];
@@ -104,7 +104,7 @@ static INLINE const Part *subtract_connection(Network *n, const Participant *p, 
     return part;
 }
 
-/* LU factors of I - stiffness x mobility, from the probes turned to the present orientations. */
+/* LU factors of I - stiffness x mobility, from matrices turned to the present orientations. */
 VECTORISED static void assemble(Network *n) {
     Matrix *m = &n->matrix;
     const Width width = n->width;

@@ -25,7 +25,8 @@ import numpy as np
 
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.cosim.master import Master, Settings
-from orchestrator.cosim.network import Network, Order
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.ports import Order
 from orchestrator.run.run import as_fmus
 from tests.benchmark.stability import Record, panel_data, panel_scene
 
@@ -75,7 +76,7 @@ def follow(
     steps: list[tuple[float, float, np.ndarray]] = []
 
     def keep(time: float, size: float) -> None:
-        table = master._coupling.accepted.reshape(len(network.port_names), -1)
+        table = master.solver.accepted.reshape(len(network.port_names), -1)
         steps.append((time, size, table[:, :6].copy()))
 
     settings = Settings(tolerance=tolerance, step_plan=plan, order=order, progress=keep)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from components import ComponentError
 from components.contact import Contact, mean_power, mean_rise
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work, wrenches

@@ -13,9 +13,10 @@ from components import REGISTRY, ComponentError
 from components.drag import PlateDrag, mean_squares
 from fmus import build_fmu, native_library
 from orchestrator.assembly import Link, Part
+from orchestrator.cosim.coupling_library import library
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.implicit import engine
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.implicit.native_solver import NativeSolver
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from tests.references.coupled import Recording, Run, base, between, completed, rigid
@@ -229,9 +230,9 @@ def test_parameters_out_of_range(name):
         component.prepare(p)
 
 
-@pytest.mark.skipif(engine.library() is None or native_library() is None, reason="no C compiler was there")
+@pytest.mark.skipif(library() is None or native_library() is None, reason="no C compiler was there")
 def test_native_fmus_with_one_port_are_coupled(tmp_path):
-    """The engine in C follows the same path as components in process, to the tolerance of the iteration."""
+    """The native solver follows the same path as components in process, to the tolerance of the iteration."""
     motion = {"initial_angular_velocity": (0.5, 1.0, -0.3), "initial_velocity": (0.2, 0.1, 1.0)}
     expected, length, width = falling(0.02, 0.5, **motion)
     body = rigid("plate", 10.0, (2.0, 3.0, 5.0), {"middle": (0, 0, 0)}, **motion)
@@ -245,11 +246,11 @@ def test_native_fmus_with_one_port_are_coupled(tmp_path):
     network = Network(participants, [Link(("plate", "middle"), ("drag", "body"))])
     recording = Recording()
     master = Master(network, (), recording, at_steps(0.02))
-    master._coupling.tolerance = TIGHT
+    master.solver.tolerance = TIGHT
     found = recording.run = Run(master, ["plate", "drag"])
     master.initialize(preload=False)
     master.run(0.5)
-    assert engine.Engine.serves(network)
+    assert isinstance(master.solver, NativeSolver)
     assert found.times == expected.times
     for name in ("drag_force", "drag_torque", "normal_velocity", "dissipated_energy"):
         assert found.signal("drag", name) == pytest.approx(expected.signal("drag", name), rel=1e-9, abs=1e-9)

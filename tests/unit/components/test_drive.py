@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from components.contract.component import ComponentError
 from components.drive import Drive, MotionLaw
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process

@@ -10,7 +10,7 @@ from components.contract.component import ComponentError
 from components.hold_down import HoldDown
 from fmus import build_fmu
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from components.contract.component import ComponentError
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Settings
 from tests.references.coupled import between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native

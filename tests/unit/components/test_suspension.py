@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from components.contract.component import ComponentError
 from components.suspension import Suspension
 from orchestrator.assembly import Part
-from orchestrator.cosim.implicit.coupling import Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native

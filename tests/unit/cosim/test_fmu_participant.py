@@ -15,7 +15,7 @@ import pytest
 from fmus import build_fmu
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.implicit.engine import Engine
+from orchestrator.cosim.implicit import solvers
 from orchestrator.cosim.master import Settings
 from orchestrator.cosim.participant import ParticipantError, in_process
 from orchestrator.results.result import Result
@@ -204,7 +204,7 @@ def test_tolerance_that_cannot_be_met(tmp_path):
 
 def test_fmus_equal_components(tmp_path, monkeypatch):
     """Independent path: AMOS-3 as PythonFMUs and in process agree in every bit, the coupling being the same."""
-    monkeypatch.setattr(Engine, "serves", staticmethod(lambda network: False))
+    monkeypatch.setattr(solvers, "library", lambda: None)
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"all"})
     load = partial(as_fmus, backend="python")
     outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.3, load=load)

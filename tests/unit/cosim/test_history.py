@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orchestrator.cosim.implicit.history import History
-from orchestrator.cosim.network import WIDTHS
+from orchestrator.cosim.ports import WIDTHS
 
 COEFFICIENTS = np.random.default_rng(1).normal(size=(6, 5))
 TIMES = (0.1, 0.25, 0.3)

@@ -7,7 +7,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from orchestrator.cosim.implicit.coupling import Coupling, Tolerance
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.latch_up import slopes, stiffened_line, stiffenings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
@@ -33,23 +34,23 @@ def at_latch_up(joint):
     for participant in network.by_name.values():
         participant.initialize(0.0)
         participant.read()
-    coupling = Coupling(network, Tolerance(1e-8))
-    coupling.save(0.0)
-    coupling.linearize(0.0, STEP)
-    return coupling
+    solver = solver_for(network, Tolerance(1e-8))
+    solver.save(0.0)
+    solver.linearize(0.0, STEP)
+    return solver
 
 
 @pytest.fixture(scope="module")
 def line():
     """Its hinge line, both latches just commanded."""
-    coupling = at_latch_up(1e9)
-    before = slopes(coupling, HINGES, 0.0, STEP)
+    solver = at_latch_up(1e9)
+    before = slopes(solver, HINGES, 0.0, STEP)
     for name in HINGES:
-        hinge = coupling.network.by_name[name]
+        hinge = solver.network.by_name[name]
         hinge.inputs[hinge.input_layout["latch_command"]] = 1.0
-    after = slopes(coupling, HINGES, 0.0, STEP)
-    found = stiffenings(coupling, HINGES, before, after, STEP)
-    return stiffened_line(coupling, found, STEP)
+    after = slopes(solver, HINGES, 0.0, STEP)
+    found = stiffenings(solver, HINGES, before, after, STEP)
+    return stiffened_line(solver, found, STEP)
 
 
 def inertia():
@@ -81,6 +82,6 @@ def test_axis_is_the_hinge_line(line):
 
 def test_what_does_not_change_is_left_out():
     """The same slopes before and after are no event."""
-    coupling = at_latch_up(1e6)
-    same = slopes(coupling, HINGES, 0.0, STEP)
-    assert stiffenings(coupling, HINGES, same, same, STEP) == ()
+    solver = at_latch_up(1e6)
+    same = slopes(solver, HINGES, 0.0, STEP)
+    assert stiffenings(solver, HINGES, same, same, STEP) == ()

@@ -1,4 +1,4 @@
-"""The coupled step in C: the same numbers as in Python, the same sentences, work that grows with the chain."""
+"""Both solvers of a coupled step: the same numbers, the same sentences, work that grows with the chain."""
 
 from __future__ import annotations
 
@@ -13,28 +13,27 @@ import pytest
 from components import Layout
 from fmus import build_fmu, native_library
 from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim import coupling_library, fmu
+from orchestrator.cosim.coupling_library import Calls, library
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.implicit import engine
-from orchestrator.cosim.implicit.coupling import Coupling, Tolerance
+from orchestrator.cosim.implicit import solvers
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.implicit.elimination import eliminate
-from orchestrator.cosim.implicit.engine import Calls, Engine, Limits, Matrices, Shared
-from orchestrator.cosim.implicit.interface_jacobian import (
-    Probe,
-    mobility_of,
-    probe_mobility,
-    probe_stiffness,
-    stiffness_of,
-)
+from orchestrator.cosim.implicit.interface_jacobian import JacobianBlock, Matrices
+from orchestrator.cosim.implicit.native_solver import NativeSolver
+from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.implicit.sparse_system import SparseSystem
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.network import WIDTHS, Meeting, Network, PortPlaces
+from orchestrator.cosim.network import Meeting, Network
 from orchestrator.cosim.participant import ParticipantError
+from orchestrator.cosim.ports import WIDTHS, PortPlaces
 from orchestrator.results.result import Result
 from orchestrator.run.run import as_fmus, run
 from orchestrator.scene import find_scene, load_scene
 from tests.unit.cosim.faulty import FaultyDamper
 
-pytestmark = pytest.mark.skipif(engine.library() is None, reason="no C compiler built the engine")
+pytestmark = pytest.mark.skipif(library() is None, reason="no C compiler built the native solver")
 needs_native = pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
@@ -42,14 +41,14 @@ DAMPER = '[[damper]]\nname = "brake"\nhinge = "root"\ndamping_coefficient = 2.0\
 
 
 def in_python(monkeypatch):
-    """Let couplings do without the engine, but FMUs keep their derivatives."""
-    monkeypatch.setattr(Engine, "serves", staticmethod(lambda network: False))
+    """Solve steps in Python, but let FMUs keep their derivatives."""
+    monkeypatch.setattr(solvers, "library", lambda: None)
 
 
-def scale(coupling):
-    """What a correction of 1 means for every wrench, as the engine has it."""
-    place = ctypes.cast(coupling._engine._data.scale, ctypes.POINTER(ctypes.c_double))
-    return np.ctypeslib.as_array(place, (coupling.network.size,))
+def scale(solver):
+    """What a correction of 1 means for every wrench, as the native solver has it."""
+    place = ctypes.cast(solver._data.scale, ctypes.POINTER(ctypes.c_double))
+    return np.ctypeslib.as_array(place, (solver.network.size,))
 
 
 class Wired:
@@ -82,44 +81,48 @@ class Wired:
             for c, found in enumerate(connections)
         ]
         self.body_places, self.connection_places = (
-            [PortPlaces(len(ports), None, None) for ports in found]
-            for found in (self.body_ports, self.connection_ports)
+            [PortPlaces(side, len(ports)) for ports in found]
+            for side, found in (("body", self.body_ports), ("connection", self.connection_ports))
         )
         self.bodies = [self.still(len(ports), "outputs") for ports in self.body_ports]
         self.connections = [self.still(len(ports), "inputs") for ports in self.connection_ports]
+        self.participants = [*self.bodies, *self.connections]
 
     def still(self, ports, motion):
         """A participant that never steps, with ports at rest in random poses."""
         made = FmuParticipant.__new__(FmuParticipant)
         made.inputs, made.outputs = np.zeros(13 * ports), np.zeros(13 * ports)
-        made.input_layout = made.output_layout = Layout(())
+        made.input_layout = made.output_layout = made.observation_layout = Layout(())
         made.calls = Calls(input=made.inputs.ctypes.data, output=made.outputs.ctypes.data)
         table = getattr(made, motion).reshape(-1, 13)
         table[:, :7] = self.rng.standard_normal((ports, 7))
         table[:, 3:7] /= np.linalg.norm(table[:, 3:7], axis=1)[:, None]
         return made
 
-    def probes(self):
+    def blocks(self):
         """Random matrices of all participants, with the axes of random poses."""
         wrench, coordinates = self.width
         shapes = [(coordinates * len(p), wrench * len(p)) for p in self.body_ports]
         shapes += [(wrench * len(p), coordinates * len(p)) for p in self.connection_ports]
         axes = [np.linalg.qr(self.rng.standard_normal((3, 3)))[0] for _ in shapes]
-        return [Probe(self.rng.standard_normal(s), a) for s, a in zip(shapes, axes, strict=True)]
-
-    def turned(self, probes):
         motions = [b.outputs for b in self.bodies] + [c.inputs for c in self.connections]
+        return [
+            JacobianBlock(self.rng.standard_normal(s), a, m)
+            for s, a, m in zip(shapes, axes, motions, strict=True)
+        ]
+
+    def turned(self, blocks):
         found = []
-        for probe, motion in zip(probes, motions, strict=True):
-            w, x, y, z = motion[3:7]
+        for block in blocks:
+            w, x, y, z = block.motion[3:7]
             axes = np.eye(3) + 2.0 * (
                 w * np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
                 + np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
                 @ np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
             )
-            rows, columns = (n // 3 for n in probe.matrix.shape)
-            turn = axes @ probe.axes.T
-            found.append(np.kron(np.eye(rows), turn) @ probe.matrix @ np.kron(np.eye(columns), turn.T))
+            rows, columns = (n // 3 for n in block.matrix.shape)
+            turn = axes @ block.axes.T
+            found.append(np.kron(np.eye(rows), turn) @ block.matrix @ np.kron(np.eye(columns), turn.T))
         return found
 
     def dense(self, turned):
@@ -134,14 +137,16 @@ class Wired:
                     matrix[rows, self.rows[m.body]] -= stiffness @ mobility
         return matrix
 
-    def engine(self):
-        limits = Limits(0.1, 10.0, 0.9, 1e-15, 1e-2, 1e12, 100.0, 0, 5, (2, 3, 4))
-        rows = np.zeros((4, len(self.bodies) + len(self.connections)), dtype=np.uintp)
-        return Engine(self, limits, Shared(*(np.zeros(self.size) for _ in range(4)), np.zeros(1), rows))
+    def natively(self, blocks):
+        """A native solver with these matrices factorised."""
+        made = NativeSolver(self, Tolerance(1e-6), self.participants, library())
+        self.factorize(made, blocks)
+        return made
 
-    def matrices(self, probes):
-        """Those of bodies and those of connections."""
-        return Matrices(probes[: len(self.bodies)]), Matrices(probes[len(self.bodies) :])
+    def factorize(self, solver, blocks):
+        """Have a solver take them, those of bodies and those of connections."""
+        bodies = len(self.bodies)
+        solver._factorize(Matrices(blocks[:bodies]), Matrices(blocks[bodies:]), 1.0)
 
 
 def chain(length):
@@ -168,52 +173,49 @@ NETWORKS = {
 @pytest.mark.parametrize("still", [(), (0,), (0, 1)])
 @pytest.mark.parametrize("name", NETWORKS)
 def test_linear_system_of_any_network(name, still, order):
-    """Independent path: corrections of the engine and of the sparse solver equal those of a dense matrix.
+    """Independent path: corrections of both solvers equal those of a dense matrix.
 
     Bodies that never move leave the elimination, not the solution.
     """
     network = NETWORKS[name](order)
-    probes = network.probes()
+    blocks = network.blocks()
     for body in still:
-        probes[body].matrix[:] = 0.0
-    turned = network.turned(probes)
+        blocks[body].matrix[:] = 0.0
+    turned = network.turned(blocks)
     residual = network.rng.standard_normal(network.size)
     expected = np.linalg.solve(network.dense(turned), residual)
-    made = network.engine()
-    made.use(*network.matrices(probes))
-    made.assemble()
-    np.testing.assert_allclose(made.direction(residual), expected, rtol=1e-7, atol=1e-9)
+    made = network.natively(blocks)
+    np.testing.assert_allclose(made._direction(residual), expected, rtol=1e-7, atol=1e-9)
     system = SparseSystem(network)
-    system.factorize(turned[: len(network.bodies)], turned[len(network.bodies) :])
+    of_blocks = [block.turned() for block in blocks]
+    system.factorize(of_blocks[: len(network.bodies)], of_blocks[len(network.bodies) :])
     np.testing.assert_allclose(system.solve(residual), expected, rtol=1e-7, atol=1e-9)
 
 
 @pytest.mark.parametrize("order", [2, 4])
 def test_matrices_of_poses_alone(order):
-    """Independent path: where no connection depends on rates, the engine leaves rates out of it, and is exact."""
+    """Independent path: where no connection depends on rates, the native solver leaves rates out, and is exact."""
     network = NETWORKS["parallel hinges"](order)
-    probes = network.probes()
-    for probe in probes[len(network.bodies) :]:
-        probe.matrix.reshape(len(probe.matrix), -1, network.width.coordinates)[:, :, -6:] = 0.0
+    blocks = network.blocks()
+    for block in blocks[len(network.bodies) :]:
+        block.matrix.reshape(len(block.matrix), -1, network.width.coordinates)[:, :, -6:] = 0.0
     residual = network.rng.standard_normal(network.size)
-    made = network.engine()
-    made.use(*network.matrices(probes))
-    made.assemble()
-    expected = np.linalg.solve(network.dense(network.turned(probes)), residual)
-    np.testing.assert_allclose(made.direction(residual), expected, rtol=1e-7, atol=1e-9)
+    expected = np.linalg.solve(network.dense(network.turned(blocks)), residual)
+    np.testing.assert_allclose(network.natively(blocks)._direction(residual), expected, rtol=1e-7, atol=1e-9)
 
 
 def test_singular_matrix_gives_the_residual():
     """Bad input: with a matrix that has no pivot the correction is the residual itself, and finite."""
     network = Wired(2, [(0,), (0, 1)])
-    zeros = [Probe(np.zeros_like(p.matrix), np.eye(3)) for p in network.probes()]
-    made = network.engine()
-    made.use(*network.matrices([Probe(np.full_like(p.matrix, np.nan), p.axes) for p in zeros]))
-    made.assemble()
-    np.testing.assert_array_equal(made.direction(np.ones(network.size)), np.ones(network.size))
-    made.use(*network.matrices(zeros))
-    made.assemble()
-    np.testing.assert_array_equal(made.direction(np.full(network.size, 2.0)), np.full(network.size, 2.0))
+    blocks = network.blocks()
+    for block in blocks:
+        block.matrix[:] = np.nan
+    made = network.natively(blocks)
+    np.testing.assert_array_equal(made._direction(np.ones(network.size)), np.ones(network.size))
+    for block in blocks:
+        block.matrix[:] = 0.0
+    network.factorize(made, blocks)
+    np.testing.assert_array_equal(made._direction(np.full(network.size, 2.0)), np.full(network.size, 2.0))
 
 
 def test_chain_stays_sparse():
@@ -236,42 +238,43 @@ def wing():
     return assemble(load_scene(find_scene("amos3")), rigid={"all"})
 
 
+def start(network):
+    """Bring the participants to t = 0."""
+    for body in network.bodies:
+        body.write()
+        body.read()
+    network.carry_motion()
+    for participant in network.participants:
+        participant.initialize(0.0)
+        participant.read()
+
+
 @needs_native
 def test_derivatives_equal_differences_of_steps():
-    """Independent path: mobility and stiffness that native FMUs return are those of probing the same step."""
+    """Independent path: the interface Jacobians that native FMUs return are those of differences of the same step."""
     assembly = wing()
     with as_fmus(assembly, "native") as participants:
         network = Network(participants, assembly.links)
-        coupling = Coupling(network, Tolerance(1e-6))
-        for body in network.bodies:
-            body.write()
-            body.read()
-        network.carry_motion()
-        for participant in participants:
-            participant.initialize(0.0)
-            participant.read()
-        coupling.save(0.0)
-        coupling.wrenches[:] = np.random.default_rng(1).standard_normal(network.size)
-        coupling.sweep(0.0, 0.01)
-        for given, probe, side, ports_of in (
-            (mobility_of, probe_mobility, network.bodies, network.body_places),
-            (stiffness_of, probe_stiffness, network.connections, network.connection_places),
-        ):
-            for participant, places in zip(side, ports_of, strict=True):
-                assert participant.directional_derivatives
-                exact = given(participant, places, network.width, 0.0, 0.01).matrix
-                probed = probe(participant, places, network.width, 0.0, 0.01).matrix
-                scale = np.abs(probed).max() + 1e-9
-                np.testing.assert_allclose(exact / scale, probed / scale, atol=1e-4, err_msg=participant.name)
+        solver = solver_for(network, Tolerance(1e-6))
+        start(network)
+        solver.save(0.0)
+        solver.wrenches[:] = np.random.default_rng(1).standard_normal(network.size)
+        solver.sweep(0.0, 0.01)
+        places = [*network.body_places, *network.connection_places]
+        for participant, place in zip(network.participants, places, strict=True):
+            exact = participant.interface_jacobian(place, network.width)
+            expected = jacobian_by_differences(participant, place, network.width, 0.0, 0.01)
+            size = np.abs(expected).max() + 1e-9
+            np.testing.assert_allclose(exact / size, expected / size, atol=1e-4, err_msg=participant.name)
 
 
 @pytest.mark.parametrize("backend", [pytest.param("native", marks=needs_native), "python"])
-def test_engine_equals_python(tmp_path, monkeypatch, backend):
-    """Independent path: AMOS-3 by the engine and in Python takes the same steps and sweeps to the same motion."""
+def test_native_solver_equals_python(tmp_path, monkeypatch, backend):
+    """Independent path: AMOS-3 solved in C and in Python takes the same steps and sweeps to the same motion."""
     assembly = wing()
     load = partial(as_fmus, backend=backend)
     # later an error estimate comes closer to where steps grow than its noise, from rounding times stiffness
-    one = run(assembly, tmp_path / "engine.h5", Settings(), 0.1, load=load)
+    one = run(assembly, tmp_path / "native.h5", Settings(), 0.1, load=load)
     in_python(monkeypatch)
     other = run(assembly, tmp_path / "python.h5", Settings(), 0.1, load=load)
     counts = [(o.costs.steps, o.costs.iterations, o.costs.rejected) for o in (one, other)]
@@ -307,30 +310,25 @@ def test_prediction_and_energies_equal_python(monkeypatch):
     size = 2e-3
     with as_fmus(assembly, "native") as participants:
         network = Network(participants, assembly.links)
-        mine = Coupling(network, Tolerance(1e-6))
+        mine = solver_for(network, Tolerance(1e-6))
         in_python(monkeypatch)
-        theirs = Coupling(network, Tolerance(1e-6))
-        for body in network.bodies:
-            body.write()
-            body.read()
-        network.carry_motion()
-        for participant in network.by_name.values():
-            participant.initialize(0.0)
-            participant.read()
+        theirs = solver_for(network, Tolerance(1e-6))
+        assert type(mine) is not type(theirs)
+        start(network)
         mine.save(0.0)
         time, whole = 0.0, []
         for h in (size, size, 0.5 * size, size, size):
             guess = mine.predicted(time, h).copy()
             np.testing.assert_allclose(guess, theirs.predicted(time, h), rtol=1e-11, atol=1e-12)
             assert mine.solve(time, h, guess).converged
-            # Python takes the engine's solution and its matrices for its own
+            # Python takes the native solution and its matrices for its own
             theirs.wrenches[:] = mine.wrenches
-            theirs._mobilities, theirs._stiffnesses = mine._mobilities, mine._stiffnesses
-            theirs._tolerated = scale(mine) * min(mine._engine.correction, 1.0)
+            theirs.jacobian = mine.jacobian
+            theirs._tolerated = scale(mine) * min(mine._data.correction, 1.0)
             squares = []
-            for coupling in (mine, theirs):
-                coupling._refresh(time, h, probe=False)
-                squares.append(coupling.error_square(time, h, 2.0))
+            for solver in (mine, theirs):
+                solver._refresh(time, h, evaluate=False)
+                squares.append(solver.error_square(time, h, 2.0))
             assert (squares[0] is None) == (squares[1] is None) == (time < 1.5 * size)
             if squares[0] is not None:
                 assert squares[0] == pytest.approx(squares[1], rel=1e-9)
@@ -339,16 +337,16 @@ def test_prediction_and_energies_equal_python(monkeypatch):
             theirs.accept(time, h)
             time += h
             np.testing.assert_array_equal(mine.accepted, theirs.accepted)
-            energies = [coupling.observe(time) for coupling in (mine, theirs)]
+            energies = [solver.observe(time) for solver in (mine, theirs)]
             np.testing.assert_array_equal(mine.observations, theirs.observations)
             assert energies[0] == pytest.approx(energies[1], rel=1e-14)
             assert energies[0].kinetic > 0.0
             assert energies[0].dissipated > 0.0
         assert whole[1] > 0.0
-        for coupling in (mine, theirs):
-            coupling.restart()
-            np.testing.assert_array_equal(coupling.predicted(time, size), coupling.accepted)
-            assert coupling.error_square(time, size, 2.0) is None
+        for solver in (mine, theirs):
+            solver.restart()
+            np.testing.assert_array_equal(solver.predicted(time, size), solver.accepted)
+            assert solver.error_square(time, size, 2.0) is None
 
 
 def test_bodies_that_never_move_join_nothing():
@@ -362,17 +360,18 @@ def test_bodies_that_never_move_join_nothing():
 
 
 def test_without_a_library_python_does_it(tmp_path, monkeypatch):
-    """Fallback: no engine, no native derivatives, and the run still reaches its end."""
-    monkeypatch.setattr(engine, "library", lambda: None)
+    """Fallback: no native solver, no native derivatives, and the run still reaches its end."""
+    in_python(monkeypatch)
+    monkeypatch.setattr(fmu, "library", lambda: None)
     outcome = run(wing(), tmp_path / "run.h5", Settings(), 0.02)
     assert outcome.headline.complete
 
 
-def follow(coupling):
+def follow(solver):
     """Free motion: sweep after sweep without wrenches, each a step."""
     for step in range(20):
-        coupling.sweep(0.01 * step, 0.01)
-        coupling.save(0.01 * (step + 1))
+        solver.sweep(0.01 * step, 0.01)
+        solver.save(0.01 * (step + 1))
 
 
 def failing(folder, fault, monkeypatch, *, native):
@@ -387,23 +386,23 @@ def failing(folder, fault, monkeypatch, *, native):
     )
     with as_fmus(assembly) as participants:
         network = Network([brake if p.name == "brake" else p for p in participants], assembly.links)
-        assert Engine.serves(network)
         if not native:
             in_python(monkeypatch)
-        coupling = Coupling(network, Tolerance(1e-6))
+        solver = solver_for(network, Tolerance(1e-6))
+        assert isinstance(solver, NativeSolver) == native
         for participant in network.by_name.values():
             participant.initialize(0.0)
             participant.read()
-        coupling.save(0.0)
+        solver.save(0.0)
         with pytest.raises(ParticipantError) as caught:
-            follow(coupling)
+            follow(solver)
         brake.close()
     return str(caught.value)
 
 
 @pytest.mark.parametrize("fault", ["error", "nan"])
 def test_failure_is_told_as_in_python(tmp_path, monkeypatch, fault):
-    """Bad input: the engine's sentence is Python's, with the FMU's name, its own words or output, and the time."""
+    """Bad input: the native solver's sentence is Python's, with the FMU's name, its words or output, and the time."""
     with monkeypatch.context() as patch:
         sentence = failing(tmp_path, fault, patch, native=True)
     assert sentence.startswith("brake: ")
@@ -413,11 +412,11 @@ def test_failure_is_told_as_in_python(tmp_path, monkeypatch, fault):
 
 def test_library_of_another_version_is_refused(monkeypatch):
     """Bad input: structures of another size mean another source; Python then does it."""
-    monkeypatch.setattr(engine, "sizeof", lambda structure: 8)
-    engine.library.cache_clear()
+    monkeypatch.setattr(coupling_library, "sizeof", lambda structure: 8)
+    library.cache_clear()
     try:
-        assert engine.library() is None
+        assert library() is None
     finally:
         monkeypatch.undo()
-        engine.library.cache_clear()
-    assert engine.library() is not None
+        library.cache_clear()
+    assert library() is not None

@@ -1,0 +1,156 @@
+"""A co-simulation under way, whatever steps it: participants, time, latches that may engage, energies, records."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ..assembly import HingeLine
+from .energy_balance import Energies
+from .implicit.solver import Solver
+from .network import Network
+from .participant import Vector
+from .static_search import DURATION, StaticSearch
+
+
+class Recorder(Protocol):
+    """Takes what happened, in order."""
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Something switched."""
+
+
+SCENE_CHANNELS = (
+    ("step_size", "s", "Communication step size that led here"),
+    ("iterations", "1", "Sweeps over all participants in that step"),
+    ("stored_energy", "J", "Kinetic and potential energy of all participants"),
+    ("dissipated_energy", "J", "Energy dissipated by all participants since the start"),
+    ("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
+    ("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
+    ("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
+)
+
+
+@dataclass(slots=True)
+class Statistics:
+    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made."""
+
+    steps: int = 0
+    sweeps: int = 0
+    rejected: int = 0
+    fmu_time: float = 0.0
+
+
+class CoSimulation(ABC):
+    """What masters share: each steps the participants in its own way, this knows where they are and records it.
+
+    time (s): of the participants. segments: sizes of all steps, one list for each stretch between events.
+    """
+
+    def __init__(
+        self, network: Network, hinge_lines: Sequence[HingeLine], recorder: Recorder, solver: Solver
+    ) -> None:
+        self.network = network
+        self.recorder = recorder
+        self.solver = solver
+        self.statistics = Statistics()
+        self.time = 0.0
+        self.segments: list[list[float]] = [[]]
+        self._pending = [line for line in hinge_lines if line.latches]
+        self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
+        sensors = {line.name: network.by_name[line.sensor] for line in self._pending}
+        self._sensors = {
+            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
+            for name, sensor in sensors.items()
+        }
+        self._scene = np.zeros(len(SCENE_CHANNELS))
+        ends = np.cumsum([p.observation_layout.size for p in network.participants])
+        self._recorded = [*np.split(solver.observations, ends)[:-1], self._scene]
+
+    def initialize(self, *, preload: bool) -> None:
+        """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
+        network = self.network
+        for participant in network.participants:
+            if "order" in participant.parameter_layout:
+                participant.set_parameter("order", network.order)
+        for body in network.bodies:
+            body.write()
+            body.read()
+        network.carry_motion()
+        for connection in network.connections:
+            connection.write()
+        for participant in network.participants:
+            participant.initialize(-DURATION if preload else 0.0)
+            participant.read()
+        if preload:
+            self._seek_equilibrium()
+        self._energy_start = self._observe()
+        self._record(0.0, 0)
+
+    @abstractmethod
+    def run(self, until: float) -> None:
+        """Step to the given time (s); StepError where that cannot be done."""
+
+    def _seek_equilibrium(self) -> None:
+        """Static equilibrium of the participants with all hinges held."""
+        solver = self.solver
+        changed = [
+            (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
+            for p in self.network.participants
+            for name, value in (("quasi_static", 1.0), ("end_weight", 1.0))
+            if name in p.parameter_layout
+        ]
+        for participant, name, value, _ in changed:
+            participant.set_parameter(name, value)
+        self._command("hold", 1.0)
+        solver.mode = "static"
+        solver.save(-DURATION)
+        StaticSearch(solver).run()
+        for participant, name, _, normal in changed:
+            participant.set_parameter(name, normal)
+        self._command("hold", 0.0)
+        solver.mode = "dynamic"
+        solver.forget()
+
+    def _distance(self, line: HingeLine) -> float:
+        """How far a hinge line that has not latched is from its latch, by its sensor; falls through zero."""
+        outputs, place = self._sensors[line.name]
+        return outputs.item(place)
+
+    def _command(self, name: str, value: float, names: Sequence[str] | None = None) -> None:
+        """Set a discrete input of all participants that have it, or of the named ones."""
+        for participant in self.network.participants:
+            if name in participant.input_layout and (names is None or participant.name in names):
+                participant.inputs[participant.input_layout[name]] = value
+
+    def _advance(self, h: float) -> None:
+        """Count a step h (s) that all participants have made."""
+        self.time += h
+        self.statistics.steps += 1
+        self.segments[-1].append(h)
+
+    def _observe(self, h: float = 0.0) -> Energies:
+        """Observations of all participants, h (s) after the present time, and their energies."""
+        self._energies = self.solver.observe(self.time + h)
+        return self._energies
+
+    def _record(self, h: float, iterations: int) -> None:
+        """The last observations and the scene's channels to the recorder."""
+        found, start = self._energies, self._energy_start
+        self._scene[:] = (
+            h,
+            iterations,
+            found.stored,
+            found.dissipated - start.dissipated,
+            found.numerical - start.numerical,
+            found.supplied - start.supplied,
+            found.balance - start.balance,
+        )
+        self.recorder.append(self.time, self._recorded)
