@@ -1,6 +1,6 @@
 """FMI: any component as an FMU, and a list of everything wrong with an FMU."""
 
-from .build import build_fmu, cache_directory, native_backend
+from .build import build_fmu, native_backend
 from .check.check import check_fmu
 from .description.fmi2 import NATIVE_TOOL, Backend, FmiVersion, model_description
 from .description.fmi3 import model_description3
@@ -12,7 +12,6 @@ __all__ = [
     "Backend",
     "FmiVersion",
     "build_fmu",
-    "cache_directory",
     "check_fmu",
     "model_description",
     "model_description3",

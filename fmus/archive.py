@@ -10,10 +10,10 @@ from collections.abc import Mapping
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def zip_bytes(files: Mapping[str, bytes]) -> bytes:
-    """A zip archive whose bytes depend on names and contents only."""
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
+def zip_bytes(files: Mapping[str, bytes], below: bytes = b"") -> bytes:
+    """A zip archive whose bytes depend on names and contents only; its files come after those of one `below`."""
+    buffer = io.BytesIO(below)
+    with zipfile.ZipFile(buffer, "a", zipfile.ZIP_DEFLATED, compresslevel=6) as archive:
         for name, data in sorted(files.items()):
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED

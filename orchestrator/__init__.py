@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from .api.analyses import step_study as step_study
     from .api.analyses import stress as stress
     from .api.analyses import torque_margin as torque_margin
+    from .api.cache import cache as cache
     from .api.documents import compare as compare
     from .api.documents import plot_comparison as plot_comparison
     from .api.documents import report as report
@@ -53,6 +54,7 @@ _HOMES = {
     "step_study": "orchestrator.api.analyses",
     "stress": "orchestrator.api.analyses",
     "torque_margin": "orchestrator.api.analyses",
+    "cache": "orchestrator.api.cache",
     "compare": "orchestrator.api.documents",
     "plot_comparison": "orchestrator.api.documents",
     "report": "orchestrator.api.documents",

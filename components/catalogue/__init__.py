@@ -9,19 +9,16 @@ A rigid twin has the same points as the flexible body and the mass properties of
 from __future__ import annotations
 
 import hashlib
+import io
 import json
-import os
-import tempfile
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import replace
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
+from ..cache.disk import kept
 from ..contract.component import ComponentError
 from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.modal import ModalData
@@ -38,7 +35,6 @@ BODIES: Mapping[str, CatalogueBody] = {**WORKBENCH, **AMOS3, **BEPICOLOMBO, **AR
 
 _SOURCES = ("contract", "flexible", "catalogue")
 """Folders of all that turns data into bodies."""
-_UNREADABLE = (OSError, EOFError, ValueError, KeyError, BadZipFile, ComponentError)
 
 
 def finite_elements(entry: str, masses: PointMasses = ()) -> FiniteElementModel:
@@ -175,26 +171,16 @@ def _on_sheet(body: ModalData, name: str) -> ModalData:
     )
 
 
-def cache_directory() -> Path:
-    """Where reductions are kept: FANFOLD_CACHE, else the user's cache directory."""
-    if chosen := os.environ.get("FANFOLD_CACHE"):
-        return Path(chosen)
-    home = os.environ.get("XDG_CACHE_HOME")
-    return (Path(home) if home else Path.home() / ".cache") / "fanfold"
-
-
 def cached(build: Callable[[], ModalData], key: Mapping[str, Any]) -> ModalData:
-    """What `build` returns, kept in a file named by the content of `key` and of all that builds bodies.
+    """What `build` returns, kept in a file named by the content of `key` and of all that builds bodies."""
 
-    A file that cannot be read is built again; a directory that cannot be written to costs only the time.
-    """
-    path = cache_directory() / f"modal-{_digest(key)}.npz"
-    with suppress(*_UNREADABLE), np.load(path) as stored:
+    def content() -> bytes:
+        buffer = io.BytesIO()
+        np.savez(buffer, allow_pickle=False, **build().to_arrays())
+        return buffer.getvalue()
+
+    with np.load(io.BytesIO(kept("modal", _digest(key), content))) as stored:
         return ModalData.from_arrays(stored)
-    result = build()
-    with suppress(OSError):
-        _write(path, result)
-    return result
 
 
 def _digest(key: Mapping[str, Any]) -> str:
@@ -205,12 +191,4 @@ def _digest(key: Mapping[str, Any]) -> str:
         found = [file for file in (package / folder).iterdir() if file.name.endswith(ending)]
         for file in sorted(found, key=lambda file: file.name):
             content.update(file.read_bytes())
-    return content.hexdigest()[:24]
-
-
-def _write(path: Path, data: ModalData) -> None:
-    """Write at once or not at all, so that a parallel run never reads half a file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile(dir=path.parent, suffix=".tmp", delete=False) as file:
-        np.savez(file, **data.to_arrays())
-    os.replace(file.name, path)
+    return content.hexdigest()

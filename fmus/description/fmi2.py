@@ -34,6 +34,7 @@ _CAPABILITIES: dict[Backend, dict[str, str]] = {
     # an embedded Python with NumPy and SciPy
     "python": {"needsExecutionTool": "true", **_STATE_CAPABILITIES},
 }
+DATE_FORMAT = "%Y-%m-%dT%H:%M:%SZ"
 STEP_DERIVATIVE = (
     "Right after a communication step the derivative is that of the outputs at the end of the step with respect "
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
@@ -54,7 +55,7 @@ def header(component: Component, name: str, generated: datetime, backend: Backen
         "modelName": name,
         "description": documentation or component.kind,
         "generationTool": _TOOLS[backend],
-        "generationDateAndTime": generated.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "generationDateAndTime": generated.strftime(DATE_FORMAT),
         "variableNamingConvention": "structured",
     }
 

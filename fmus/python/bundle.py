@@ -49,26 +49,26 @@ class Slave(ComponentSlave):
 '''
 
 
-def python_files(component: Component, name: str, starts: Sequence[float]) -> dict[str, bytes]:
-    """Code, data and PythonFMU's own files of a PythonFMU, by their path in it."""
+def python_code(component: Component, name: str) -> dict[str, bytes]:
+    """Code of a PythonFMU and PythonFMU's own files, by their path in it."""
     package, code = bundle(type(component))
-    resources = {**_resources(component, starts), **code, "slavemodule.txt": f"{package}_entry".encode()}
+    resources = {**code, "slavemodule.txt": f"{package}_entry".encode()}
     return {**{f"resources/{path}": data for path, data in resources.items()}, **_binaries(name)}
 
 
-def _resources(component: Component, starts: Sequence[float]) -> dict[str, bytes]:
-    """What the adapter builds the component from."""
+def python_data(component: Component, starts: Sequence[float]) -> dict[str, bytes]:
+    """What the adapter builds the component from, by its path in a PythonFMU."""
     arrays: dict[str, NDArray[Any]] = {}
     structure = pack_value(dict(component.structure), arrays)
     content = {"kind": component.kind, "structure": structure, "start": list(starts)}
-    resources = {COMPONENT_FILE: (json.dumps(content, indent=1) + "\n").encode()}
+    resources = {f"resources/{COMPONENT_FILE}": (json.dumps(content, indent=1) + "\n").encode()}
     if arrays:
         stored = {}
         for key, array in arrays.items():
             buffer = io.BytesIO()
             np.lib.format.write_array(buffer, array, allow_pickle=False)
             stored[f"{key}.npy"] = buffer.getvalue()
-        resources[ARRAYS_FILE] = zip_bytes(stored)
+        resources[f"resources/{ARRAYS_FILE}"] = zip_bytes(stored)
     return resources
 
 

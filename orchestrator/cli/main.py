@@ -13,7 +13,7 @@ import click
 
 import orchestrator as fanfold
 
-from . import analyse, check, compare, export, listing, plot, report, run
+from . import analyse, cache, check, compare, export, listing, plot, report, run
 
 _INTERRUPTED = "interrupted; what it wrote up to there stays"
 _OF_CLICK = (click.ClickException, click.exceptions.Exit, click.Abort)
@@ -97,5 +97,5 @@ def analyse_group() -> None:
     """Analyses of a scene or of a result."""
 
 
-for _command in (check, compare, export, listing, plot, report, run):
+for _command in (cache, check, compare, export, listing, plot, report, run):
     main.add_command(_command.command)

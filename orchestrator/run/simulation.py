@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from components.cache.disk import place_sentence
 from fmus import Backend, native_library
 
 from ..assembly import Assembly
@@ -105,8 +106,9 @@ def simulate(
 
     estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
     """
-    if sentence := python_sentence(options.backend):
-        warn(sentence)
+    for sentence in (python_sentence(options.backend), place_sentence()):
+        if sentence:
+            warn(sentence)
     assembly = options.assemble(scene)
     for sentence in _held_sentences(assembly, options.flexible):
         warn(sentence)

@@ -16,6 +16,8 @@ from .units import Position, to_si
 
 Tensor = tuple[Vector3, Vector3, Vector3]
 
+_LONGEST_NAME = 200  # file systems allow 255, of which endings and marks of temporary files need some
+
 _AXES = {
     f"{sign}{letter}": tuple(factor if i == j else 0.0 for j in range(3))
     for sign, factor in (("+", 1.0), ("-", -1.0))
@@ -29,6 +31,15 @@ class SceneError(FanfoldError):
     def __init__(self, problems: list[str]) -> None:
         super().__init__("\n".join(problems))
         self.problems = problems
+
+
+def _short(value: str) -> str:
+    size = len(value.encode())
+    if size > _LONGEST_NAME:
+        raise ValueError(
+            f"is {size} bytes long; files are called by it, so a name has {_LONGEST_NAME} bytes at most"
+        )
+    return value
 
 
 def _identifier(value: str) -> str:
@@ -69,8 +80,8 @@ def _physical(value: Tensor) -> Tensor:
     return value
 
 
-Name = Annotated[str, AfterValidator(_identifier)]
-SceneName = Annotated[str, AfterValidator(_scene_name)]
+Name = Annotated[str, AfterValidator(_identifier), AfterValidator(_short)]
+SceneName = Annotated[str, AfterValidator(_scene_name), AfterValidator(_short)]
 Axis = Annotated[Vector3, BeforeValidator(_axis)]
 Inertia = Annotated[Tensor, BeforeValidator(_tensor), AfterValidator(_physical)]
 Y_AXIS: Vector3 = (0.0, 1.0, 0.0)

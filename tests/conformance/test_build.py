@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from fmpy import read_model_description
 
-from components import Component, ComponentError
+from components import REGISTRY, Component, ComponentError
 from fmus import build_fmu, value_references
 from fmus.python.bundle import bundle, pack_value
 from fmus.python.slave import unpack_value
-from tests.conformance.programs.driver import KINDS
+from tests.conformance.programs.driver import KINDS, built
 from tests.conformance.programs.toy import Toy
 
 
@@ -30,30 +30,52 @@ def test_bytes_depend_on_content_only(kind, tmp_path, monkeypatch):
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1794880800")
     first = build_fmu(KINDS[kind].example(), kind, tmp_path).read_bytes()
     monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path / "other"))
-    assert build_fmu(KINDS[kind].example(), kind).read_bytes() == first
+    assert built(KINDS[kind].example(), kind).read_bytes() == first
 
 
 def test_guid_follows_the_content():
     guids = {
-        guid(build_fmu(Toy.example(), "a")),
-        guid(build_fmu(Toy.example(), "b")),
-        guid(build_fmu(Toy.example(), "a", start={"rate": 3.0})),
-        guid(build_fmu(Toy(np.eye(3), Toy.example().structure["options"]), "a")),
+        guid(built(Toy.example(), "a")),
+        guid(built(Toy.example(), "b")),
+        guid(built(Toy.example(), "a", start={"rate": 3.0})),
+        guid(built(Toy(np.eye(3), Toy.example().structure["options"]), "a")),
     }
     assert len(guids) == 4
-    assert guid(build_fmu(Toy.example(), "a", start={"rate": 2.0})) in guids
+    assert guid(built(Toy.example(), "a", start={"rate": 2.0})) in guids
 
 
-def test_second_build_comes_from_the_cache(tmp_path):
-    cached = build_fmu(Toy.example(), "toy")
-    time = cached.stat().st_mtime_ns
-    assert build_fmu(Toy.example(), "toy", tmp_path / "new").read_bytes() == cached.read_bytes()
-    assert build_fmu(Toy.example(), "toy") == cached
-    assert cached.stat().st_mtime_ns == time
+def cached_files(tmp_path):
+    return {path.name: path.stat().st_ino for path in (tmp_path / "cache").iterdir()}
+
+
+def test_start_values_share_all_code(tmp_path):
+    """Bookkeeping: what differs in a start value or in data adds nothing to the cache; another name is other code."""
+    built(Toy.example(), "toy")
+    first = cached_files(tmp_path)
+    assert len(first) == 1
+    built(Toy.example(), "toy", start={"rate": 3.0})
+    built(Toy(np.eye(3), Toy.example().structure["options"]), "toy")
+    assert cached_files(tmp_path) == first
+    built(Toy.example(), "other")
+    assert len(cached_files(tmp_path)) == 2
+
+
+@pytest.mark.parametrize("damage", [b"", b"not an archive", "half", "one bit"])
+def test_damaged_code_is_never_handed_on(damage, tmp_path, monkeypatch):
+    """Bookkeeping: an FMU made over a damaged cache is the one made before, and the cache is whole again."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1794880800")
+    component = REGISTRY["eddy_current_damper"].example()
+    sound = built(component, "brake").read_bytes()
+    (file,) = (tmp_path / "cache").iterdir()
+    kept = file.read_bytes()
+    spoilt = {"half": kept[: len(kept) // 2], "one bit": kept[:900] + bytes([kept[900] ^ 1]) + kept[901:]}
+    file.write_bytes(damage if isinstance(damage, bytes) else spoilt[damage])
+    assert built(component, "brake").read_bytes() == sound
+    assert file.read_bytes() == kept
 
 
 def test_start_values_reach_the_description():
-    path = build_fmu(Toy.example(), "toy", start={"start": (1, 2, 3), "drive[2]": 0.1, "rate": 1e-17})
+    path = built(Toy.example(), "toy", start={"start": (1, 2, 3), "drive[2]": 0.1, "rate": 1e-17})
     starts = {v.name: v.start for v in read_model_description(path).modelVariables}
     assert [float(starts[f"start[{i}]"]) for i in (1, 2, 3)] == [1.0, 2.0, 3.0]
     assert (float(starts["drive[1]"]), float(starts["drive[2]"]), float(starts["rate"])) == (0.0, 0.1, 1e-17)
@@ -73,12 +95,12 @@ def test_start_values_reach_the_description():
 )
 def test_wrong_start_values_give_a_sentence(start, sentence):
     with pytest.raises(ComponentError, match=sentence):
-        build_fmu(Toy.example(), "toy", start=start)
+        built(Toy.example(), "toy", start=start)
 
 
 def test_wrong_name_gives_a_sentence():
     with pytest.raises(ComponentError, match="must be an identifier"):
-        build_fmu(Toy.example(), "left wing")
+        built(Toy.example(), "left wing")
 
 
 def test_references_are_contiguous_in_declared_order():
@@ -87,7 +109,7 @@ def test_references_are_contiguous_in_declared_order():
     names = [name for layout in component.layouts for name in layout.scalar_names()]
     assert list(references) == names
     assert list(references.values()) == list(range(len(names)))
-    described = read_model_description(build_fmu(component, "toy")).modelVariables
+    described = read_model_description(built(component, "toy")).modelVariables
     assert {v.name: v.valueReference for v in described} == references
 
 
@@ -95,7 +117,7 @@ def test_dependencies_follow_feedthrough():
     options = Toy.example().structure["options"]
     for feedthrough in (False, True):
         component = Toy(np.eye(3), {**options, "feedthrough": feedthrough})
-        description = read_model_description(build_fmu(component, f"toy{int(feedthrough)}"))
+        description = read_model_description(built(component, f"toy{int(feedthrough)}"))
         inputs = {v.name for v in description.modelVariables if v.causality == "input"}
         known = inputs | {v.name for v in description.modelVariables if v.causality == "parameter"}
         for unknown in description.outputs:
@@ -139,5 +161,5 @@ def test_component_outside_the_package_is_one_file():
     assert issubclass(Toy, Component)
     _, files = bundle(Toy)
     assert sum(path.endswith("extra/toy.py") for path in files) == 1
-    with zipfile.ZipFile(build_fmu(Toy.example(), "toy")) as archive:
+    with zipfile.ZipFile(built(Toy.example(), "toy")) as archive:
         assert not any("modal" in name or "panel" in name for name in archive.namelist())

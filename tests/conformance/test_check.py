@@ -8,9 +8,10 @@ import zipfile
 import pytest
 
 from components import ComponentError
-from fmus import build_fmu, check_fmu
+from fmus import check_fmu
 from fmus.archive import zip_bytes
 from fmus.description.units import base_unit
+from tests.conformance.programs.driver import built
 from tests.conformance.programs.toy import Toy
 
 
@@ -18,7 +19,7 @@ from tests.conformance.programs.toy import Toy
 def good(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
-        return build_fmu(Toy.example(), "toy")
+        return built(Toy.example(), "toy")
 
 
 def spoiled(good, tmp_path, member, pattern, replacement):

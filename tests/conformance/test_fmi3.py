@@ -19,9 +19,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from components import ComponentError
-from fmus import build_fmu, check_fmu, native_backend, native_library
+from fmus import check_fmu, native_backend, native_library
 from fmus.archive import zip_bytes
-from tests.conformance.programs.driver import KINDS, start_of
+from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import CHECKS as LATCHING
 from tests.conformance.programs.latching import START, hinge
 from tests.conformance.programs.toy import Toy
@@ -41,12 +41,12 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no na
 @cache
 def path_of(kind):
     component = KINDS[kind].example()
-    return str(build_fmu(component, kind, start=start_of(component), fmi="3.0"))
+    return str(built(component, kind, start=start_of(component), fmi="3.0"))
 
 
 @cache
 def latching_path():
-    return str(build_fmu(hinge(), "latching", start=START, fmi="3.0"))
+    return str(built(hinge(), "latching", start=START, fmi="3.0"))
 
 
 @cache
@@ -139,9 +139,9 @@ def test_only_a_latch_of_an_instant_returns_early():
 
 def test_a_python_fmu_of_fmi_3_is_refused():
     with pytest.raises(ComponentError, match="native back end"):
-        build_fmu(KINDS["hinge"].example(), "hinge", backend="python", fmi="3.0")
+        built(KINDS["hinge"].example(), "hinge", backend="python", fmi="3.0")
     with pytest.raises(ComponentError, match="no native kernel"):
-        build_fmu(Toy.example(), "toy", fmi="3.0")
+        built(Toy.example(), "toy", fmi="3.0")
 
 
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"

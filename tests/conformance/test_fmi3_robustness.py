@@ -11,7 +11,7 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import build_fmu, native_library
-from tests.conformance.programs.driver import KINDS, start_of
+from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import START, hinge
 from tests.conformance.programs.sanitized import program
 from tests.conformance.test_native_robustness import NATIVE, damaged
@@ -57,7 +57,7 @@ def test_is_driven_and_misused_without_a_fault(kind, host, tmp_path):
 @pytest.mark.parametrize("kind", NATIVE)
 def test_damaged_resources_give_a_sentence(kind, host, tmp_path):
     component = KINDS[kind].example()
-    path = build_fmu(component, kind, start=start_of(component), fmi="3.0")
+    path = built(component, kind, start=start_of(component), fmi="3.0")
     resources, token = unpacked(path, tmp_path / "sound")
     content = Path(resources, "component.bin").read_bytes()
     generator = random.Random(13)

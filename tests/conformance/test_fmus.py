@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from fmus import build_fmu, check_fmu, native_backend, native_library
+from fmus import check_fmu, native_backend, native_library
 from fmus.native import compiler
-from tests.conformance.programs.driver import KINDS, Reference, start_of
+from tests.conformance.programs.driver import KINDS, Reference, built, start_of
 from tests.conformance.programs.trial import CHECKS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -49,7 +49,7 @@ SUBJECTS = [
 @cache
 def path_of(kind, backend):
     component = KINDS[kind].example()
-    return str(build_fmu(component, kind, start=start_of(component), backend=backend))
+    return str(built(component, kind, start=start_of(component), backend=backend))
 
 
 @cache

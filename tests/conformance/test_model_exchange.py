@@ -22,7 +22,7 @@ from components import REGISTRY
 from components.hinge import Hinge
 from fmus import build_fmu, native_backend, native_library
 from tests.conformance.programs import exchange, exchange_runs
-from tests.conformance.programs.driver import start_of
+from tests.conformance.programs.driver import built, start_of
 from tests.conformance.programs.exchange import SUBJECTS
 from tests.conformance.programs.sanitized import program
 from tests.conformance.test_native_robustness import damaged
@@ -37,7 +37,7 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no na
 @cache
 def path_of(subject):
     component = SUBJECTS[subject]()
-    return str(build_fmu(component, subject, start=start_of(component), backend="native"))
+    return str(built(component, subject, start=start_of(component), backend="native"))
 
 
 def findings(script, *arguments):
@@ -126,7 +126,7 @@ def test_what_is_not_listed_as_a_dependency_is_none(subject):
 def test_mean_wrenches_and_python_fmus_are_for_co_simulation_only():
     """What they give is no function of an instant, or has no derivatives."""
     for component, backend in ((Hinge(), "native"), (Hinge(wrench_mode="endpoint"), "python")):
-        description = read_model_description(str(build_fmu(component, "hinge", backend=backend)))
+        description = read_model_description(str(built(component, "hinge", backend=backend)))
         assert description.modelExchange is None
         assert description.numberOfContinuousStates == 0
 

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from fmus import build_fmu, native_backend
-from tests.conformance.programs.driver import KINDS, start_of
+from fmus import native_backend
+from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.sanitized import program
 
 HOST = Path(__file__).with_name("programs") / "host.c"
@@ -33,7 +33,7 @@ def host(tmp_path_factory):
 def unpacked(kind, folder):
     """Resources of an FMU of the kind, its token, and its numbers of scalars."""
     component = KINDS[kind].example()
-    path = build_fmu(component, kind, start=start_of(component), backend="native")
+    path = built(component, kind, start=start_of(component), backend="native")
     with zipfile.ZipFile(path) as archive:
         archive.extractall(folder)
     sizes = [str(layout.size) for layout in component.layouts]

@@ -8,9 +8,9 @@ import pytest
 from components.ccl import CableLoop
 from components.drive import Drive
 from components.hinge import Hinge
-from fmus import build_fmu, native_library
+from fmus import native_library
 from tests.conformance.programs import trial
-from tests.conformance.programs.driver import Fmu, Reference, start_of
+from tests.conformance.programs.driver import Fmu, Reference, built, start_of
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="no native library was built")
 VARIANTS = {
@@ -31,7 +31,7 @@ def test_is_equal_at_order_four(name, monkeypatch):
     monkeypatch.setattr(trial, "NATIVE", True)
     monkeypatch.setattr(trial, "STEPS", 1000)
     component = VARIANTS[name]
-    fmu = Fmu(str(build_fmu(component, name, start=start_of(component), backend="native")))
+    fmu = Fmu(str(built(component, name, start=start_of(component), backend="native")))
     reference = Reference(component)
     assert trial.set_order(fmu, reference)
     trial.go_on_alike(fmu, reference)

@@ -15,8 +15,8 @@ import pytest
 from fmpy import read_model_description
 
 from components import REGISTRY
-from fmus import build_fmu, native_library
-from tests.conformance.programs.driver import start_of
+from fmus import native_library
+from tests.conformance.programs.driver import built, start_of
 from tests.conformance.programs.exchange_pair import SUBJECTS
 
 STOP = 0.5
@@ -49,7 +49,7 @@ def start_values(component):
 @cache
 def path_of(kind, fmi):
     component = SUBJECTS[SUBJECT_OF[kind]]()
-    return str(build_fmu(component, kind, start=start_values(component), backend="native", fmi=fmi))
+    return str(built(component, kind, start=start_values(component), backend="native", fmi=fmi))
 
 
 def simulated(kind, fmi, interface, folder):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from fmpy import calloc, extract, free, read_model_description
@@ -17,6 +19,7 @@ from fmpy.fmi2 import (
 )
 
 from components import REGISTRY
+from fmus import build_fmu
 from tests.conformance.programs.toy import Toy
 
 KINDS = {**REGISTRY, Toy.kind: Toy}
@@ -28,6 +31,13 @@ OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 POSE_ROUNDING = 4.0 * np.finfo(float).eps
 """Of a relative pose of order one, whose coordinates are sums of four products."""
 STIFFNESS_UNITS = {"N": ("N/m",), "N.m": ("N.m/rad", "N/m")}
+
+
+def built(component, name, **options):
+    """The path of an FMU in a folder of its own beside the tests' cache; options are those of `build_fmu`."""
+    return build_fmu(
+        component, name, tempfile.mkdtemp(dir=Path(os.environ["FANFOLD_CACHE"]).parent), **options
+    )
 
 
 @cache

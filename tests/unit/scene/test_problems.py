@@ -20,6 +20,11 @@ BAD = {
     "wrong unit in a list": ('"770 mm"', '"770 N"', "body.outer.rigid.center_of_mass: is '770 N'"),
     "one table": ("[[damper]]", "[damper]", "damper: is one table; write it as [[damper]]"),
     "bad name": ('name = "two_panels"', 'name = "two panels"', "scene.name: is 'two panels'; a name"),
+    "long name": (
+        'name = "loop"',
+        f'name = "l{"o" * 250}p"',
+        f"ccl.l{'o' * 250}p.name: is 252 bytes long; files are called by it, so a name has 200 bytes at most",
+    ),
     "bad axis": ('axis = "+y"', 'axis = "up"', "hinge_line.root_line.axis: is 'up'; it must be one of +x"),
     "negative mass": ('"8 kg"', '"-8 kg"', "body.inner.rigid.mass: is '-8 kg'; it must be positive"),
     "inertia, triangle": (

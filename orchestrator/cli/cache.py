@@ -1,0 +1,18 @@
+"""`fanfold cache`: what is kept on disk from one run to the next."""
+
+from __future__ import annotations
+
+import click
+
+import orchestrator as fanfold
+
+
+@click.command("cache")
+@click.option("--clear", is_flag=True, help="Remove it; the next runs compute it again.")
+def command(clear: bool) -> None:
+    """Tell the place and size of the cache of reduced bodies and compressed FMU code."""
+    found = fanfold.cache(clear=clear)
+    if found.sentence:
+        click.echo(f"fanfold: warning: {found.sentence}", err=True)
+    click.echo(f"{found.folder or 'no folder'}: {found.files} files, {found.size / 1e6:.1f} MB", nl=False)
+    click.echo(" removed" if clear else f" of {found.limit / 1e6:.0f} MB at most")
