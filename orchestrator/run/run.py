@@ -140,19 +140,19 @@ def run(
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))
-            order = settings.order or 4
-            network = Network(participants, assembly.links, order if master == "implicit" else 2)
+            fixed = ", ".join(p.name for p in participants if not p.can_restore)
+            if fixed and master == "implicit":
+                master = "gauss-seidel"
+                warn(
+                    f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
+                    "the explicit Gauss-Seidel master takes its place"
+                )
+            order = (settings.order or 4) if master == "implicit" else 2
+            network = Network(participants, assembly.links, order)
         except ParticipantError as error:
             raise RunError(f"{assembly.name}: {error}") from None
         except NetworkError as error:
             raise RunError("\n".join(f"{assembly.name}: {problem}" for problem in error.problems)) from None
-        fixed = ", ".join(p.name for p in participants if not p.can_restore)
-        if fixed and master == "implicit":
-            master = "gauss-seidel"
-            warn(
-                f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
-                "the explicit Gauss-Seidel master takes its place"
-            )
         return _follow(assembly, network, output, settings, end, master)
 
 
