@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from ..assembly.assemble import assemble, choose_fidelity
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
+from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
-from .simulate import Names, Quantity, SceneLike, in_si, listed, load
+from .simulate import Quantity, SceneLike, in_si, load
 
 if TYPE_CHECKING:
     from ..analysis.equilibrium import Equilibrium

@@ -17,7 +17,7 @@ from ..run.run import MasterKind
 from ..run.simulation import Options, python_sentence
 from ..run.simulation import simulate as run_simulation
 from ..scene import list_scenes
-from ..scene.builder import Scene
+from ..scene.builder import Names, Scene, listed
 from ..scene.component_connections import WrenchMode
 from ..scene.layers import Setting
 from ..scene.table import SceneError
@@ -27,8 +27,6 @@ from .result import Result
 
 SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
-Names = str | Sequence[str] | frozenset[str]
-"""Names, or one of them; "all" is every one."""
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
 
@@ -56,7 +54,7 @@ def load(
         found = scene.with_variants(*listed(variant)).with_settings(settings)
         found.check()
         return found
-    return Scene.load(scene, listed(variant), settings)
+    return Scene.load(scene, variant, settings)
 
 
 def simulate(
@@ -78,7 +76,7 @@ def simulate(
 
     rigid, flexible: bodies by name, "all" for every one; others are what the scene says. until: end time, s.
     tolerance: relative accuracy, by default that of the scene. step: a constant communication step size, s. order:
-    2 or 4, of the coupling; by default 4 with flexible bodies. master: "jacobi" and "gauss-seidel" are explicit and
+    2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
     need a step. backend: "native" or "python" FMUs. estimate: tell the errors of headline numbers, for half the
     cost of the run. progress: a bar, by default in notebooks.
 
@@ -135,11 +133,6 @@ def check(fmu: str | Path) -> list[str]:
     from fmus import check_fmu
 
     return list(check_fmu(Path(fmu)))
-
-
-def listed(names: Names) -> tuple[str, ...]:
-    """Names in their order."""
-    return (names,) if isinstance(names, str) else tuple(names)
 
 
 def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> float | None:

@@ -20,6 +20,8 @@ from .schema import CheckedScene, Header
 from .table import SceneError, Table
 from .validation import EntryReader
 
+Names = str | Sequence[str] | frozenset[str]
+"""Names, or one of them."""
 Hinges = Mapping[str, str | tuple[str, str] | Mapping[str, object]]
 """Hinges by name: the point that both bodies have, or inboard and outboard point, or all keys of a hinge."""
 
@@ -49,14 +51,14 @@ class Scene:
     def load(
         cls,
         scene: str | Path,
-        variants: str | Sequence[str] = (),
+        variants: Names = (),
         settings: Mapping[str, object] | Sequence[Setting] = (),
     ) -> Self:
         """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it."""
         found = cls.__new__(cls)
         found._layers = read_layers(find_scene(str(scene)), find_scene)
         found._variants, found._settings = (), ()
-        found = found.with_variants(*_listed(variants)).with_settings(settings)
+        found = found.with_variants(*listed(variants)).with_settings(settings)
         found.check()
         return found
 
@@ -252,7 +254,8 @@ class Scene:
             raise SceneError([f"{self._layers.file}: {problem}" for problem in problems])
 
 
-def _listed(names: str | Sequence[str]) -> tuple[str, ...]:
+def listed(names: Names) -> tuple[str, ...]:
+    """Names in their order."""
     return (names,) if isinstance(names, str) else tuple(names)
 
 
