@@ -22,13 +22,10 @@ _NUMBER = 7
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-
     from ..results.compare import cells
+    from .tables import plain_table
 
-    title = f"A = {names[0]}, B = {names[1]}"
-    table = Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = plain_table(f"A = {names[0]}, B = {names[1]}")
     table.add_column("quantity, of")
     for heading in ("A", "B", "B / A", "at A, s", "shift, s"):
         table.add_column(heading, justify="right", min_width=_NUMBER)

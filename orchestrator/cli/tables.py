@@ -23,7 +23,7 @@ class Column(NamedTuple):
         return max(map(len, (*self.heading.split("\n"), *self.cells)))
 
 
-def plain_table(title: str) -> Table:
+def plain_table(title: str | None) -> Table:
     """A table without vertical lines, which leaves the most room for numbers."""
     return Table(title=title, box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
 
@@ -52,12 +52,7 @@ def _table(title: str, columns: Sequence[Column]) -> Table:
 
 def headline_table(found: Headline) -> Table:
     """The headline numbers as a table for a terminal."""
-    table = Table(
-        title=None if found.complete else "The run was interrupted; numbers up to there",
-        box=SIMPLE_HEAD,
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = plain_table(None if found.complete else "The run was interrupted; numbers up to there")
     table.add_column("quantity")
     table.add_column("of")
     table.add_column("value", justify="right", min_width=7)

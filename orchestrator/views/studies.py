@@ -21,13 +21,13 @@ _RINGING = 0.5
 def plot_study(study: LatchStudy, folder: Path) -> list[Path]:
     """Pictures of the latch torques, and of their changes over what was changed; the paths written."""
     paths = [folder / "latch_torques.png", folder / "changes.png"]
-    draw_latch_torques(paths[0], study.title, study.shown, _RINGING)
-    draw_changes(paths[1], f"Against {study.against}", study.changed, study.cases, study.reference, log=True)
+    draw_latch_torques(paths[0], study.title, study.shown)
+    draw_changes(paths[1], f"Against {study.against}", study.changed, study.cases, study.reference)
     return paths
 
 
-def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: float) -> None:
-    """Latch torque of every line that latched, all cases over each other, for a time (s) after latch-up."""
+def draw_latch_torques(path: Path, title: str, cases: Sequence[Case]) -> None:
+    """Latch torque of every line that latched, all cases over each other, for a while after latch-up."""
     lines = list(cases[-1].outcome.headline.latch_times)
     with mpl.rc_context(STYLE):
         figure, axes = new_figure(title, [1.0] * len(lines))
@@ -38,7 +38,7 @@ def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: f
                 if start is None:
                     continue
                 line = next(line for line in result.hinge_lines if line.name == name)
-                shown = (result.time >= start - 0.05 * ringing) & (result.time <= start + ringing)
+                shown = (result.time >= start - 0.05 * _RINGING) & (result.time <= start + _RINGING)
                 torque = line_latch_torque(result, line)[shown]
                 draw(panel, 1e3 * (result.time[shown] - start), [(case.label, torque)], first=k)
             panel.set(xlabel="time since latch-up, ms", ylabel=f"{name} latch torque, N.m")
@@ -46,9 +46,7 @@ def draw_latch_torques(path: Path, title: str, cases: Sequence[Case], ringing: f
         figure.savefig(path)
 
 
-def draw_changes(
-    path: Path, title: str, label: str, cases: Sequence[Case], reference: Case, *, log: bool
-) -> None:
+def draw_changes(path: Path, title: str, label: str, cases: Sequence[Case], reference: Case) -> None:
     """Change of every latch torque peak (%) over what the study changed, the reference left out."""
     curves: dict[str, tuple[list[float], list[float]]] = {}
     for case in cases:
@@ -66,7 +64,7 @@ def draw_changes(
         axes.set(xlabel=label, ylabel="change of latch torque peak, %")
         _plain_decades(axes, [change for _, changes in curves.values() for change in changes])
         studied = sorted({value for values, _ in curves.values() for value in values})
-        if log and studied and studied[0] > 0.0:
+        if studied and studied[0] > 0.0:
             axes.set_xscale("log")
             axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xticks(studied, [f"{value:g}" for value in studied])

@@ -81,7 +81,7 @@ def test_changes_have_plain_numbers_at_the_studied_values(tmp_path, monkeypatch)
         return Case(str(value), value, SimpleNamespace(headline=found))
 
     cases = [case(2, 101.5), case(3, 100.3), case(5, 100.2), case(10, 100.0)]
-    draw_changes(tmp_path / "changes.png", "title", "modes", cases, cases[-1], log=True)
+    draw_changes(tmp_path / "changes.png", "title", "modes", cases, cases[-1])
     (axes,) = drawn[0].axes
     assert [text.get_text() for text in axes.get_xticklabels()] == ["2", "3", "5"]
     assert not axes.get_xticklabels(minor=True)
