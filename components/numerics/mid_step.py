@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Generic, NamedTuple, TypeVar
 
+import numpy as np
+
 from ..contract.component import Vector
 
 T = TypeVar("T", float, Vector)
@@ -29,7 +31,8 @@ def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
     """Value at the end of the last of two steps; the mean with its slope where a size is not above 0.
 
     What slopes tell goes on as a parabola, and what they do not know of the change of means, such as the part of
-    friction, along a line. Without slopes that is the line through both means.
+    friction, along a line. Without slopes that is the line through both means. Behind a jump, rates of a short step say
+    nothing of the long one before: after a longer one, that part is no more than the gap between the lines of both.
     """
     if last.h <= 0.0 or previous.h <= 0.0:
         return last.mean + last.slope
@@ -38,6 +41,9 @@ def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
     bend = (rate - rate_before) / between
     known = 0.5 * between * (rate + rate_before) + bend * (last.h**2 - previous.h**2) / 24.0
     unknown = last.mean - previous.mean - known
+    if last.h < previous.h:
+        gap = abs((last.mean - last.slope) - (previous.mean + previous.slope))
+        unknown = np.minimum(np.maximum(unknown, -gap), gap)
     return last.mean + last.slope + bend * (last.h**2 / 12.0) + unknown * (0.5 * last.h / between)
 
 

@@ -12,7 +12,8 @@ typedef struct StepMean {
 } StepMean;
 
 /* Value at the end of the last of two steps; the mean with its slope where a size is not above 0. What slopes tell goes
-   on as a parabola, and what they do not know of the change of means along a line. */
+   on as a parabola, and what they do not know of the change of means along a line; after a longer step, no more than the
+   gap between the lines of both. */
 static inline double extrapolated(StepMean last, StepMean previous) {
     if (last.h <= 0.0 || previous.h <= 0.0) return last.mean + last.slope;
     const double between = 0.5 * (last.h + previous.h);
@@ -20,7 +21,9 @@ static inline double extrapolated(StepMean last, StepMean previous) {
     const double bend = (rate - rate_before) / between;
     const double known =
         0.5 * between * (rate + rate_before) + bend * (last.h * last.h - previous.h * previous.h) / 24.0;
-    const double unknown = last.mean - previous.mean - known;
+    const double gap = fabs((last.mean - last.slope) - (previous.mean + previous.slope));
+    double unknown = last.mean - previous.mean - known;
+    if (last.h < previous.h) unknown = fmin(fmax(unknown, -gap), gap);
     return last.mean + last.slope + bend * (last.h * last.h / 12.0) + unknown * (0.5 * last.h / between);
 }
 

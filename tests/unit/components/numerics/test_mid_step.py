@@ -40,6 +40,14 @@ def test_line_without_slopes_is_exact(h, previous_h):
     assert extrapolated(*sums) == pytest.approx(known(0.7) + unknown(0.7), rel=1e-12)
 
 
+def test_a_jump_before_a_short_step_leaves_no_more_than_its_share():
+    """Property: behind a jump, and however fast a load fades, its own step tells it but for the share of its size."""
+    h, previous_h, start, end = 2.7e-8, 4e-3, 1500.0, 1365.0
+    last = StepMean(0.5 * (start + end), 0.5 * (end - start), h)
+    found = extrapolated(last, StepMean(0.0, 0.0, previous_h))
+    assert found == pytest.approx(end, abs=1.1 * start * h / previous_h)
+
+
 def test_a_first_step_has_its_own_slope_only():
     """After the start or an impulse the line of the one step is all there is."""
     before = StepMean(np.zeros(2), np.zeros(2), 0.0)
