@@ -27,13 +27,23 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class HingeLine:
-    """Hinges on one line; the sensor hinge's latch distance locks them all. kinematic: latch by impulse."""
+    """Hinges on one line; the sensor hinge's latch distance locks them all.
+
+    kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
+    but that of its lock.
+    """
 
     name: str
     hinges: tuple[str, ...]
     sensor: str
     latches: bool
     kinematic: bool
+    rigid: bool = False
+
+    @property
+    def locks_rigid(self) -> bool:
+        """Whether nothing gives way beside its lock, whose torque then says nothing of the wing."""
+        return self.kinematic and self.rigid
 
 
 @dataclass(frozen=True, slots=True)

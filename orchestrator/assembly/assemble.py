@@ -82,7 +82,8 @@ def assemble(
         ),
         links=tuple(links),
         hinge_lines=tuple(
-            assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode)) for line in lines
+            assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode), is_flexible)
+            for line in lines
         ),
         base=scene.base.name,
         until=header.until,

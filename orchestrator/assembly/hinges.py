@@ -74,11 +74,15 @@ def line_latch(
     return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping)
 
 
-def assembly_line(line: HingeLine, latch: LatchSetting) -> AssemblyHingeLine:
-    """What the master needs to know of a line."""
-    names = tuple(hinge.name for hinge in line.hinges)
+def assembly_line(line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool]) -> AssemblyHingeLine:
+    """What the master and the key figures need to know of a line."""
     return AssemblyHingeLine(
-        line.name, names, line.sensor, latches=latch.kind != "none", kinematic=latch.kind == "kinematic"
+        line.name,
+        tuple(hinge.name for hinge in line.hinges),
+        line.sensor,
+        latches=latch.kind != "none",
+        kinematic=latch.kind == "kinematic",
+        rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
     )
 
 

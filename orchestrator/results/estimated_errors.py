@@ -13,7 +13,7 @@ ESTIMATED_ERRORS = "estimated_errors"
 """Name of the statistic that holds them."""
 _MOST_TOLERANCES = 10.0
 _LOADS = ("interface force peak", "interface torque peak")
-_VOUCHED_FOR = ("latch time", "latch torque peak", *_LOADS)
+_VOUCHED_FOR = ("latch time", "latch impulse", "latch torque peak", *_LOADS)
 
 
 def errors_text(errors: Mapping[Key, float]) -> str:
@@ -33,7 +33,7 @@ def estimated_errors(result: Result) -> dict[Key, float]:
 def doubts(numbers: Sequence[tuple[Key, float, float | None]], tolerance: float | None) -> list[str]:
     """A sentence for every headline number (key, value, error) that cannot be vouched for to ten tolerances.
 
-    Latch times and torques are judged beside their own values, components of a load beside its largest.
+    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest.
     """
     if tolerance is None:
         return []

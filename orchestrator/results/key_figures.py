@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked
 from .estimated_errors import Key, doubts, estimated_errors
+from .latch_impulse import latch_impulse
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH
@@ -55,10 +56,12 @@ class Headline:
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad).
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
-    lie at the end of the run, and so may be passed beyond it. interface_*_peaks: magnitude of each component
-    (x, y, z), empty where the base is free. cable_forces: lowest and highest. motor_energy: released up to the
-    last latch-up. energy_exchanged, numerical_dissipation and energy_residual (largest, over energy_exchanged; None
-    where there is none): see `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
+    lie at the end of the run, and so may be passed beyond it. latch_impulses: of kinematic latches (N.m.s); locks
+    names those between rigid bodies, whose torque is that of the lock and no load of the wing. interface_*_peaks:
+    magnitude of each component (x, y, z), empty where the base is free. cable_forces: lowest and highest.
+    motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
+    (largest, over energy_exchanged; None where there is none): see `energy_ledger`. warnings: sentences on what is
+    not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
     """
 
@@ -67,6 +70,8 @@ class Headline:
     latch_times: Mapping[str, float]
     unlatched_angles: Mapping[str, float]
     latch_torque_peaks: Mapping[str, float]
+    latch_impulses: Mapping[str, float]
+    locks: tuple[str, ...]
     peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
@@ -103,12 +108,26 @@ class Headline:
 
     def _bare_numbers(self) -> Iterator[Number]:
         yield Number("end time", "", self.end_time, "s")
+        yield from self._numbers_of_lines()
+        yield from self._numbers_of_loads()
+        yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
+        if self.energy_residual is not None:
+            yield Number("energy exchanged", "", self.energy_exchanged, "J")
+            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
+            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
+
+    def _numbers_of_lines(self) -> Iterator[Number]:
         for line, time in self.latch_times.items():
             yield Number("latch time", line, time, "s")
         for line, angle in self.unlatched_angles.items():
             yield Number("angle, not latched", line, angle, "rad")
+        for line, impulse in self.latch_impulses.items():
+            yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
-            yield Number("latch torque peak", line, torque, "N.m")
+            of_what = "lock" if line in self.locks else "latch"
+            yield Number(f"{of_what} torque peak", line, torque, "N.m")
+
+    def _numbers_of_loads(self) -> Iterator[Number]:
         for axis, force in zip("xyz", self.interface_force_peaks, strict=False):
             yield Number("interface force peak", axis, force, "N")
         for axis, torque in zip("xyz", self.interface_torque_peaks, strict=False):
@@ -120,11 +139,6 @@ class Headline:
                 words = variable.replace("_", " ")
                 yield Number(f"{words} lowest", name, low, "N")
                 yield Number(f"{words} highest", name, high, "N")
-        yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
-        if self.energy_residual is not None:
-            yield Number("energy exchanged", "", self.energy_exchanged, "J")
-            yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
-            yield Number("energy residual", "relative to energy exchanged", self.energy_residual, "1")
 
 
 def headline(result: Result) -> Headline:
@@ -147,6 +161,14 @@ def headline(result: Result) -> Headline:
             if line.latches and line.name not in times and result.has(line.sensor, "angle")
         },
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
+        latch_impulses={
+            line.name: impulse
+            for line in result.hinge_lines
+            if line.name in times
+            for impulse in (latch_impulse(result, line, times[line.name]),)
+            if impulse is not None
+        },
+        locks=tuple(line.name for line in result.hinge_lines if line.name in times and line.locks_rigid),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, "interface_force"),
         interface_torque_peaks=_component_peaks(result, "interface_torque"),

@@ -11,11 +11,11 @@ from orchestrator.results.round_off import noise_floor
 
 Key = tuple[str, str]
 """Quantity and what it is of, as in `Number`."""
-LATCH_TIME, LATCH_TORQUE = "latch time", "latch torque peak"
+LATCH_TIME, IMPULSE, LATCH_TORQUE = "latch time", "latch impulse", "latch torque peak"
 LARGEST, LOCK = "largest latch torque peak", "lock torque peak"
 LOADS = ("interface force peak", "interface torque peak")
-GROUPS = (LATCH_TIME, LATCH_TORQUE, LARGEST, *LOADS)
-"""What a run promises. Torques of locks are told beside them: between rigid bodies they are those of the lock's own."""
+GROUPS = (LATCH_TIME, IMPULSE, LATCH_TORQUE, LARGEST, *LOADS)
+"""What a run promises. Torques of locks between rigid bodies, which are the lock's own, are told beside them."""
 ESTIMATE_FACTOR = 5.0
 _RESOLVED = 0.1
 """Of the tolerance: errors below it are those of the reference as well, and count as this much."""
@@ -35,41 +35,35 @@ def estimated_errors(found: Headline) -> Mapping[Key, float]:
     return found.estimated_errors
 
 
-def deviations(found: Headline, reference: Headline, locks: Collection[str]) -> list[Deviation]:
+def deviations(found: Headline, reference: Headline) -> list[Deviation]:
     """Every number of either run against that of the reference; inf where only one of the two has it.
 
-    Latch times and latch torques are taken relative to their own values, components of a load relative to the
-    largest of its components; those that are round-off beside it are left out. locks: lines with a kinematic latch.
+    Latch times, impulses and torques are taken relative to their own values, components of a load relative to the
+    largest of its components; those that are round-off beside it are left out.
     """
     ours, true = _numbers(found), _numbers(reference)
     estimates = estimated_errors(found)
     single = [
-        _deviation(
-            LOCK if quantity == LATCH_TORQUE and of in locks else quantity,
-            (quantity, of),
-            ours,
-            true,
-            estimates,
-        )
+        _deviation((quantity, of), ours, true, estimates)
         for quantity, of in sorted({*ours, *true})
         if not _is_round_off((quantity, of), true)
     ]
-    return [*single, *_largest(ours, true, estimates, locks)]
+    return [*single, *_largest(ours, true, estimates)]
 
 
 def _numbers(found: Headline) -> dict[Key, float]:
-    wanted = {LATCH_TIME, LATCH_TORQUE, *LOADS}
+    wanted = {LATCH_TIME, IMPULSE, LATCH_TORQUE, LOCK, *LOADS}
     return {(n.quantity, n.of): n.value for n in found.numbers() if n.quantity in wanted}
 
 
 def _deviation(
-    group: str, key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
+    key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
 ) -> Deviation:
     if key not in ours or key not in true:
-        return Deviation(group, key[1], inf, None)
+        return Deviation(*key, inf, None)
     scale = _scale(key, true)
     estimate = estimates[key] / scale if key in estimates else None
-    return Deviation(group, key[1], abs(ours[key] - true[key]) / scale, estimate)
+    return Deviation(*key, abs(ours[key] - true[key]) / scale, estimate)
 
 
 def _load(key: Key, numbers: Mapping[Key, float]) -> list[float]:
@@ -85,15 +79,11 @@ def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
 
 
 def _largest(
-    ours: Mapping[Key, float],
-    true: Mapping[Key, float],
-    estimates: Mapping[Key, float],
-    locks: Collection[str],
+    ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
 ) -> Iterator[Deviation]:
     """The largest latch torque of all lines but locks, which one sizes the structure by."""
     peaks = [
-        {key: value for key, value in numbers.items() if key[0] == LATCH_TORQUE and key[1] not in locks}
-        for numbers in (ours, true)
+        {key: value for key, value in numbers.items() if key[0] == LATCH_TORQUE} for numbers in (ours, true)
     ]
     if not any(peaks):
         return

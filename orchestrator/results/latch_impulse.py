@@ -1,0 +1,32 @@
+"""The impulse of a kinematic latch: what it takes away in no time, where a torque would depend on how rigid a lock is.
+
+A plastic impact: a torque held while a relative rate w falls to rest turns the hinge by half of w times its duration,
+so the latch's work is E = J w / 2 and its impulse J = 2 E / w, for whatever is joined.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..assembly import HingeLine
+from .result import Result
+
+
+def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | None:
+    """Magnitude of the angular impulse about the hinge line (N.m.s) at its latch-up (s), the sum over its hinges.
+
+    None where the line has no kinematic latch, or its result no record of it.
+    """
+    after = int(np.searchsorted(result.time, latched, side="right"))
+    if not line.kinematic or not 0 < after < result.time.size:
+        return None
+    return abs(
+        sum(_impulse(result, hinge, after) for hinge in line.hinges if result.has(hinge, "latch_energy"))
+    )
+
+
+def _impulse(result: Result, hinge: str, after: int) -> float:
+    """Impulse between a row and the one before (N.m.s), with the sign of the rate that it takes."""
+    energy, rate = result.signal(hinge, "latch_energy"), result.signal(hinge, "angular_rate")
+    lost = float(energy[after] - energy[after - 1])
+    return 2.0 * lost / float(rate[after - 1]) if lost else 0.0
