@@ -16,6 +16,7 @@ import numpy as np
 
 from tests.conformance.programs.driver import ERROR, OK, Fmu, Reference
 from tests.conformance.programs.exchange_pair import SUBJECTS, Model, Pair, agree, said, same
+from tests.conformance.programs.findings import checks_of, finding
 
 DISCARD = 2
 STATES = 200
@@ -253,17 +254,7 @@ def check_variables(subject, path):
     agree(component.continuous.quantities, found[len(places) :], expected, "rates")
 
 
-CHECKS = {
-    name.removeprefix("check_"): function for name, function in globals().items() if name.startswith("check_")
-}
-
-
-def finding(function, *args):
-    try:
-        function(*args)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
-    return ""
+CHECKS = checks_of(globals())
 
 
 if __name__ == "__main__":

@@ -20,7 +20,8 @@ from components.flexible.modal import ModalData
 from components.hinge import Hinge
 from fmus import build_fmu
 from tests.conformance.programs.driver import OK, Fmu
-from tests.conformance.programs.exchange import Model, finding
+from tests.conformance.programs.exchange import Model
+from tests.conformance.programs.findings import finding
 from tests.references.free_rotor import free_rotor
 
 MOTION = ("position", "orientation", "velocity", "angular_velocity")

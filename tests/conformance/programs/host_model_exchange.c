@@ -10,22 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi2.h"
-
-static int messages;
-
-static void logger(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                   fmi2String message, ...) {
-    (void)environment, (void)name, (void)status, (void)category;
-    messages += message && *message;
-}
-
-static void expect(fmi2Status found, fmi2Status wanted, const char *call) {
-    if (found == wanted)
-        return;
-    printf("%s gave status %d, not %d\n", call, (int)found, (int)wanted);
-    exit(1);
-}
+#include "host.h"
 
 /* Numbers of scalars; every array has just the room that its call may use. */
 typedef struct {

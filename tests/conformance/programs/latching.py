@@ -17,7 +17,7 @@ from fmpy import simulate_fmu
 from components import REGISTRY
 from tests.conformance.programs.driver import OK
 from tests.conformance.programs.driver3 import Fmu3
-from tests.conformance.programs.trial import finding
+from tests.conformance.programs.findings import checks_of, finding
 
 H = 0.01
 LATCH = 0.237
@@ -183,7 +183,7 @@ def check_fmpys_simulation(path):
     assert result["inboard.torque"].shape[1:] == (3,)
 
 
-CHECKS = {name.removeprefix("check_"): f for name, f in globals().items() if name.startswith("check_")}
+CHECKS = checks_of(globals())
 
 if __name__ == "__main__":
     print("\n" + json.dumps({name: finding(check, sys.argv[1]) for name, check in CHECKS.items()}))

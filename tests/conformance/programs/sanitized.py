@@ -13,7 +13,8 @@ SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recove
 
 def program(host, folder):
     """The path of the program made of the host's source file; skips the test where there are no sanitizers."""
-    for name, text in {**sources(), host.name: host.read_text(encoding="utf-8")}.items():
+    own = {path.name: path.read_text(encoding="utf-8") for path in (host, *host.parent.glob("*.h"))}
+    for name, text in {**sources(), **own}.items():
         (folder / name).write_text(text, encoding="utf-8")
     flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
     made = folder / host.stem

@@ -20,6 +20,7 @@ from fmpy.fmi1 import FMICallException
 
 from components import ComponentError
 from tests.conformance.programs.driver import DISCARD, ERROR, FATAL, KINDS, OK, Fmu, Reference
+from tests.conformance.programs.findings import checks_of, finding
 
 NATIVE = len(sys.argv) > 1 and sys.argv[1] == "native"
 STEPS = 1000 if NATIVE else 200
@@ -288,17 +289,7 @@ def run_together(paths):
         gc.collect()
 
 
-CHECKS = {
-    name.removeprefix("check_"): function for name, function in globals().items() if name.startswith("check_")
-}
-
-
-def finding(function, *args):
-    try:
-        function(*args)
-    except Exception as error:
-        return f"{type(error).__name__}: {error}"
-    return ""
+CHECKS = checks_of(globals())
 
 
 if __name__ == "__main__":

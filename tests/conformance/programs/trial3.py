@@ -16,7 +16,8 @@ import numpy as np
 from tests.conformance.programs import trial
 from tests.conformance.programs.driver import ERROR, KINDS, LOADS, OK, Reference
 from tests.conformance.programs.driver3 import Fmu3
-from tests.conformance.programs.trial import advance, begin, finding, pair, refuse_state, said, same, tunable
+from tests.conformance.programs.findings import checks_of, finding
+from tests.conformance.programs.trial import advance, begin, pair, refuse_state, said, same, tunable
 
 trial.Fmu = Fmu3
 H = 2e-3
@@ -163,7 +164,7 @@ def check_event_mode(kind, path):
 
 CHECKS = {
     **{name: trial.CHECKS[name] for name in ("equal", "serialization", "reset", "instances")},
-    **{n.removeprefix("check_"): f for n, f in globals().items() if n.startswith("check_")},
+    **checks_of(globals()),
 }
 
 
