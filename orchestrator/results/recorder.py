@@ -40,6 +40,16 @@ class SignalGroup:
         )
 
 
+class NoRecorder:
+    """Keeps nothing, where what a master leads to is read from the participants."""
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Drop a communication point."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Drop an event."""
+
+
 class MemoryRecorder:
     """Keeps a result in memory while the run goes; what `ResultWriter` is for files, with the same arguments."""
 

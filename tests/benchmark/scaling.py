@@ -27,7 +27,7 @@ from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from tests.benchmark.models.chain import Chain, as_instances, panel
 from tests.benchmark.models.exudyn_chain import Outcome, bushings, tree
-from tests.benchmark.stability import Record
+from tests.references.record import Record
 
 STEP, TOLERANCE = 5e-3, 1e-6
 PYTHON_LARGEST = 8

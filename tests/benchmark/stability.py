@@ -16,7 +16,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field
 from itertools import product
 from math import pi, sqrt
 from types import SimpleNamespace
@@ -29,7 +28,6 @@ from components import catalogue, rotation_matrix
 from components.flexible.modal import ModalData
 from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.explicit import ExplicitMaster
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
@@ -37,6 +35,7 @@ from orchestrator.cosim.participant import ParticipantError, in_process
 from orchestrator.cosim.ports import Order
 from orchestrator.cosim.stepping import StepError
 from orchestrator.run.run import as_fmus
+from tests.references.record import Record
 
 Start = dict[str, float | tuple[float, ...]]
 MasterName = Literal["implicit", "jacobi", "gauss-seidel"]
@@ -56,38 +55,6 @@ PANELS = ((0, 1.0), (6, 1.0), (16, 1.0), (36, 1.0), (16, 0.0))
 """Flexible modes of the panel (0: rigid; else 6 and the fixed-interface modes) and its damping scale."""
 _REFERENCE_STEPS = 600
 _LONGEST_WINDOW = 800
-
-
-@dataclass
-class Record:
-    """A recorder that keeps everything in memory: times, observations by participant, events."""
-
-    network: Network
-    times: list[float] = field(default_factory=list)
-    rows: list[list[np.ndarray]] = field(default_factory=list)
-    events: list[tuple[float, str, str]] = field(default_factory=list)
-
-    def append(self, time: float, values: Sequence[np.ndarray]) -> None:
-        """Keep a copy."""
-        self.times.append(time)
-        self.rows.append([value.copy() for value in values])
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Keep it."""
-        self.events.append((time, component, text))
-
-    def signal(self, participant: str, name: str) -> np.ndarray:
-        """One observation over time, (N, size), or (N,) for a scalar."""
-        parts = [*self.network.bodies, *self.network.connections]
-        i = [p.name for p in parts].index(participant)
-        where = parts[i].observation_layout[name]
-        values = np.array([row[i][where] for row in self.rows])
-        return values[:, 0] if values.shape[1] == 1 else values
-
-    def scene(self, channel: str) -> np.ndarray:
-        """One of the scene channels, (N,)."""
-        place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
-        return np.array([row[-1][place] for row in self.rows])
 
 
 class Run(NamedTuple):

@@ -7,66 +7,28 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from components.flexible.modal import ModalData
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
-
-Vector = NDArray[np.float64]
+from tests.references.record import Record
 
 
 @dataclass
-class Run:
-    """A master with what it recorded: times (N,), and per participant the observations (N, size)."""
+class Run(Record):
+    """A master with what it recorded."""
 
-    master: Master
-    names: list[str] = field(default_factory=list)
-    times: list[float] = field(default_factory=list)
-    rows: list[list[Vector]] = field(default_factory=list)
-    events: list[tuple[float, str, str]] = field(default_factory=list)
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Called by the master."""
-        self.times.append(time)
-        self.rows.append([v.copy() for v in values])
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Called by the master."""
-        self.events.append((time, component, text))
-
-    def signal(self, participant: str, observation: str) -> Vector:
-        """An observation over time, (N,) or (N, size)."""
-        index = self.names.index(participant)
-        rows = self.master.network.by_name[participant].observation_layout[observation]
-        table = np.array([values[index][rows] for values in self.rows])
-        return table[:, 0] if table.shape[1] == 1 else table
-
-    def scene(self, channel: str) -> Vector:
-        """A scene channel over time."""
-        place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
-        return np.array([values[-1][place] for values in self.rows])
+    master: Master = field(init=False)
 
 
-class Recording:
-    """Passes what the master records on to a run that exists only after the master does."""
-
-    def __init__(self) -> None:
-        self.run: Run | None = None
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Called by the master."""
-        assert self.run is not None
-        self.run.append(time, values)
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Called by the master."""
-        assert self.run is not None
-        self.run.event(time, component, text)
+def mastered(network: Network, settings: Settings, lines: Sequence[HingeLine] = ()) -> Run:
+    """A master that records, not yet initialised."""
+    run = Run(network)
+    run.master = Master(network, lines, run, settings)
+    return run
 
 
 def prepared(
@@ -84,16 +46,13 @@ def prepared(
     """
     settings = settings or Settings()
     network = Network(in_process(parts), links, settings.order or 2)
-    recording = Recording()
-    master = Master(network, lines, recording, settings)
+    run = mastered(network, settings, lines)
     if iteration is not None:
-        master.solver.tolerance = iteration
-    run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
-    recording.run = run
+        run.master.solver.tolerance = iteration
     for (name, key), value in (commands or {}).items():
         participant = network.by_name[name]
         participant.inputs[participant.input_layout[key]] = value
-    master.initialize(preload=False)
+    run.master.initialize(preload=False)
     return run
 
 

@@ -13,10 +13,10 @@ from orchestrator.assembly import Link, Part
 from orchestrator.cosim.coupling_library import library
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.differences import jacobian_by_differences
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
-from tests.references.coupled import Recording, Run, completed
+from tests.references.coupled import completed, mastered
 
 needs_native = pytest.mark.skipif(
     native_library() is None or library() is None, reason="no C compiler built the native FMUs"
@@ -35,11 +35,10 @@ def native_errors(
     settings = Settings(fixed_step=h)
     reference = completed(until, parts, links, settings=settings, iteration=_TIGHT)
     with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
-        network, recording = Network(participants, links), Recording()
-        master = Master(network, (), recording, settings)
+        network = Network(participants, links)
+        run = mastered(network, settings)
+        master = run.master
         master.solver.tolerance = _TIGHT
-        run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
-        recording.run = run
         master.initialize(preload=False)
         master.run(until)
         connection = network.by_name[name]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,12 @@ from orchestrator.analysis.statics.linear_model import linearise, normal_modes
 from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
+from tests.references.record import Record
 
 Vector = NDArray[np.float64]
 
@@ -37,27 +37,6 @@ _UNDAMPED: dict[str, dict[str, Any]] = {
         "motor_wind_up": 0.0,
     },
 }
-
-
-@dataclass
-class Record:
-    """Times and scene channels (N, channels)."""
-
-    times: list[float] = field(default_factory=list)
-    rows: list[Vector] = field(default_factory=list)
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Called by the master."""
-        self.times.append(time)
-        self.rows.append(values[-1].copy())
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Called by the master."""
-
-    def channel(self, name: str) -> Vector:
-        """A scene channel over time."""
-        place = [channel for channel, _, _ in SCENE_CHANNELS].index(name)
-        return np.array(self.rows)[:, place]
 
 
 def undamped_wing(scene: str, variants: Sequence[str]) -> Assembly:
@@ -87,10 +66,11 @@ def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tu
     mechanism.command("latch_command", 1.0, hinges)
     model = linearise(mechanism)
     modes = normal_modes(model)
-    record, rates = Record(), np.sqrt(2.0) * modes.shapes[:, number]
+    rates = np.sqrt(2.0) * modes.shapes[:, number]
     period = 1.0 / float(modes.frequencies[number])
     with as_fmus(wing) as participants:
         network = Network(participants, wing.links, settings.order or 2)
+        record = Record(network)
         master = Master(network, (), record, settings)
         for hinge in hinges:
             joint = network.by_name[hinge]

@@ -11,10 +11,10 @@ from fmus import native_library
 from orchestrator.assembly import Part
 from orchestrator.cosim.energy_balance import Energies
 from orchestrator.cosim.energy_guard import EnergyGuard
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from tests.benchmark.models.chain import as_instances
-from tests.references.coupled import Recording, Run, base, between
+from tests.references.coupled import base, between, mastered
 
 LENGTH, BENDING, LINE_MASS, GRAVITY = 10.0, 1.4e4, 1.2, 10.0
 CLAMP = {"translational_stiffness": (1e7,) * 3, "rotational_stiffness": (1e6,) * 3}
@@ -42,12 +42,9 @@ def cantilever():
 
 def followed(participants, links, until, step):
     """The scene at a fixed step up to a time (s)."""
-    network = Network(participants, links)
-    recording = Recording()
-    master = Master(network, (), recording, Settings(fixed_step=step))
-    recording.run = run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
-    master.initialize(preload=False)
-    master.run(until)
+    run = mastered(Network(participants, links), Settings(fixed_step=step))
+    run.master.initialize(preload=False)
+    run.master.run(until)
     return run
 
 

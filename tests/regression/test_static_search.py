@@ -13,21 +13,12 @@ from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.static_search import _described, _motion
 from orchestrator.cosim.stepping import StepError
+from orchestrator.results.recorder import NoRecorder
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
 from tests.references.coupled import base, between, rigid, turned
 
 PRELOAD = 80.0
-
-
-class NoRecord:
-    """Takes nothing down."""
-
-    def append(self, time, values):
-        """Called by the master."""
-
-    def event(self, time, component, text):
-        """Called by the master."""
 
 
 @pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
@@ -44,7 +35,7 @@ def test_any_stiffnesses_of_the_joints(axial, radial):
     assembly = assemble(load_scene(find_scene("amos3"), (), settings), (), ())
     with as_fmus(assembly) as participants:
         network = Network(participants, assembly.links)
-        Master(network, assembly.hinge_lines, NoRecord(), Settings()).initialize(preload=True)
+        Master(network, assembly.hinge_lines, NoRecorder(), Settings()).initialize(preload=True)
         spacecraft = network.by_name["spacecraft"]
         found, at = spacecraft.observe(), spacecraft.observation_layout
         assert np.abs(found[at["interface_force"]]).max() < 1e-5 * PRELOAD
@@ -57,7 +48,7 @@ def test_free_motion_is_named():
     stiffness = {"translational_stiffness": (1e6, 1e6, 0.0), "rotational_stiffness": (1e4,) * 3}
     parts = [base(root=(0.0, 0.0, 0.0)), body, Part("joint", "hinge", {}, stiffness)]
     network = Network(in_process(parts), between("joint", "base.root", "load.top"))
-    master = Master(network, (), NoRecord(), Settings())
+    master = Master(network, (), NoRecorder(), Settings())
     with pytest.raises(StepError, match=r"load still moves along \(0, 0, -1\), by 9.8 m/s2"):
         master.initialize(preload=True)
 

@@ -22,12 +22,12 @@ SETTLED, END = 10.0, 30.0
 def test_a_mode_keeps_its_energy(variant, number):
     """Conservation of energy: in 100 periods less than 1 % of a joule; what is lost is told as numerical."""
     record, period = swing(undamped_wing("amos3", variant), number, END, Settings(fixed_step=STEP))
-    times, stored = np.array(record.times), record.channel("stored_energy")
+    times, stored = np.array(record.times), record.scene("stored_energy")
     assert stored[0] == pytest.approx(1.0, rel=1e-3)
     settled = np.interp(SETTLED * period, times, stored)
     assert abs(settled - stored[-1]) / (END - SETTLED) * 100.0 < 0.01
     assert abs(1.0 - stored[-1]) < 0.01
-    assert np.all(record.channel("dissipated_energy") == 0.0)
+    assert np.all(record.scene("dissipated_energy") == 0.0)
     assert stored[0] - stored[-1] == pytest.approx(
-        record.channel("numerical_dissipation")[-1] - record.channel("numerical_dissipation")[0], abs=1e-5
+        record.scene("numerical_dissipation")[-1] - record.scene("numerical_dissipation")[0], abs=1e-5
     )

@@ -23,6 +23,7 @@ from ...cosim.master import Master, Settings
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
 from ...cosim.stepping import StepError
+from ...results.recorder import NoRecorder
 from ...run.run import RunError
 from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
@@ -33,16 +34,6 @@ FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
 """Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.numerics.laws)."""
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
-
-
-class _NoRecorder:
-    """The equilibrium is read from the participants; nothing is recorded."""
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Nothing."""
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Nothing."""
 
 
 def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
@@ -125,7 +116,7 @@ def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:
     try:
         participants = in_process(assembly.parts)
         network = Network(participants, assembly.links)
-        master = Master(network, assembly.hinge_lines, _NoRecorder(), Settings())
+        master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
         master.initialize(preload=True)
     except (ComponentError, ParticipantError, NetworkError, StepError) as error:
         raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None

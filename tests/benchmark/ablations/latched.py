@@ -29,7 +29,7 @@ from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.bodies import StartPose, attachments, body_model
 from orchestrator.scene.locked_groups import joined_model, pieces
 from tests.benchmark.models.one_panel import crest, line_torque
-from tests.benchmark.stability import Record
+from tests.references.record import Record
 
 Fidelity = Literal["rigid", "flexible"]
 UNTIL = 14.0

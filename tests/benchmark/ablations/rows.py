@@ -18,20 +18,11 @@ from orchestrator.assembly import Assembly
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant
+from orchestrator.results.recorder import NoRecorder
 from orchestrator.run.run import Outcome, as_fmus, run
 
 _MARKERS = "os^vDPX*<>hpd8H"
 Loading = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
-
-
-class Unrecorded:
-    """A recorder that keeps nothing."""
-
-    def append(self, time: float, values: object) -> None:
-        """Drop a communication point."""
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Drop an event."""
 
 
 @dataclass
@@ -65,7 +56,7 @@ class Row:
             return
         with self.load(self.assembly) as participants:
             network = Network(participants, self.assembly.links)
-            master = Master(network, self.assembly.hinge_lines, Unrecorded(), settings)
+            master = Master(network, self.assembly.hinge_lines, NoRecorder(), settings)
             start = perf_counter()
             master.initialize(preload=self.assembly.preload)
             master.run(until)

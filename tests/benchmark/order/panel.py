@@ -28,7 +28,8 @@ from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.ports import Order
 from orchestrator.run.run import as_fmus
-from tests.benchmark.stability import Record, panel_data, panel_scene
+from tests.benchmark.stability import panel_data, panel_scene
+from tests.references.record import Record
 
 Holds = Literal["spring", "lock"]
 

@@ -15,6 +15,7 @@ from orchestrator.cli.main import main
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
+from orchestrator.results.recorder import NoRecorder
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.edits import edited
 
@@ -33,16 +34,6 @@ def wing(folder, gravity=(0.0, 0.0, 0.0), extra=""):
     return load_scene(path)
 
 
-class NoRecord:
-    """Takes nothing down."""
-
-    def append(self, time, values):
-        """Called by the master."""
-
-    def event(self, time, component, text):
-        """Called by the master."""
-
-
 @pytest.mark.parametrize("rigid", [("all",), ()])
 def test_preload_of_amos3_is_the_masters_own(rigid):
     """Independent: implicit steps of the participants' gradient flow, mean wrenches, by the master.
@@ -53,7 +44,7 @@ def test_preload_of_amos3_is_the_masters_own(rigid):
     scene = load_scene(find_scene("amos3"))
     assembly = assemble(scene, rigid, ())
     network = Network(in_process(assembly.parts), assembly.links)
-    Master(network, assembly.hinge_lines, NoRecord(), Settings()).initialize(preload=True)
+    Master(network, assembly.hinge_lines, NoRecorder(), Settings()).initialize(preload=True)
     mechanism, found = equilibrium(
         scene, rigid, (), configuration(scene), lines_named(scene, "all"), adjusted=True
     )

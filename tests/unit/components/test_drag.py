@@ -17,9 +17,9 @@ from orchestrator.cosim.coupling_library import library
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.native_solver import NativeSolver
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
-from tests.references.coupled import Recording, Run, base, between, completed, rigid
+from tests.references.coupled import base, between, completed, mastered, rigid
 from tests.references.relative_motion import inputs, port_motion, work, wrenches
 
 DENSITY, COEFFICIENT = 1.204, 1.28
@@ -244,13 +244,11 @@ def test_native_fmus_with_one_port_are_coupled(tmp_path):
         for p in parts
     ]
     network = Network(participants, [Link(("plate", "middle"), ("drag", "body"))])
-    recording = Recording()
-    master = Master(network, (), recording, at_steps(0.02))
-    master.solver.tolerance = TIGHT
-    found = recording.run = Run(master, ["plate", "drag"])
-    master.initialize(preload=False)
-    master.run(0.5)
-    assert isinstance(master.solver, NativeSolver)
+    found = mastered(network, at_steps(0.02))
+    found.master.solver.tolerance = TIGHT
+    found.master.initialize(preload=False)
+    found.master.run(0.5)
+    assert isinstance(found.master.solver, NativeSolver)
     assert found.times == expected.times
     for name in ("drag_force", "drag_torque", "normal_velocity", "dissipated_energy"):
         assert found.signal("drag", name) == pytest.approx(expected.signal("drag", name), rel=1e-9, abs=1e-9)

@@ -10,10 +10,10 @@ from components.contract.component import ComponentError
 from components.drive import Drive, MotionLaw
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
-from tests.references.coupled import Recording, Run, base, between, completed, rigid
+from tests.references.coupled import Run, base, between, completed, mastered, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work
 
@@ -172,13 +172,11 @@ def test_the_clock_starts_with_the_scene():
     found = []
     for preload in (False, True):
         parts, links = scene(end_angle=1.0, duration=0.5)
-        network, recording = Network(in_process(parts), links), Recording()
-        master = Master(network, (), recording, Settings(fixed_step=0.05))
-        recording.run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
-        master.initialize(preload=preload)
-        master.run(0.5)
-        found.append(recording.run.signal("drive", "commanded_angle"))
-        assert recording.run.signal("drive", "supplied_energy")[0] == 0.0
+        run = mastered(Network(in_process(parts), links), Settings(fixed_step=0.05))
+        run.master.initialize(preload=preload)
+        run.master.run(0.5)
+        found.append(run.signal("drive", "commanded_angle"))
+        assert run.signal("drive", "supplied_energy")[0] == 0.0
     assert found[0] == pytest.approx(found[1], abs=1e-14)
     assert (found[0][0], found[0][-1]) == (0.0, pytest.approx(1.0, abs=1e-12))
 

@@ -11,12 +11,12 @@ from components.hold_down import HoldDown
 from fmus import build_fmu
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from tests.conformance.programs.driver import OK
 from tests.conformance.programs.driver3 import Fmu3
-from tests.references.coupled import Recording, Run, base, between, completed, prepared, rigid
+from tests.references.coupled import base, between, completed, mastered, prepared, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work
 
@@ -125,12 +125,10 @@ def test_a_free_body_without_a_release_time_stays_held():
 def test_the_clock_starts_with_the_scene():
     """Statics: the search before t = 0 ends where spring and preload balance; the release comes 0.05 s after t = 0."""
     parts, links = scene(release_time=0.05)
-    network, recording = Network(in_process(parts), links), Recording()
-    master = Master(network, (), recording, Settings(fixed_step=0.01))
-    recording.run = run = Run(master, [p.name for p in (*network.bodies, *network.connections)])
-    master.initialize(preload=True)
+    run = mastered(Network(in_process(parts), links), Settings(fixed_step=0.01))
+    run.master.initialize(preload=True)
     assert place(run)[2] == pytest.approx(-PRELOAD / STIFFNESS, rel=1e-6)
-    master.run(0.1)
+    run.master.run(0.1)
     assert np.flatnonzero(run.signal("bolt", "released"))[0] == 5
     assert run.signal("body", "kinetic_energy") == pytest.approx(np.zeros(11), abs=1e-9)
 

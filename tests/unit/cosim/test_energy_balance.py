@@ -7,10 +7,10 @@ from components import REGISTRY, SUPPLIED_ENERGY, Component, Layout, Quantity
 from components.contract.component import Port
 from orchestrator.assembly import Link
 from orchestrator.cosim.energy_balance import Energies, energy_rows
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import InProcess, in_process
-from tests.references.coupled import Recording, Run, rigid
+from tests.references.coupled import mastered, rigid
 
 FORCE, MASS, END = 2.0, 3.0, 0.5
 
@@ -57,11 +57,9 @@ def test_supplied_energy_closes_the_balance():
     network = Network(
         [body, InProcess("thruster", Thruster())], [Link(("ship", "tail"), ("thruster", "mount"))]
     )
-    recording = Recording()
-    master = Master(network, (), recording, Settings(fixed_step=0.01))
-    recording.run = run = Run(master, ["ship", "thruster"])
-    master.initialize(preload=False)
-    master.run(END)
+    run = mastered(network, Settings(fixed_step=0.01))
+    run.master.initialize(preload=False)
+    run.master.run(END)
     stored, supplied = run.scene("stored_energy"), run.scene("supplied_energy")
     expected = (FORCE * END) ** 2 / (2.0 * MASS)
     assert supplied[-1] == pytest.approx(expected, rel=1e-9)

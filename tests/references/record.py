@@ -1,0 +1,46 @@
+"""What a master records, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from orchestrator.cosim.cosimulation import SCENE_CHANNELS
+from orchestrator.cosim.network import Network
+
+Vector = NDArray[np.float64]
+
+
+@dataclass
+class Record:
+    """A recorder that keeps everything in memory: times (N,), observations by participant, events."""
+
+    network: Network
+    times: list[float] = field(default_factory=list)
+    rows: list[list[Vector]] = field(default_factory=list)
+    events: list[tuple[float, str, str]] = field(default_factory=list)
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Keep a copy."""
+        self.times.append(time)
+        self.rows.append([value.copy() for value in values])
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Keep it."""
+        self.events.append((time, component, text))
+
+    def signal(self, participant: str, observation: str) -> Vector:
+        """An observation over time, (N,) or (N, size)."""
+        parts = [*self.network.bodies, *self.network.connections]
+        i = [part.name for part in parts].index(participant)
+        where = parts[i].observation_layout[observation]
+        values = np.array([row[i][where] for row in self.rows])
+        return values[:, 0] if values.shape[1] == 1 else values
+
+    def scene(self, channel: str) -> Vector:
+        """A scene channel over time, (N,)."""
+        place = [name for name, _, _ in SCENE_CHANNELS].index(channel)
+        return np.array([row[-1][place] for row in self.rows])
