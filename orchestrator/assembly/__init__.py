@@ -30,7 +30,8 @@ class HingeLine:
     """Hinges on one line; the sensor hinge's latch distance locks them all.
 
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
-    but that of its lock.
+    but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
+    latch nor an end stop keeps there.
     """
 
     name: str
@@ -39,6 +40,7 @@ class HingeLine:
     latches: bool
     kinematic: bool
     rigid: bool = False
+    deployed_angle: float | None = None
 
     @property
     def locks_rigid(self) -> bool:

@@ -19,6 +19,7 @@ from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from .connections import connection_part
+from .end_stops import stop_attachments, stop_parts
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
 from .start_values import with_port_starts
 
@@ -60,6 +61,7 @@ def assemble(
     models = {body.name: _model(scene, body, is_flexible[body.name]) for body in scene.bodies}
     poses = start_poses(scene, scene_points(scene))
     found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
+    found += [port for line in scene.hinge_lines for port in stop_attachments(line)]
     parts_of_bodies: list[Part] = []
     links: list[Link] = []
     geometry: dict[str, Geometry] = {}
@@ -100,7 +102,7 @@ def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode
     parts: list[Part] = []
     for line in scene.hinge_lines:
         latch = line_latch(scene, line, is_flexible, mode)
-        parts += hinge_parts(scene, line, latch, is_flexible, mode)
+        parts += [*hinge_parts(scene, line, latch, is_flexible, mode), *stop_parts(line, mode)]
     parts += [loop_part(loop, mode) for loop in scene.loops]
     parts += [damper_part(scene, damper, mode) for damper in scene.dampers]
     return parts + [connection_part(connection, mode) for connection in scene.connections]

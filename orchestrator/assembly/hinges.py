@@ -15,6 +15,7 @@ from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, 
 from ..scene.schema import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
+from .effective_inertia import effective_inertia
 
 _NEGLIGIBLE = 1e-3
 """Share of a line's compliance below which the bodies are taken to hold all of it."""
@@ -35,6 +36,7 @@ def latch_setting(
     outboard_has_compliance: bool,
     mode: WrenchMode,
     structural: StructuralDamping | None = None,
+    inertia: float = 0.0,
 ) -> LatchSetting:
     """The latch of a line (Bagnoli 2007, sections 3.3.5 and 3.4.3.3).
 
@@ -42,6 +44,7 @@ def latch_setting(
     kinematic, and where they lack just that of the hinges it follows their measured torque, if there is one.
     Explicit hosts cannot lock: there a kinematic latch is a spring of the whole line. Structural damping takes the
     place of the latch's own; that of a measured curve is constant, by the stiffness that the bodies' models lack.
+    inertia: effective one of the line (kg.m2), which turns the damping ratio into N.m.s/rad.
     """
     if latch is None:
         return LatchSetting("none", 0.0, 0.0)
@@ -57,7 +60,7 @@ def latch_setting(
     if locks and mode == "mean":
         return LatchSetting("kinematic", 0.0, 0.0)
     stiffness = latch.stiffness if locks or latch.kind == "spring" else 1.0 / missing
-    own = 2.0 * latch.damping_ratio * sqrt(stiffness * latch.effective_inertia)
+    own = 2.0 * latch.damping_ratio * sqrt(stiffness * inertia)
     damping = own if structural is None else structural.time * stiffness
     only_hinges = inboard_has_compliance and outboard_has_compliance and latch.kind == "by_fidelity"
     if latch.measured is not None and only_hinges:
@@ -71,7 +74,8 @@ def line_latch(
     """The latch of a line; the spacecraft is rigid at every fidelity, so its model lacks no compliance."""
     complete = {**flexible, scene.base.name: True}
     inboard, outboard = complete[line.inboard], complete[line.outboard]
-    return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping)
+    inertia = 0.0 if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
+    return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
 
 
 def assembly_line(line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool]) -> AssemblyHingeLine:
@@ -83,6 +87,7 @@ def assembly_line(line: HingeLine, latch: LatchSetting, flexible: Mapping[str, b
         latches=latch.kind != "none",
         kinematic=latch.kind == "kinematic",
         rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
+        deployed_angle=line.deployed_angle if line.latch is None and line.end_stop is None else None,
     )
 
 

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from ..scene.units import Sign
 
 _PICTURES = (".png", ".pdf", ".svg")
-_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
-"""A number as it is written in programs, and what follows it."""
 
 
 def _range(low: float | None, high: float | None, low_open: bool) -> str:
@@ -75,9 +73,9 @@ def given_quantity(text: str, unit: str, what: str, sign: Sign = "any") -> float
 
     what: whose value it is, the subject of the refusal. Only a unit that is written down is believed.
     """
-    from ..scene.units import UNITS, to_si  # takes its time, which --help need not
+    from ..scene.units import QUANTITY, UNITS, to_si  # takes its time, which --help need not
 
-    found = _QUANTITY.fullmatch(text)
+    found = QUANTITY.fullmatch(text)
     number, given = found.groups() if found is not None else ("1", "")
     if given not in UNITS[unit]:
         example = " or ".join(f"{number}{known}" for known in UNITS[unit])

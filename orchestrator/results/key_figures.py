@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from math import degrees
+from math import degrees, radians
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,12 +27,25 @@ Vector = NDArray[np.float64]
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
+_GIVES_WAY = radians(1.0)
+"""Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
+
 
 class Peak(NamedTuple):
     """An extreme value and when it happened (s)."""
 
     time: float
     value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Overrun:
+    """A line that nothing kept at its deployed angle: that one, the largest and the last (rad), when it passed (s)."""
+
+    deployed_angle: float
+    passed_at: float
+    largest: float
+    last: float
 
 
 class Number(NamedTuple):
@@ -54,7 +67,8 @@ class Number(NamedTuple):
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
-    unlatched_angles: where lines with a latch stand at the end without having latched (rad).
+    unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
+    latch that passed their deployed angle.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of kinematic latches (N.m.s); locks
     names those between rigid bodies, whose torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -69,6 +83,7 @@ class Headline:
     end_time: float
     latch_times: Mapping[str, float]
     unlatched_angles: Mapping[str, float]
+    overruns: Mapping[str, Overrun]
     latch_torque_peaks: Mapping[str, float]
     latch_impulses: Mapping[str, float]
     locks: tuple[str, ...]
@@ -92,9 +107,15 @@ class Headline:
         return {**asdict(self), "estimated_errors": nested}
 
     def open_ends(self) -> Iterator[str]:
-        """Sentences on lines that have not latched, and on peaks that may lie beyond the end."""
+        """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
         for line, angle in self.unlatched_angles.items():
             yield f"{line} has not latched; at {self.end_time:g} s it stands at {degrees(angle):.2f} deg"
+        for line, passed in self.overruns.items():
+            yield (
+                f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
+                f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
+                f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
+            )
         for line in self.peaks_at_end:
             yield (
                 f"the latch torque of {line} is largest at the very end, {self.end_time:g} s; "
@@ -121,6 +142,8 @@ class Headline:
             yield Number("latch time", line, time, "s")
         for line, angle in self.unlatched_angles.items():
             yield Number("angle, not latched", line, angle, "rad")
+        for line, passed in self.overruns.items():
+            yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, impulse in self.latch_impulses.items():
             yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
@@ -160,6 +183,7 @@ def headline(result: Result) -> Headline:
             for line in result.hinge_lines
             if line.latches and line.name not in times and result.has(line.sensor, "angle")
         },
+        overruns=dict(_overruns(result)),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={
             line.name: impulse
@@ -186,6 +210,18 @@ def headline(result: Result) -> Headline:
     )
     told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
     return replace(found, warnings=(*found.warnings, *told))
+
+
+def _overruns(result: Result) -> Iterator[tuple[str, Overrun]]:
+    """Lines without a latch that passed their deployed angle by more than a stop or drive gives way."""
+    for line in result.hinge_lines:
+        if line.deployed_angle is None or not result.has(line.sensor, "angle"):
+            continue
+        angle = result.signal(line.sensor, "angle")
+        passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
+        if passed.size:
+            at = float(result.time[passed[0]])
+            yield line.name, Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:

@@ -15,6 +15,7 @@ from ..assembly.assemble import assemble
 from ..cosim.master import Settings
 from ..cosim.ports import Order
 from ..scene import CheckedScene
+from ..scene.plausibility import doubts
 from .companion import with_estimates
 from .progress import Progress, followed, silent
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, run
@@ -110,7 +111,7 @@ def simulate(
         if sentence:
             warn(sentence)
     assembly = options.assemble(scene)
-    for sentence in _held_sentences(assembly, options.flexible):
+    for sentence in [*doubts(scene), *_held_sentences(assembly, options.flexible)]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     load = partial(as_fmus, backend=options.backend)

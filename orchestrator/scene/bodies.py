@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -23,6 +24,7 @@ from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
+from .point_shapes import span
 from .schema import CheckedScene
 from .table import Seat
 
@@ -56,7 +58,8 @@ def base_model(base: Base) -> ModalData | None:
     if base.free is None:
         return None
     free = base.free
-    return ModalData.rigid(free.mass, free.center_of_mass, free.inertia, base.points)
+    shape = span([*base.points.values(), free.center_of_mass])
+    return ModalData.rigid(free.mass, free.center_of_mass, free.inertia, base.points, *shape)
 
 
 def body_model(body: Body, flexible: bool, structural: StructuralDamping | None = None) -> ModalData:
@@ -66,7 +69,8 @@ def body_model(body: Body, flexible: bool, structural: StructuralDamping | None 
     """
     if body.rigid is not None:
         rigid = body.rigid
-        return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points)
+        shape = span([*rigid.points.values(), rigid.center_of_mass])
+        return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points, *shape)
     entry = str(body.catalogue)
     masses = tuple((attached.point, attached.mass) for attached in body.attached_masses)
     if not flexible:
@@ -164,3 +168,12 @@ def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]
             origin = poses[body.place.body].place(points[body.place.body][body.place.point])
             poses[body.name] = StartPose(add(origin, body.place.offset), (1.0, 0.0, 0.0, 0.0))
     return poses
+
+
+def with_angles(scene: CheckedScene, angles: Mapping[str, float]) -> CheckedScene:
+    """The scene with other start angles."""
+    lines = tuple(
+        line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
+        for line in scene.hinge_lines
+    )
+    return replace(scene, hinge_lines=lines)

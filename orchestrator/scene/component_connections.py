@@ -17,7 +17,7 @@ from .bodies import StartPose
 from .connection_tables import Connection
 from .locked_groups import joined
 from .schema import CheckedScene
-from .units import UNITS, to_si
+from .units import UNITS, written
 
 WrenchMode = Literal["mean", "endpoint"]
 """Wrench that connections return: the mean over a step, or that at the inputs as they are."""
@@ -171,7 +171,7 @@ def _in_range(
 
 def _number(quantity: Quantity, value: object) -> float:
     if quantity.unit in UNITS:
-        return to_si(value, quantity.unit)
+        return written(value, quantity.unit)
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise ValueError(f"is {value!r}; it must be a finite number of {quantity.unit}")
     return float(value)

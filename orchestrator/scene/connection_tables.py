@@ -7,13 +7,13 @@ from typing import Any
 from pydantic import Field
 
 from .table import Y_AXIS, Axis, Name, Seat, Table
-from .units import Damping, Force, Length, PeakRate, Stiffness, TurningDamping
+from .units import Damping, Force, PeakRate, Radius, Stiffness, TurningDamping
 
 
 class Pulley(Seat):
     """A pulley fixed to a body."""
 
-    radius: Length
+    radius: Radius
 
 
 class Ccl(Table):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import degrees
+from math import degrees, pi
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -14,14 +14,15 @@ from .units import (
     AngularRate,
     Arm,
     FrictionTorque,
-    Length,
     MomentOfInertia,
     PositiveFrequency,
     PositiveRatio,
+    Radius,
     Ratio,
     Stiffness,
     Stiffnesses,
     Torque,
+    TurningDamping,
     TurningStiffness,
     TurningStiffnesses,
     damping_time,
@@ -30,6 +31,8 @@ from .units import (
 _ROUNDED = 1.001
 """Stiffnesses that are given to three or four digits may miss their series by this factor."""
 _ANGLE_ROUND_OFF = 1e-9
+LONGEST_TO_STOP = 4.0 * pi / 3.0
+"""rad; a pad that turns past its plane once more would meet it from behind."""
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
@@ -56,7 +59,7 @@ class Friction(Table):
 
     coefficient: Ratio = 0.0
     static_ratio: Annotated[PositiveRatio, Field(ge=1.0)] = 1.2
-    pin_radius: Length = 0.006
+    pin_radius: Radius = 0.006
     bending_arm: Arm = 0.0
     stiction_velocity: AngularRate = 0.0167
     flexible_stiction_factor: PositiveRatio = 10.0
@@ -131,15 +134,15 @@ class Latch(Table):
     A side that is not given adds no compliance. What neither side models is the latch spring: where bodies hold
     all of it, the latch is kinematic. kind: "kinematic" or "spring" (of `stiffness`) whatever the bodies hold.
     measured: the torque of the hinges, in place of a linear spring where both sides are modelled with their
-    compliance. The effective inertia turns the damping ratio into N.m.s/rad; where the scene has structural damping,
-    the latch has that instead.
+    compliance. The effective inertia turns the damping ratio into N.m.s/rad, by default that of the bodies; where the
+    scene has structural damping, the latch has that instead.
     """
 
     kind: Literal["by_fidelity", "kinematic", "spring"] = "by_fidelity"
     stiffness: TurningStiffness
     inboard_stiffness: TurningStiffness | None = None
     outboard_stiffness: TurningStiffness | None = None
-    effective_inertia: MomentOfInertia
+    effective_inertia: MomentOfInertia | None = None
     damping_ratio: Ratio = 0.02
     measured: MeasuredLatch | None = None
 
@@ -158,6 +161,19 @@ class Latch(Table):
                     f"{self.stiffness:g}, which they are part of"
                 )
         return self
+
+
+class EndStop(Table):
+    """End stop of a line, the total of its hinges: from an angle on, by default the deployed angle, it pushes back.
+
+    Each hinge has two pads at an arm from its axis that meet planes of the inboard body. A line latches before it
+    reaches a stop beyond its latch angle.
+    """
+
+    angle: Angle | None = None
+    stiffness: TurningStiffness
+    damping: TurningDamping = 0.0
+    arm: Radius = 0.05
 
 
 class HingeLine(Table):
@@ -180,6 +196,7 @@ class HingeLine(Table):
     harness: Harness | None = None
     friction_preload: FrictionTorque = 0.0
     latch: Latch | None = None
+    end_stop: EndStop | None = None
     hinges: tuple[Hinge, ...]
 
     @property
@@ -191,6 +208,13 @@ class HingeLine(Table):
     def initial_angle(self) -> float:
         """Angle at which a run begins."""
         return self.stowed_angle if self.start_angle is None else self.start_angle
+
+    @property
+    def stop_angle(self) -> float | None:
+        """Angle at which its end stop begins to push; None where it has none."""
+        if self.end_stop is None:
+            return None
+        return self.deployed_angle if self.end_stop.angle is None else self.end_stop.angle
 
     @property
     def motor_energy(self) -> float:
@@ -221,6 +245,12 @@ class HingeLine(Table):
             raise ValueError("give a table harness and mark the hinges that carry it, or neither")
         if not self.deployed_angle > self.stowed_angle:
             raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
+        if self.stop_angle is not None and not 0.0 < self.stop_angle - self.initial_angle < LONGEST_TO_STOP:
+            stop, start = degrees(self.stop_angle), degrees(self.initial_angle)
+            raise ValueError(
+                f"end_stop is at {stop:g} deg and the line starts at {start:g} deg; a stop must be beyond the start, "
+                f"by {degrees(LONGEST_TO_STOP):g} deg at most"
+            )
         if self._starts_beyond_its_latch:
             start, latch = degrees(self.initial_angle), degrees(self.deployed_angle)
             raise ValueError(

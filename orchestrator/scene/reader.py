@@ -20,7 +20,7 @@ from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers
 from .schema import CheckedScene, Header
 from .table import SceneError
-from .validation import Entries, EntryReader
+from .validation import Entries, EntryReader, unknown
 
 _STRUCTURAL = "structural_damping"
 _TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
@@ -101,10 +101,8 @@ def read_scene(file: str, tree: Tree) -> CheckedScene:
 def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
     reader = EntryReader(tree, added)
-    known = ", ".join(sorted(_TABLES | _ARRAYS))
-    reader.note(
-        f"{key}: is not a known table; tables are {known}" for key in tree if key not in _TABLES | _ARRAYS
-    )
+    known = sorted(_TABLES | _ARRAYS)
+    reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
     joint, friction = (
         reader.table("joint", Joint, required=False),

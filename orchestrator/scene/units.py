@@ -1,16 +1,26 @@
-"""Quantities in scene files: a plain number in SI units, or a string with a unit such as "90 deg"."""
+"""Quantities in scene files: a plain number in SI units, or a string with a unit such as "90 deg".
+
+An angle other than 0 needs its unit: a number that was meant in degrees would turn a line dozens of times.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from functools import partial
-from math import degrees, isfinite, pi
+from math import degrees, inf, isfinite, pi
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
 
 from components.contract.frames import Vector3
 
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
+"""A number as it is written in programs, and what follows it."""
+LARGEST_TURN = 20.0 * pi
+"""rad; ten turns, beyond what any hinge of an array, wound or not, is turned."""
+LARGEST_RADIUS = 1.0
+"""m; pins and pulleys are centimetres, so a larger one was meant in millimetres."""
 Sign = Literal["any", "zero or positive", "positive"]
 
 _TURNING = {"rad": 1.0, "deg": pi / 180.0}
@@ -18,12 +28,12 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "1": {"1": 1.0, "%": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "rad": _TURNING,
-    "s": {"s": 1.0, "ms": 1e-3},
+    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
     "Hz": {"Hz": 1.0, "kHz": 1e3},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "m/s2": {"m/s2": 1.0, "mm/s2": 1e-3},
     "rad/s": {f"{unit}/s": factor for unit, factor in _TURNING.items()},
-    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3, "t": 1e3},
     "kg.m2": {"kg.m2": 1.0},
     "kg/m3": {"kg/m3": 1.0},
     "N": {"N": 1.0, "kN": 1e3},
@@ -36,39 +46,53 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 """Factors to the SI unit by SI unit, in the unit syntax of `components.Quantity`."""
 
 
-def to_si(value: object, unit: str, sign: Sign = "any") -> float:
-    """The value in the given SI unit; ValueError with a sentence if it is none or has the wrong sign."""
-    if isinstance(value, str):
-        number, _, given = value.strip().partition(" ")
-        given = given.strip()
-        factor = UNITS[unit].get(given or "1")
-        if factor is None:
-            known = " or ".join(UNITS[unit])
-            raise ValueError(f"is {value!r}; give a number, a space and the unit {known}")
-    else:
-        number, factor = str(value), 1.0
+def to_si(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
+    """The value in the given SI unit; ValueError with a sentence if it is none, or has the wrong sign or size."""
+    number, given = _parts(value, unit)
     try:
         if isinstance(value, bool):
             raise ValueError
-        result = float(number) * factor
+        result = float(number) * (UNITS[unit][given] if given else 1.0)
     except ValueError:
         raise ValueError(f"is {value!r}; it must be a number of {unit} or a text like '1 {unit}'") from None
     if not isfinite(result):
         raise ValueError(f"is {value!r}; it must be finite")
     if (sign == "positive" and result <= 0.0) or (sign == "zero or positive" and result < 0.0):
         raise ValueError(f"is {value!r}; it must be {sign}")
+    if abs(result) > largest:
+        raise ValueError(f"is {value!r}; it must be at most {largest:.3g} {unit}, so check the unit")
     return result
+
+
+def _parts(value: object, unit: str) -> tuple[str, str]:
+    """Number and unit of a quantity; the unit is empty where none is needed and none is given."""
+    if not isinstance(value, str):
+        return str(value), ""
+    found = QUANTITY.fullmatch(value)
+    number, given = found.groups() if found else ("", value)
+    if given not in UNITS[unit] and (given or unit != "1"):
+        known = " or ".join(UNITS[unit])
+        raise ValueError(f"is {value!r}; give a number, a space and the unit {known}")
+    return number, given
+
+
+def written(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
+    """The same of a value in a scene, where an angle other than 0 needs its unit."""
+    found = to_si(value, unit, sign, largest)
+    if unit == "rad" and found and not isinstance(value, str):
+        raise ValueError(f"is {value!r}; an angle needs its unit: '{value} deg' or '{value} rad'")
+    return found
 
 
 def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise ValueError(f"is {value!r}; it must be a list of three values in {unit}")
-    return tuple(to_si(entry, unit, sign) for entry in value)
+    return tuple(written(entry, unit, sign) for entry in value)
 
 
-def quantity(unit: str, sign: Sign = "any") -> BeforeValidator:
+def quantity(unit: str, sign: Sign = "any", largest: float = inf) -> BeforeValidator:
     """Annotation of a float field that is read as a quantity."""
-    return BeforeValidator(partial(to_si, unit=unit, sign=sign))
+    return BeforeValidator(partial(written, unit=unit, sign=sign, largest=largest))
 
 
 def vector(unit: str, sign: Sign = "any") -> BeforeValidator:
@@ -86,11 +110,11 @@ def damping_time(ratio: float, frequency: float) -> float:
 
 Ratio = Annotated[float, quantity("1", "zero or positive")]
 PositiveRatio = Annotated[float, quantity("1", "positive")]
-Length = Annotated[float, quantity("m", "positive")]
+Radius = Annotated[float, quantity("m", "positive", LARGEST_RADIUS)]
 Arm = Annotated[float, quantity("m", "zero or positive")]
 Position = Annotated[Vector3, vector("m")]
 Acceleration = Annotated[Vector3, vector("m/s2")]
-Angle = Annotated[float, quantity("rad")]
+Angle = Annotated[float, quantity("rad", largest=LARGEST_TURN)]
 AngularRate = Annotated[float, quantity("rad/s", "positive")]
 PeakRate = Annotated[float, quantity("rad/s", "zero or positive")]
 Duration = Annotated[float, quantity("s", "positive")]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
-from typing import Annotated, Any, Generic, NamedTuple, TypeVar
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from difflib import get_close_matches
+from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -85,7 +86,7 @@ class EntryReader:
         try:
             return model.model_validate(raw)
         except ValidationError as error:
-            found = [(_key(key, raw, e["loc"]), _sentence(e)) for e in error.errors()]
+            found = [(_key(key, raw, e["loc"]), _sentence(e, model)) for e in error.errors()]
         for entry in sorted(self._added):
             lacks = [(at, sentence) for at, sentence in found if _is_lack(entry, at, sentence)]
             if lacks:
@@ -152,13 +153,38 @@ def _key(key: str, raw: object, location: tuple[int | str, ...]) -> str:
     return key
 
 
-def _sentence(error: ErrorDetails) -> str:
+def keys_of(model: type[Table], location: Sequence[int | str]) -> list[str]:
+    """Keys of the table at a place inside a table."""
+    for step in location:
+        if isinstance(step, str):
+            model = next(found for found in _models(model.model_fields[step].annotation))
+    return list(model.model_fields)
+
+
+def _models(kind: Any) -> Iterator[type[Table]]:  # noqa: ANN401 - a type
+    """Tables within a type such as tuple[Hinge, ...] or Latch | None."""
+    if isinstance(kind, type) and not get_args(kind):
+        if issubclass(kind, Table):
+            yield kind
+        return
+    for part in get_args(kind):
+        yield from _models(part)
+
+
+def unknown(given: str, known: Sequence[str], what: str = "key") -> str:
+    """A sentence on a name that is not among those known, with the nearest of them."""
+    near = get_close_matches(given, known, 1)
+    meant = f"; did you mean {near[0]}" if near else ""
+    return f"is not a known {what}{meant}; {what}s are {', '.join(known) or 'none'}"
+
+
+def _sentence(error: ErrorDetails, model: type[Table]) -> str:
     """What a validation error means to the author of the file."""
     context, given, kind = error.get("ctx", {}), f"is {error['input']!r}", error["type"]
     if kind == "missing":
         return _MISSING
     if kind == "extra_forbidden":
-        return "is not a known key"
+        return unknown(str(error["loc"][-1]), keys_of(model, error["loc"][:-1]))
     if kind == "value_error":
         return str(context["error"])
     if kind == "model_type":

@@ -46,7 +46,24 @@ def random_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Table:
         "ccl": list(_loops(dice, pieces, lines)),
         "damper": list(_dampers(dice, lines, time)),
     }
+    _write_units(lines)
     return {name: value for name, value in tree.items() if value}
+
+
+def _write_units(lines: Sequence[Table]) -> None:
+    """Angles as texts, which scene files need."""
+    for line in lines:
+        line["aligned_angle"] = _radians(line["aligned_angle"])
+        if "harness" in line:
+            line["harness"]["angle"] = list(map(_radians, line["harness"]["angle"]))
+        if "measured" in line.get("latch", {}):
+            line["latch"]["measured"]["deflection"] = list(
+                map(_radians, line["latch"]["measured"]["deflection"])
+            )
+
+
+def _radians(angle: float) -> str:
+    return f"{angle!r} rad"
 
 
 def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> CheckedScene:

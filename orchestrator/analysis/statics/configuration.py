@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil, pi
 from typing import Literal
 
 from ...assembly.assemble import assemble
 from ...scene import CheckedScene, SceneError
-from ...scene.bodies import scene_points, start_poses
+from ...scene.bodies import scene_points, start_poses, with_angles
 from ...scene.hinge_line_tables import HingeLine
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
@@ -123,15 +123,6 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
             if body.body is not None:
                 body.place(*poses[name])
         mechanism.follow()
-
-
-def with_angles(scene: CheckedScene, angles: Mapping[str, float]) -> CheckedScene:
-    """The scene with other start angles."""
-    lines = tuple(
-        line.model_copy(update={"start_angle": angles.get(line.name, line.start_angle)})
-        for line in scene.hinge_lines
-    )
-    return replace(scene, hinge_lines=lines)
 
 
 def loaded(

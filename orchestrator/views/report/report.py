@@ -52,7 +52,7 @@ def _numbers(result: Result) -> Iterator[str]:
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
-    for sentence in found.warnings:
+    for sentence in (*found.open_ends(), *found.warnings):
         yield paragraph(f"Warning: {sentence}.", "warning")
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]

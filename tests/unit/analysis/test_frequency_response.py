@@ -54,8 +54,8 @@ name = "to_NAME"
 inboard = "INBOARD"
 outboard = "NAME"
 axis = "+x"
-aligned_angle = 1.0
-start_angle = 1.0
+aligned_angle = "1 rad"
+start_angle = "1 rad"
 hinges = [{ name = "spring_NAME", inboard = "POINT", outboard = "a", JOINT }]
 """
 TIME = 2.0 * RATIO / (2.0 * pi * 5.0)

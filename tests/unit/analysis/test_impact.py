@@ -37,7 +37,7 @@ inboard = "base"
 outboard = "bar"
 axis = "+y"
 aligned_angle = 0.0
-latch_angle = 3.0
+latch_angle = "3 rad"
 motor = {{ stowed = {TORQUE}, deployed = {TORQUE - 1e-9} }}
 hinges = [{{ name = "hinge", inboard = "hinge", outboard = "hinge" }}]
 [[connection]]

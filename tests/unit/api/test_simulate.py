@@ -162,6 +162,7 @@ def test_what_is_not_as_it_should_be_is_a_warning():
         {
             "hinge_line.root_line.friction_preload": 5.0,
             "hinge_line.root_line.latch": {"stiffness": 2000, "effective_inertia": 5},
+            "hinge_line.middle_line.end_stop": {"stiffness": 2000},
         }
     )
     with pytest.warns(fanfold.FanfoldWarning, match="root_line has not latched; at 0.1 s it stands") as told:

@@ -7,6 +7,38 @@ from tests.references.edits import edited
 from tests.unit.scene.scene_cases import COMPLETE, HINGES, LATCH, SCENES, STOP, load_text, problems_of
 
 BAD = {
+    "mistyped key": (
+        'motor = { stowed = "1.6 N.m"',
+        'fricton_preload = 1\nmotor = { stowed = "1.6 N.m"',
+        "root_line.fricton_preload: is not a known key; did you mean friction_preload; keys are name, inboard",
+    ),
+    "mistyped key within": (
+        "effective_inertia = 5",
+        "efective_inertia = 5",
+        "root_line.latch.efective_inertia: is not a known key; did you mean effective_inertia",
+    ),
+    "mistyped table": ("[[damper]]", "[[dampr]]", "dampr: is not a known table; did you mean damper"),
+    "degrees forgotten": (
+        'aligned_angle = "180 deg"',
+        "aligned_angle = 180",
+        "middle_line.aligned_angle: is 180; an angle needs its unit: '180 deg' or '180 rad'",
+    ),
+    "fifty turns": (
+        '"180 deg"',
+        '"18000 deg"',
+        "is '18000 deg'; it must be at most 62.8 rad, so check the unit",
+    ),
+    "pin in millimetres": (
+        "[base]",
+        "[friction]\npin_radius = 6\n[base]",
+        "friction.pin_radius: is 6; it must be at most 1 m, so check the unit",
+    ),
+    "pulley in millimetres": ('"30 mm"', "30", "pulley_1.radius: is 30; it must be at most 1 m"),
+    "stop behind": (
+        LATCH,
+        LATCH + "end_stop = { angle = '-5 deg', stiffness = 1e4 }\n",
+        "hinge_line.root_line: end_stop is at -5 deg and the line starts at 0 deg",
+    ),
     "unknown key": ('name = "inner"', 'name = "inner"\ncolour = 1', "body.inner.colour: is not a known key"),
     "unknown table": ("[base]", "[bases]\n[base]", "bases: is not a known table"),
     "missing value": ('mass = "8 kg"\n', "", "body.inner.rigid.mass: is missing"),
@@ -49,7 +81,7 @@ BAD = {
     "incomplete bushing": ('"cylindrical"', '"bushing"', "a bushing needs translational_stiffness"),
     "harness on no hinge": (
         LATCH,
-        LATCH + "harness = { angle = [0, 1], resisting_torque = [1, 0] }\n",
+        LATCH + "harness = { angle = ['0 deg', '57 deg'], resisting_torque = [1, 0] }\n",
         "hinge_line.root_line: give a table harness and mark the hinges",
     ),
     "no hinges": (HINGES, "hinges = []", "hinge_line.root_line: a line needs at least one hinge"),
@@ -82,7 +114,7 @@ BAD = {
     "two inboard lines": (
         '[[hinge_line]]\nname = "middle_line"',
         '[[hinge_line]]\nname = "extra"\ninboard = "base"\noutboard = "inner"\naxis = "+y"\n'
-        "aligned_angle = 1\n"
+        "aligned_angle = '1 rad'\n"
         'hinges = [{ name = "extra_hinge", inboard = "root", outboard = "tip_left" }]\n'
         '[[hinge_line]]\nname = "middle_line"',
         "hinge_line.extra.outboard: inner is that of another line already",

@@ -5,7 +5,7 @@ from math import pi
 import pytest
 
 from components import REGISTRY
-from orchestrator.scene.units import UNITS, to_si
+from orchestrator.scene.units import UNITS, to_si, written
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,10 @@ from orchestrator.scene.units import UNITS, to_si
         ("2e6 N/m", "N/m", 2e6),
         ("5 %", "1", 0.05),
         ("0.1", "1", 0.1),
+        ("90deg", "rad", pi / 2),
+        ("1.5 min", "s", 90.0),
+        ("1.2 t", "kg", 1200.0),
+        (0, "rad", 0.0),
     ],
 )
 def test_quantities_are_converted_to_si(value, unit, expected):
@@ -38,3 +42,11 @@ def test_units_are_those_of_the_components():
     """Completeness: a scene can give every parameter of every component with its unit."""
     used = {q.unit for kind in REGISTRY.values() for q in kind.example().parameter_layout.quantities}
     assert used <= set(UNITS)
+
+
+@pytest.mark.parametrize("value", [180, 1.5708, -0.1])
+def test_an_angle_needs_its_unit(value):
+    """A plain 180 was taken for 180 rad; 0 is the same in every unit."""
+    with pytest.raises(ValueError, match=f"an angle needs its unit: '{value} deg' or '{value} rad'"):
+        written(value, "rad")
+    assert to_si(value, "rad") == value

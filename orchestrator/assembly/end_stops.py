@@ -1,0 +1,69 @@
+"""End stops of hinge lines as contacts: pads on the outboard body beside the axis, planes on the inboard one.
+
+Every hinge has two, on opposite sides of its axis, so that they push back with a torque and no force, and the hinge's
+own stiffness is not in series with the stop's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, pi, sin
+
+from components.contract.frames import Vector3, add, cross, scaled
+
+from ..scene.bodies import Attachment
+from ..scene.component_connections import WrenchMode
+from ..scene.hinge_line_tables import LONGEST_TO_STOP, HingeLine
+from . import Part
+
+_HALF_ZONE = pi - 0.5 * LONGEST_TO_STOP
+"""rad; half of the turn that the pad, seen along the axis, is behind the plane."""
+_SOFT = 1e-3
+"""rad over which the damping of the stop rises from nothing at touch."""
+
+
+def stop_attachments(line: HingeLine) -> Iterator[Attachment]:
+    """Ports of the end stops of a line; none where it has no stop."""
+    if line.end_stop is None or line.stop_angle is None:
+        return
+    along, across = _in_plane(line.axis)
+    angle = line.aligned_angle - line.stop_angle - _HALF_ZONE
+    radius, key = line.end_stop.arm, f"hinge_line.{line.name}.end_stop"
+    pad = add(scaled(radius * cos(angle), along), scaled(radius * sin(angle), across))
+    for hinge in line.hinges:
+        for name, side in _pads(hinge.name):
+            yield Attachment(f"{key}.inboard", name, "inboard", line.inboard, hinge.inboard, (0.0, 0.0, 0.0))
+            yield Attachment(
+                f"{key}.outboard", name, "outboard", line.outboard, hinge.outboard, scaled(side, pad)
+            )
+
+
+def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
+    """The end stops of a line, each with its share of stiffness and damping."""
+    if line.end_stop is None:
+        return
+    along, _ = _in_plane(line.axis)
+    lever = line.end_stop.arm * sin(_HALF_ZONE)
+    share = 0.5 / (len(line.hinges) * lever * lever)
+    start = {
+        "gap": -line.end_stop.arm * cos(_HALF_ZONE),
+        "exponent": 1.0,
+        "reference_penetration": lever * _SOFT,
+        "reference_force": share * line.end_stop.stiffness * lever * _SOFT,
+        "damping": share * line.end_stop.damping,
+        "full_damping_penetration": lever * _SOFT,
+    }
+    for hinge in line.hinges:
+        for name, side in _pads(hinge.name):
+            yield Part(name, "contact", {"normal": scaled(-side, along), "wrench_mode": mode}, start)
+
+
+def _pads(hinge: str) -> tuple[tuple[str, float], ...]:
+    """Names of the two pads of a hinge, and on which side of the axis they are."""
+    return (f"{hinge}_stop_1", 1.0), (f"{hinge}_stop_2", -1.0)
+
+
+def _in_plane(axis: Vector3) -> tuple[Vector3, Vector3]:
+    """Two directions normal to an axis of the frame, such that the line turns the first into the second."""
+    along = (abs(axis[2]), abs(axis[0]), abs(axis[1]))
+    return along, cross(axis, along)

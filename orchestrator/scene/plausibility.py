@@ -1,0 +1,116 @@
+"""What a consistent scene says that is hardly meant: sentences to be told before it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees
+from typing import NamedTuple
+
+import numpy as np
+
+from components.contract.frames import Vector3, dot, norm, subtract
+
+from .body_tables import Inertial
+from .connection_tables import Ccl
+from .schema import CheckedScene
+
+_BEYOND_POINTS = 5.0
+"""A body's radius of gyration over the distance of its farthest point, where the points still span the body."""
+
+
+def doubts(scene: CheckedScene) -> list[str]:
+    """Everything about a scene that is hardly meant, as sentences with their keys."""
+    return [*_unstopped(scene), *_unlike_travels(scene), *_large_inertias(scene)]
+
+
+def _unstopped(scene: CheckedScene) -> Iterator[str]:
+    """Lines that a motor opens and nothing ends."""
+    for line in scene.hinge_lines:
+        if line.motor is not None and line.latch is None and line.end_stop is None and not line.held:
+            yield (
+                f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
+                f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+class Travels(NamedTuple):
+    """Turns (rad) of both pulleys of a loop against the body between them, from the start until all is deployed."""
+
+    first: float
+    second: float
+
+    def mismatch(self, loop: Ccl) -> float:
+        """Cable (m) that one pulley takes up and the other does not give."""
+        return abs(loop.pulley_1.radius * self.first - loop.pulley_2.radius * self.second)
+
+
+def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
+    """The travels that a loop joins; None where no single body is between its pulleys."""
+    bodies = loop.pulley_1.body, loop.pulley_2.body
+    carrier = loop.guide.body if loop.guide is not None else _between(scene, *bodies)
+    if carrier is None:
+        return None
+    first, second, middle = (_turn(scene, body, loop.axis) for body in (*bodies, carrier))
+    return Travels(first - middle, second - middle)
+
+
+def _between(scene: CheckedScene, a: str, b: str) -> str | None:
+    """The body that two hinge lines join to two others; None where there is none."""
+    inboard = {line.outboard: line.inboard for line in scene.hinge_lines}
+    for outer, inner in ((a, b), (b, a)):
+        middle = inboard.get(outer)
+        if (
+            middle is not None
+            and middle != inner
+            and inner in (inboard.get(middle), *_outboard(scene, middle))
+        ):
+            return middle
+    return None
+
+
+def _outboard(scene: CheckedScene, body: str) -> list[str]:
+    return [line.outboard for line in scene.hinge_lines if line.inboard == body]
+
+
+def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
+    """Turn (rad) of a body about an axis from the start until all lines are deployed."""
+    carrying = {line.outboard: line for line in scene.hinge_lines}
+    turn = 0.0
+    while (line := carrying.get(body)) is not None:
+        travel = 0.0 if line.held else line.deployed_angle - line.initial_angle
+        turn += dot(line.axis, axis) * travel
+        body = line.inboard
+    return turn
+
+
+def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
+    """Loops whose radii do not fit the travels they join, so that a strand goes slack on the way."""
+    for loop in scene.loops:
+        travels = loop_travels(scene, loop)
+        if travels is None or travels.mismatch(loop) * loop.strand_stiffness <= loop.preload:
+            continue
+        first, second = (abs(degrees(turn)) for turn in travels)
+        r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
+        fit = f"; the radii would fit as {second:g} to {first:g}" if first and second else ""
+        yield (
+            f"ccl.{loop.name}: its pulleys do not fit the travels that they join: {r1:g} mm by {first:g} deg against "
+            f"{r2:g} mm by {second:g} deg, which stretches a strand by up to {1e3 * left:.3g} mm, "
+            f"{left * loop.strand_stiffness:.3g} N beside its preload of {loop.preload:g} N{fit}"
+        )
+
+
+def _large_inertias(scene: CheckedScene) -> Iterator[str]:
+    """Rigid bodies whose inertia is that of something far larger than their points."""
+    for body in scene.bodies:
+        if body.rigid is not None:
+            yield from _large_inertia(f"body.{body.name}.rigid", body.rigid, list(body.rigid.points.values()))
+
+
+def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Iterator[str]:
+    gyration = float(np.sqrt(np.linalg.eigvalsh(np.array(inertial.inertia))[-1] / inertial.mass))
+    reach = max((norm(subtract(point, inertial.center_of_mass)) for point in points), default=0.0)
+    if reach and gyration > _BEYOND_POINTS * reach:
+        yield (
+            f"{key}: its radius of gyration is {gyration:.3g} m, and no point of it is farther than {reach:.3g} m from "
+            "its centre of mass; check the units of mass, inertia and points"
+        )

@@ -1,0 +1,58 @@
+"""What is hardly meant in a scene is told before it is run; scenes that are sound have nothing to be told."""
+
+from math import pi
+
+import pytest
+
+from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.plausibility import doubts, loop_travels
+from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text
+
+SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
+         ("arabsat", "phase1"), ("arabsat", "phase2")]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "variant"), SOUND)
+def test_scenes_that_come_with_fanfold_are_not_doubted(name, variant):
+    assert doubts(load_scene(find_scene(name), [variant] if variant else [])) == []
+
+
+def test_travels_are_those_of_the_lines_that_a_loop_joins():
+    """AMOS-3 sheet: the yoke's loop joins 90 and 180 deg (guided), that of panel 1 joins 180 and 180 deg."""
+    scene = amos3()
+    found = {loop.name: loop_travels(scene, loop) for loop in scene.loops}
+    assert [abs(turn) for turn in found["yoke_loop"]] == pytest.approx([pi / 2, pi])
+    assert [abs(turn) for turn in found["panel_loop"]] == pytest.approx([pi, pi])
+
+
+def test_radii_that_do_not_fit_their_travels_are_told():
+    """Closed form: 30 mm x 180 deg - 30 mm x 90 deg = 47.1 mm of cable, times 5367 N/m."""
+    scene = load_scene(find_scene("amos3"), (), ["ccl.yoke_loop.pulley_1.radius=30 mm"])
+    (sentence,) = doubts(scene)
+    assert "ccl.yoke_loop: its pulleys do not fit" in sentence
+    assert f"up to {1e3 * 0.03 * pi / 2:.3g} mm, {5367 * 0.03 * pi / 2:.3g} N" in sentence
+    assert "as 180 to 90" in sentence
+
+
+def test_lines_that_nothing_keeps_are_told(tmp_path):
+    sentences = doubts(load_text(tmp_path, TWO_PANELS))
+    assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]
+    assert "keeps it at 90 deg" in sentences[0]
+    kept = TWO_PANELS.replace("hinges = [", LATCH + "hinges = [", 1)
+    kept = kept.replace("hinges = [\n", "end_stop = { stiffness = 1e4 }\nhinges = [\n")
+    assert doubts(load_text(tmp_path, kept)) == []
+
+
+def test_a_loop_without_a_body_between_has_no_travels(tmp_path):
+    """From the base to the body beside it: nothing is between them."""
+    near = CCL.replace('body = "outer", point = "left"', 'body = "inner", point = "root"')
+    scene = load_text(tmp_path, TWO_PANELS + near)
+    assert loop_travels(scene, scene.loops[0]) is None
+
+
+def test_an_inertia_in_square_millimetres_is_told(tmp_path):
+    text = TWO_PANELS.replace("inertia = [0.9, 1.8, 2.7]", "inertia = [0.9e6, 1.8e6, 2.7e6]")
+    assert any(
+        "body.inner.rigid: its radius of gyration is 581 m" in one
+        for one in doubts(load_text(tmp_path, text))
+    )
