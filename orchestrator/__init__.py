@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .api.result import Result as Result
     from .api.simulate import FanfoldWarning as FanfoldWarning
     from .api.simulate import check as check
+    from .api.simulate import check_scene as check_scene
     from .api.simulate import export as export
     from .api.simulate import load as load
     from .api.simulate import scenes as scenes
@@ -62,6 +63,7 @@ _HOMES = {
     "Result": "orchestrator.api.result",
     "FanfoldWarning": "orchestrator.api.simulate",
     "check": "orchestrator.api.simulate",
+    "check_scene": "orchestrator.api.simulate",
     "export": "orchestrator.api.simulate",
     "load": "orchestrator.api.simulate",
     "scenes": "orchestrator.api.simulate",

@@ -11,11 +11,12 @@ if TYPE_CHECKING:
     from ..analysis.frequency_response import FrequencyResponse
     from ..analysis.mode_study import ModeStudy
     from ..analysis.modes import Modes
+    from ..analysis.scene_check import SceneCheck
     from ..analysis.stress.hot_spots import PanelStress
     from ..analysis.studies import LatchStudy
     from ..analysis.torque_margin.margins import TorqueMargin
 
-    Found = FrequencyResponse | LatchStudy | ModeStudy | Modes | PanelStress | TorqueMargin
+    Found = FrequencyResponse | LatchStudy | ModeStudy | Modes | PanelStress | SceneCheck | TorqueMargin
 
 
 def plot(found: Found, folder: str | Path) -> list[Path]:
@@ -24,6 +25,7 @@ def plot(found: Found, folder: str | Path) -> list[Path]:
     Of results see `Result.plot` and `plot_comparison`. FanfoldError for what has no pictures.
     """
     from ..views.linear import plot_modes, plot_response
+    from ..views.scene_check import plot_scene
     from ..views.stress import plot_stress
     from ..views.studies import plot_study
     from ..views.torque_margin import plot_margins
@@ -34,6 +36,7 @@ def plot(found: Found, folder: str | Path) -> list[Path]:
         "ModeStudy": lambda study, path: plot_study(study.latch_up, path),
         "Modes": plot_modes,
         "PanelStress": plot_stress,
+        "SceneCheck": plot_scene,
         "TorqueMargin": plot_margins,
     }
     kind = type(found).__name__

@@ -6,6 +6,7 @@ import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fmus import Backend, FmiVersion
 
@@ -24,6 +25,9 @@ from ..scene.table import SceneError
 from ..scene.units import Sign, to_si
 from .progress import chosen
 from .result import Result
+
+if TYPE_CHECKING:
+    from ..analysis.scene_check import SceneCheck
 
 SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
@@ -133,6 +137,29 @@ def check(fmu: str | Path) -> list[str]:
     from fmus import check_fmu
 
     return list(check_fmu(Path(fmu)))
+
+
+def check_scene(
+    scene: SceneLike,
+    variant: Names = (),
+    settings: Mapping[str, object] | Sequence[Setting] = (),
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+) -> SceneCheck:
+    """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
+
+    `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
+    there is nothing else. A scene in phases is checked phase by phase, see `Scene.runs`.
+    """
+    from ..analysis.scene_check import SceneCheck
+    from ..analysis.scene_check import check_scene as look_at
+
+    try:
+        checked = load(scene, variant, settings).check_one_run()
+        return look_at(checked, listed(rigid), listed(flexible))
+    except SceneError as error:
+        return SceneCheck(scene.name if isinstance(scene, Scene) else Path(scene).stem, tuple(error.problems))
 
 
 def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> float | None:

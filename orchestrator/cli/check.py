@@ -1,23 +1,96 @@
-"""`fanfold check`: every problem of an FMU."""
+"""`fanfold check`: a scene before its run, or every problem of an FMU."""
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 import orchestrator as fanfold
 
+from .options import SceneChoice, scene_options
+
+if TYPE_CHECKING:
+    from ..analysis.scene_check import SceneCheck
+
 
 @click.command("check")
-@click.argument("fmu", type=click.Path(path_type=Path, exists=True, dir_okay=False), nargs=-1, required=True)
-def command(fmu: tuple[Path, ...]) -> None:
-    """Print every problem of each FMU as a sentence; exit code 1 if there is any."""
+@click.argument("what", nargs=-1, required=True, metavar="SCENE | FMU...")
+@scene_options
+@click.option(
+    "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the picture of a scene."
+)
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, of a scene.")
+def command(
+    what: tuple[str, ...],
+    variants: tuple[str, ...],
+    settings: tuple[str, ...],
+    rigid: frozenset[str],
+    flexible: frozenset[str],
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Check a SCENE without running it, or FMUs: files that end with .fmu; exit code 1 if there is any problem.
+
+    Of a scene: problems, what is hardly meant, tables of bodies, lines and expected travels, and a picture.
+    """
+    fmus = [one for one in what if Path(one).suffix.lower() == ".fmu"]
+    if fmus and len(fmus) == len(what):
+        sys.exit(1 if _check_fmus(fmus) else 0)
+    if len(what) > 1:
+        raise click.UsageError("give one scene, or FMUs only")
+    choice = SceneChoice(what[0], variants, settings, rigid, flexible)
+    sys.exit(1 if _check_scene(choice, output, as_json) else 0)
+
+
+def _check_fmus(paths: list[str]) -> bool:
+    """Print every problem of FMUs; whether there is any."""
     found = False
-    for path in fmu:
+    for path in paths:
         problems = fanfold.check(path)
         found = found or bool(problems)
         for problem in problems or ["no problem found"]:
-            click.echo(f"{path.name}: {problem}")
-    sys.exit(1 if found else 0)
+            click.echo(f"{Path(path).name}: {problem}")
+    return found
+
+
+def _check_scene(choice: SceneChoice, folder: Path | None, as_json: bool) -> bool:
+    """Print what there is to say of every run of a scene; whether there is any problem."""
+    try:
+        runs = choice.load().runs
+        found = {phase: fanfold.check_scene(scene, **choice.fidelities) for phase, scene in runs.items()}
+        problems = [problem for one in found.values() for problem in one.problems]
+    except fanfold.FanfoldError as error:
+        found, problems = {}, str(error).splitlines()
+    if as_json:
+        click.echo(
+            json.dumps({"problems": problems, "runs": {phase: one.as_dict() for phase, one in found.items()}})
+        )
+        return bool(problems)
+    for problem in problems:
+        click.echo(f"problem: {problem}")
+    for phase, one in found.items():
+        if not one.problems:
+            _print(one, folder or Path(".".join(filter(None, (one.scene, *choice.variants, phase)))))
+    return bool(problems)
+
+
+def _print(found: SceneCheck, folder: Path) -> None:
+    """Doubts, tables, and the file of the picture."""
+    from rich.console import Console
+
+    from .scene_tables import scene_tables
+
+    console = Console()
+    for table in scene_tables(found):
+        console.print(table)
+    for sentence in found.warnings:
+        click.echo(f"warning: {sentence}")
+    click.echo(
+        f"{found.scene}: no problem found" + (f", {len(found.warnings)} warnings" if found.warnings else "")
+    )
+    for path in fanfold.plot(found, folder):
+        click.echo(path)

@@ -83,6 +83,11 @@ def scene_choice(command: Callable[Concatenate[SceneChoice, Others], None]) -> C
     return layered_scene(_fidelity_options(command))
 
 
+def scene_options(command: Command) -> Command:
+    """The options alone, for a command whose argument is not always a scene."""
+    return _layer_options(_fidelity_options(command))
+
+
 def _layer_options(command: Command) -> Command:
     command = click.option(
         "--set", "settings", multiple=True, metavar="KEY=VALUE",

@@ -183,7 +183,7 @@ def headline(result: Result) -> Headline:
             for line in result.hinge_lines
             if line.latches and line.name not in times and result.has(line.sensor, "angle")
         },
-        overruns=dict(_overruns(result)),
+        overruns=overruns(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={
             line.name: impulse
@@ -212,8 +212,9 @@ def headline(result: Result) -> Headline:
     return replace(found, warnings=(*found.warnings, *told))
 
 
-def _overruns(result: Result) -> Iterator[tuple[str, Overrun]]:
-    """Lines without a latch that passed their deployed angle by more than a stop or drive gives way."""
+def overruns(result: Result) -> dict[str, Overrun]:
+    """Lines, by name, that passed the deployed angle at which nothing keeps them."""
+    found = {}
     for line in result.hinge_lines:
         if line.deployed_angle is None or not result.has(line.sensor, "angle"):
             continue
@@ -221,7 +222,8 @@ def _overruns(result: Result) -> Iterator[tuple[str, Overrun]]:
         passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
         if passed.size:
             at = float(result.time[passed[0]])
-            yield line.name, Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+            found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+    return found
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:

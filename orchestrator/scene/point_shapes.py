@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,10 +31,12 @@ def span(points: Iterable[Vector3]) -> tuple[NDArray[np.float64], NDArray[np.int
 
 
 def _hull(points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Faces (F, 4) of the convex hull of points in the plane or in space, triangles with their last corner twice."""
+    """Faces (F, 4) of the convex hull of points in the plane or in space, triangles with a corner twice."""
     from scipy.spatial import ConvexHull  # takes its time, which bodies with shapes need not
 
     hull = ConvexHull(points)
+    if points.shape[1] == 3:
+        return np.column_stack((hull.simplices, hull.simplices[:, 2])).astype(np.int64)
     first, *others = hull.vertices
-    triangles = hull.simplices if points.shape[1] == 3 else [(first, b, c) for b, c in pairwise(others)]
-    return np.array([(a, b, c, c) for a, b, c in triangles], dtype=np.int64)
+    others.append(others[-1])
+    return np.array([(first, *others[k : k + 3]) for k in range(0, len(others) - 2, 2)], dtype=np.int64)

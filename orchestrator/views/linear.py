@@ -19,14 +19,11 @@ from ..analysis.frequency_response import FrequencyResponse
 from ..analysis.modes import Modes
 from ..analysis.statics.linear_model import LinearModel, NormalModes
 from ..analysis.statics.mechanism import Mechanism
+from .space import bounds, set_view
 from .style import COLOURS, DASHES, STYLE, WIDTH
 
 _LARGEST_DEFLECTION = 0.12
 """of the size of the whole, in a picture of a mode"""
-_THINNEST = 0.35
-"""of that size, for a side of the picture"""
-
-
 _SHAPES = 4
 """Modes that are drawn unless more are asked for."""
 
@@ -57,22 +54,17 @@ def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Seq
         scale = _LARGEST_DEFLECTION * size / (largest or 1.0)
         shown = [a + scale * (b - a) for a, b in zip(rest, moved, strict=True)]
         with mpl.rc_context(STYLE):
-            figure = Figure(figsize=(6.0, 5.0), layout="constrained")
+            figure = Figure(figsize=(6.0, 5.0))
             FigureCanvasAgg(figure)
-            axes: Any = figure.add_subplot(projection="3d")
+            figure.suptitle(f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz, axes in m")
+            figure.subplots_adjust(left=0.05, right=0.9, bottom=0.05, top=0.9)
+            axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
             for faces, colour, alpha in ((rest, "0.6", 0.15), (shown, COLOURS[0], 0.5)):
                 for body in faces:
                     axes.add_collection3d(
                         Poly3DCollection(body, facecolor=colour, edgecolor=colour, alpha=alpha, linewidth=0.4)
                     )
-            low, high = corners.min(axis=0), corners.max(axis=0)
-            middle, spans = 0.5 * (low + high), np.maximum(1.1 * (high - low), _THINNEST * size)
-            for axis, centre, span in zip("xyz", middle, spans, strict=True):
-                limits = (centre - 0.5 * span, centre + 0.5 * span)
-                axes.set(**{f"{axis}lim": limits, f"{axis}label": f"{axis}, m"})
-            axes.set_box_aspect(spans / size, zoom=1.1)
-            axes.locator_params(nbins=5)
-            axes.set_title(f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz")
+            set_view(axes, *bounds([faces.reshape(-1, 3) for faces in (*rest, *shown)]))
             written.append(folder / f"mode_{k + 1:02d}.png")
             figure.savefig(written[-1])
     return written

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, peak
+from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
 from ..results.result import Result, ResultError
 from .shapes import shapes
 from .style import COLOURS, STYLE, draw, finish, new_figure, tell_of_interruption
@@ -21,6 +21,8 @@ from .style import COLOURS, STYLE, draw, finish, new_figure, tell_of_interruptio
 Vector = NDArray[np.float64]
 
 _CLOSE_UP_CROSSINGS = 8
+_SWING = 2
+"""Changes of sign before another line latches, from which on that is the end of a close-up."""
 
 OTHER_FORCES: Final = ("contact_force", "tension", "normal_force", "drag_force")
 """Signals of contacts, suspensions, rails and air drag that share a figure."""
@@ -91,19 +93,29 @@ def plot_all(result: Result, directory: str | Path, format: str = "png") -> list
 
 
 def deployment_angles(result: Result) -> Figure | None:
-    """Angle of every hinge over time; hinges of a line that coincide share a curve."""
+    """Angle of every hinge line over time; the deployed angle of lines that nothing kept there."""
     names = result.recording("angle")
     if not names:
         return None
     figure, (axes,) = new_figure("Deployment angles", [1.0])
-    curves = [(name, np.rad2deg(result.signal(name, "angle"))) for name in _one_a_line(result, names)]
-    draw(axes, result.time, curves)
+    lines = {line.sensor: line.name for line in result.hinge_lines}
+    shown = _one_a_line(result, names)
+    draw(
+        axes,
+        result.time,
+        [(lines.get(name, name), np.rad2deg(result.signal(name, "angle"))) for name in shown],
+    )
+    meant = {line.deployed_angle for line in result.hinge_lines if line.name in overruns(result)}
+    for angle in sorted(np.rad2deg([angle for angle in meant if angle is not None])):
+        axes.axhline(
+            angle, color="0.2", linewidth=0.9, linestyle=(0, (6, 3)), label=f"deployed at {angle:g} deg"
+        )
     finish(axes, result, "hinge angle, deg")
     return figure
 
 
 def latch_torques(result: Result) -> Figure | None:
-    """Latch torque of every hinge line; close-ups of each line's own ringing, until another line latches."""
+    """Latch torque of every hinge line; close-ups of each line's own ringing, until another one latches."""
     times = latch_times(result)
     lines = [line for line in result.hinge_lines if line.name in times]
     if not lines:
@@ -112,12 +124,17 @@ def latch_torques(result: Result) -> Figure | None:
     torques = [(line.name, line_latch_torque(result, line)) for line in lines]
     for k, (close_up, (name, torque)) in enumerate(zip(axes[1:], torques, strict=True)):
         start, following = times[name], min((t for t in times.values() if t > times[name]), default=np.inf)
+        swings = _crossings(result.time, torque, start)
+        if np.count_nonzero(swings < following) < _SWING:
+            following = np.inf
         top = _peak_between(result, torque, start, following)
-        end = min(following, max(top.time, _ringing_end(result.time, torque, start)))
+        ringing = float([*swings, *[result.time[-1]] * (_CLOSE_UP_CROSSINGS + 1)][_CLOSE_UP_CROSSINGS])
+        end = min(following, max(top.time, ringing))
         left = start - 0.08 * (end - start)
         shown = (result.time >= left) & (result.time <= end)
         draw(close_up, result.time[shown], [(name, torque[shown])], first=k)
-        _mark(close_up, top, f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s")
+        if start < top.time < end:
+            _mark(close_up, top, f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s")
         close_up.set_xlim(left, end)
         finish(close_up, result, "latch torque, N.m")
         largest, label = peak(result, torque), name
@@ -277,12 +294,11 @@ def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in others]
 
 
-def _ringing_end(time: Vector, torque: Vector, start: float) -> float:
-    """End of the close-up: a few changes of sign after the latch-up."""
+def _crossings(time: Vector, torque: Vector, start: float) -> Vector:
+    """Times at which a torque changes its sign after a latch-up."""
     after = time > start
-    t, v = time[after], torque[after]
-    crossings = t[1:][np.diff(np.sign(v)) != 0.0]
-    return float(crossings[_CLOSE_UP_CROSSINGS] if crossings.size > _CLOSE_UP_CROSSINGS else time[-1])
+    crossings: Vector = time[after][1:][np.diff(np.sign(torque[after])) != 0.0]
+    return crossings
 
 
 def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.transforms import offset_copy
 from numpy.typing import NDArray
 
 from ..results.result import Result
@@ -33,7 +34,9 @@ STYLE: Final[Any] = {
 WIDTH = 7.2
 _LEGEND_WIDTH = 100  # characters, a handle counting as seven
 _EVENT_LABELS = 12
-_LABEL_WIDTH = 0.024  # of the axes, upright
+_LABEL_SIZE = 6.5
+_LETTER = 0.0095
+"""Width of a letter of an event's label, of that of the axes."""
 
 
 def new_figure(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
@@ -58,17 +61,16 @@ def finish(axes: Axes, result: Result, label: str) -> None:
     inside = [(time, name) for time, name in _event_places(result) if left <= time <= right]
     for time, _ in inside:
         axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
-    labels_of_events = _merged(inside, _LABEL_WIDTH * (right - left))
-    if len(labels_of_events) <= _EVENT_LABELS:
-        for time, names in labels_of_events:
-            _label_event(axes, time, ", ".join(dict.fromkeys(names)))
+    labelled = list(dict.fromkeys(inside)) if len(set(inside)) <= _EVENT_LABELS else []
+    _label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
     labels = axes.get_legend_handles_labels()[1]
     if labels:
         columns = max(1, min(5, _LEGEND_WIDTH // (max(map(len, labels)) + 7)))
+        above = 1.6 if labelled else 0.1
         axes.legend(
-            loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.1, ncols=columns, frameon=False
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=above, ncols=columns, frameon=False
         )
 
 
@@ -84,25 +86,32 @@ def _event_places(result: Result) -> list[tuple[float, str]]:
     return sorted((time, line_of.get(name, name)) for time, name, _ in result.events)
 
 
-def _merged(events: Sequence[tuple[float, str]], width: float) -> list[tuple[float, list[str]]]:
-    """Events in order of time; those whose labels, as wide as given (s), would cover each other as one."""
-    found: list[tuple[float, list[str]]] = []
-    for time, name in events:
-        if found and time - found[-1][0] < width:
-            found[-1][1].append(name)
-        else:
-            found.append((time, [name]))
+def spread(places: Sequence[float], widths: Sequence[float]) -> list[float]:
+    """Centres of labels of these widths near to their places, in order, side by side between 0 and 1."""
+    found: list[float] = []
+    right = 0.0
+    for place, width in zip(places, widths, strict=True):
+        found.append(max(place, right + 0.5 * width))
+        right = found[-1] + 0.5 * width
+    left = 1.0
+    for k in reversed(range(len(found))):
+        found[k] = min(found[k], left - 0.5 * widths[k])
+        left = found[k] - 0.5 * widths[k]
     return found
 
 
-def _label_event(axes: Axes, time: float, names: str) -> None:
-    axes.annotate(
-        names,
-        (time, 0.985),
-        xycoords=("data", "axes fraction"),
-        rotation=90,
-        ha="right",
-        va="top",
-        fontsize=6.5,
-        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.6},
-    )
+def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
+    """Names of events, at parts of the width, side by side above the axes and joined to their marks."""
+    centres = spread([place for place, _ in events], [_LETTER * (len(name) + 1) for _, name in events])
+    for (place, name), centre in zip(events, centres, strict=True):
+        axes.annotate(
+            name,
+            (place, 1.0),
+            (centre, 1.0),
+            xycoords="axes fraction",
+            textcoords=offset_copy(axes.transAxes, axes.get_figure(root=True), y=8.0, units="points"),
+            ha="center",
+            va="bottom",
+            fontsize=_LABEL_SIZE,
+            arrowprops={"arrowstyle": "-", "color": "0.4", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0},
+        )

@@ -73,12 +73,12 @@ def _print(found: Modes) -> None:
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
     for heading in DIRECTIONS:
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
-    table.add_column("moves most")
+    table.add_column("moves most, %")
     for mode in found.listed:
         masses = (_percent(fraction) for fraction in mode.effective_mass_fractions)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
-        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {mode.share:.0%}")
+        table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
     console = Console()
     console.print(table)
     force, torque = found.unbalanced

@@ -7,9 +7,9 @@ from orchestrator.scene.point_shapes import span
 
 
 def area(positions, faces):
-    """Of triangles whose last corner stands twice."""
-    a, b, c = (positions[faces[:, k]] for k in range(3))
-    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+    """Of flat faces, from their diagonals."""
+    a, b, c, d = (positions[faces[:, k]] for k in range(4))
+    return 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1).sum()
 
 
 def test_points_that_coincide_have_no_shape():

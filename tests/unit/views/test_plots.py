@@ -1,16 +1,18 @@
 """Figures: which are drawn, what is marked in them, and where the bodies are."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import h5py
 import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from matplotlib.text import Text
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from orchestrator.results.result import Result
-from orchestrator.views import plots
+from orchestrator.views import plots, space
 from orchestrator.views import shapes as plot_shapes
 from orchestrator.views.depth import back_to_front
 from tests.references import synthetic_result as reference
@@ -68,7 +70,8 @@ def test_curves_of_one_axes_differ_in_colour_and_in_line_style(result):
 def test_events_are_marked_with_the_name_of_the_line(result):
     axes = plots.deployment_angles(result).axes[0]
     assert [text.get_text() for text in axes.texts] == ["hl1", "hl2", "hl3"]
-    assert [text.xy[0] for text in axes.texts] == [6.0, 8.2, 9.7]
+    left, right = axes.get_xlim()
+    assert [left + text.xy[0] * (right - left) for text in axes.texts] == pytest.approx([6.0, 8.2, 9.7])
 
 
 def test_axes_carry_units(result):
@@ -127,10 +130,39 @@ def test_close_up_marks_the_peak_of_the_lines_own_ringing(result, tmp_path):
     assert texts[1:] == ["hl2", "hl3"]
 
 
-def test_labels_of_close_events_are_merged(result):
-    near = [(8.0, "a", "x"), (8.01, "b", "x"), (8.02, "a", "x"), (12.0, "c", "x")]
-    axes = plots.deployment_angles(replace(result, events=near)).axes[0]
-    assert [text.get_text() for text in axes.texts] == ["a, b", "c"]
+def test_labels_of_close_events_stand_side_by_side(result):
+    """Lines that latch 29 ms apart had one label over three marks, on top of the curves."""
+    near = [(8.0, "a", "x"), (8.01, "b", "x"), (8.029, "c", "x"), (12.0, "d", "x")]
+    figure = plots.deployment_angles(replace(result, events=near))
+    axes = figure.axes[0]
+    figure.draw_without_rendering()
+    assert [text.get_text() for text in axes.texts] == ["a", "b", "c", "d"]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their leaders
+    assert all(left.x1 <= right.x0 for left, right in pairwise(boxes))
+    assert all(box.y0 > axes.get_window_extent().y1 for box in boxes)
+
+
+def test_angles_are_named_by_line(result):
+    handles = plots.deployment_angles(result).axes[0].get_legend_handles_labels()[1]
+    assert handles == ["hl1", "hl2", "hl3"]
+
+
+def test_a_close_up_shows_the_peak_of_a_line_beside_which_another_latches(result):
+    """The close-up ended where the next line latched 20 ms later and ringed its own edge as the peak."""
+    near = [(8.22 if name == "hl3" else time, name, text) for time, name, text in result.events]
+    line = reference.LINES[1]
+    axes = plots.latch_torques(replace(result, events=near)).axes[2]
+    low, high = axes.get_xlim()
+    assert high - low > 3.0 * np.pi / line.frequency  # several swings
+    told = axes.get_legend_handles_labels()[1][1].split()
+    assert float(told[2]) == pytest.approx(-line.torque_peak, rel=1e-3)
+
+
+def test_a_line_that_nothing_keeps_is_marked_in_the_angles(result):
+    """Its deployed angle is drawn where it went beyond; here hl3, which turns by half a turn."""
+    loose = [replace(one, deployed_angle=2.0 if one.name == "hl3" else None) for one in result.hinge_lines]
+    axes = plots.deployment_angles(replace(result, hinge_lines=tuple(loose))).axes[0]
+    assert f"deployed at {np.rad2deg(2.0):g} deg" in axes.get_legend_handles_labels()[1]
 
 
 def test_interrupted_runs_say_so_in_every_title(result):
@@ -149,7 +181,7 @@ def test_everything_fits_into_the_axes(result):
         x, y, _ = proj_transform(*corners.T, axes.get_proj())
         inches = np.array([np.abs(x).max(), np.abs(y).max()]) / axes.viewLim.width * 2.0 * size.min()
         assert np.all(inches < size - 0.5)
-        assert np.any(inches > 0.6 * (size - plot_shapes._MARGINS))
+        assert np.any(inches > 0.6 * (size - space._MARGINS))
 
 
 PLATE = np.array([[x, y, 0.0] for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0)])

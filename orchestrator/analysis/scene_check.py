@@ -1,0 +1,253 @@
+"""A scene looked at before it is run: its problems and doubts, its bodies, lines and loops, and where they stand."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from components.contract.component import Vector
+from components.contract.frames import Vector3, add, rotate, rotation_matrix
+from components.flexible.modal import ModalData
+
+from ..assembly.assemble import assemble, choose_fidelity
+from ..assembly.effective_inertia import effective_inertia
+from ..assembly.hinges import line_latch
+from ..scene import CheckedScene
+from ..scene.bodies import (
+    Attachment,
+    StartPose,
+    attachments,
+    base_model,
+    body_model,
+    scene_points,
+    start_poses,
+    with_angles,
+)
+from ..scene.connection_tables import Ccl
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.plausibility import doubts, loop_travels
+
+Places = Mapping[str, StartPose]
+Points = Mapping[str, Mapping[str, Vector3]]
+
+
+@dataclass(frozen=True)
+class BodyOverview:
+    """A body: its model, mass (kg; None of a fixed base), centre of mass and size (m) along its own axes, points."""
+
+    name: str
+    model: str
+    mass: float | None
+    center_of_mass: Vector3 | None
+    size: Vector3
+    points: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class LineOverview:
+    """A hinge line: angles (rad), motor torques (N.m) at the stowed and the deployed angle, what ends its travel."""
+
+    name: str
+    inboard: str
+    outboard: str
+    hinges: tuple[str, ...]
+    held: bool
+    start: float
+    deployed: float
+    motor: tuple[float, float] | None
+    motor_energy: float
+    friction_preload: float
+    latch: str
+    effective_inertia: float | None
+    end_stop: float | None
+
+    @property
+    def travel(self) -> float:
+        """Expected turn from the start to the deployed angle, rad."""
+        return 0.0 if self.held else self.deployed - self.start
+
+
+@dataclass(frozen=True)
+class LoopOverview:
+    """A cable loop: radii (m), travels (rad) against the body between, cable (m) that these do not share."""
+
+    name: str
+    bodies: tuple[str, str]
+    radii: tuple[float, float]
+    travels: tuple[float, float] | None
+    mismatch: float
+    preload: float
+
+
+@dataclass(frozen=True)
+class Sketch:
+    """What a picture of one configuration shows, in world axes (m), by name.
+
+    faces: (F, 4, 3) of bodies. frames: origin and axes (3,), (3, 3) of bodies. axes: ends (2, 3) of hinge lines. loops:
+    courses (2 or 3, 3) of cables. ports: (P, 3).
+    """
+
+    faces: Mapping[str, Vector]
+    frames: Mapping[str, tuple[Vector, Vector]]
+    axes: Mapping[str, Vector]
+    loops: Mapping[str, Vector]
+    ports: Vector
+
+
+@dataclass(frozen=True)
+class SceneCheck:
+    """A scene before its run; where it has problems there is nothing else, as nobody can tell what is meant."""
+
+    scene: str
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    bodies: tuple[BodyOverview, ...] = ()
+    lines: tuple[LineOverview, ...] = ()
+    loops: tuple[LoopOverview, ...] = ()
+    connections: Mapping[str, str] = field(default_factory=dict)
+    """kind of every other connection by name"""
+    stowed: Sketch | None = None
+    deployed: Sketch | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON, without the sketches."""
+        return {
+            "scene": self.scene,
+            "problems": self.problems,
+            "warnings": self.warnings,
+            "bodies": [asdict(body) for body in self.bodies],
+            "lines": [{**asdict(line), "travel": line.travel} for line in self.lines],
+            "loops": [asdict(loop) for loop in self.loops],
+            "connections": dict(self.connections),
+        }
+
+
+def check_scene(
+    scene: CheckedScene, rigid: Collection[str] = (), flexible: Collection[str] = ()
+) -> SceneCheck:
+    """A sound scene looked at; SceneError where it cannot be assembled."""
+    chosen = choose_fidelity(scene, rigid, flexible)
+    assemble(scene, rigid={"all"})  # says what only an assembly can tell
+    models = {body.name: body_model(body, flexible=False) for body in scene.bodies}
+    base = base_model(scene.base)
+    if base is not None:
+        models = {scene.base.name: base, **models}
+    deployed = {line.name: line.deployed_angle for line in scene.hinge_lines if not line.held}
+    return SceneCheck(
+        scene=scene.header.name,
+        problems=(),
+        warnings=tuple(doubts(scene)),
+        bodies=tuple(_bodies(scene, models, chosen)),
+        lines=tuple(_line(scene, line, chosen) for line in scene.hinge_lines),
+        loops=tuple(_loop(scene, loop) for loop in scene.loops),
+        connections={
+            **{damper.name: "eddy_current_damper" for damper in scene.dampers},
+            **{connection.name: connection.kind for connection in scene.connections},
+        },
+        stowed=_sketch(scene, models),
+        deployed=_sketch(with_angles(scene, deployed), models),
+    )
+
+
+def _bodies(
+    scene: CheckedScene, models: Mapping[str, ModalData], flexible: Mapping[str, bool]
+) -> list[BodyOverview]:
+    modes = {body.name: body.fixed_interface_modes for body in scene.bodies}
+    rows = []
+    for name, points in scene_points(scene).items():
+        data = models.get(name)
+        model = "fixed" if data is None else "rigid"
+        if flexible.get(name, False):
+            model = f"flexible, {modes[name]} fixed-interface modes"
+        nodes = list(points.values()) if data is None else [*points.values(), *data.display_positions]
+        size = np.ptp(np.array(nodes, dtype=float).reshape(-1, 3), axis=0) if len(nodes) else np.zeros(3)
+        center = None if data is None else _triple(data.center_of_mass)
+        rows.append(
+            BodyOverview(
+                name, model, None if data is None else data.mass, center, _triple(size), tuple(points)
+            )
+        )
+    return rows
+
+
+def _triple(v: NDArray[np.float64]) -> Vector3:
+    return (float(v[0]), float(v[1]), float(v[2]))
+
+
+def _line(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool]) -> LineOverview:
+    setting = line_latch(scene, line, flexible, "mean")
+    inertia = None if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
+    stiff = f", {setting.stiffness:.5g} N.m/rad" if setting.kind == "spring" else ""
+    return LineOverview(
+        line.name, line.inboard, line.outboard, tuple(hinge.name for hinge in line.hinges), line.held,
+        line.initial_angle, line.deployed_angle,
+        None if line.motor is None else (line.motor.stowed, line.motor.deployed),
+        line.motor_energy, line.friction_preload, f"{setting.kind}{stiff}", inertia, line.stop_angle,
+    )  # fmt: skip
+
+
+def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:
+    travels = loop_travels(scene, loop)
+    ends = loop.pulley_1, loop.pulley_2
+    return LoopOverview(
+        loop.name, (ends[0].body, ends[1].body), (ends[0].radius, ends[1].radius),
+        None if travels is None else (travels.first, travels.second),
+        0.0 if travels is None else travels.mismatch(loop), loop.preload,
+    )  # fmt: skip
+
+
+def _sketch(scene: CheckedScene, models: Mapping[str, ModalData]) -> Sketch:
+    """Where everything stands at the scene's start angles."""
+    points = scene_points(scene)
+    poses = start_poses(scene, points)
+    ports = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
+    sizes = [
+        float(np.linalg.norm(np.ptp(data.display_positions, axis=0)))
+        for data in models.values()
+        if len(data.display_positions)
+    ]
+    return Sketch(
+        faces={
+            name: _placed(poses[name], data.display_positions)[data.display_faces]
+            for name, data in models.items()
+            if len(data.display_faces)
+        },
+        frames={
+            name: (np.array(pose.position), rotation_matrix(pose.orientation)) for name, pose in poses.items()
+        },
+        axes={
+            line.name: _axis(line, poses, points, 0.1 * max(sizes, default=1.0)) for line in scene.hinge_lines
+        },
+        loops={loop.name: _course(loop, ports, poses, points) for loop in scene.loops},
+        ports=np.array([_at(port, poses, points) for port in ports]).reshape(-1, 3),
+    )
+
+
+def _placed(pose: StartPose, nodes: Vector) -> Vector:
+    result: Vector = np.array(pose.position) + nodes @ rotation_matrix(pose.orientation).T
+    return result
+
+
+def _at(port: Attachment, poses: Places, points: Points) -> Vector3:
+    return poses[port.body].place(add(points[port.body][port.point], port.offset))
+
+
+def _axis(line: HingeLine, poses: Places, points: Points, reach: float) -> Vector:
+    """Ends of a hinge line, somewhat beyond its outermost hinges."""
+    inner = poses[line.inboard]
+    along = np.array(rotate(inner.orientation, line.axis))
+    places = np.array([inner.place(points[line.inboard][hinge.inboard]) for hinge in line.hinges])
+    shares = (places - places[0]) @ along
+    ends = np.array([shares.min() - reach, shares.max() + reach])
+    result: Vector = places[0] + ends[:, None] * along
+    return result
+
+
+def _course(loop: Ccl, ports: Collection[Attachment], poses: Places, points: Points) -> Vector:
+    """From pulley to pulley, by way of the guide where there is one."""
+    own = {port.port: _at(port, poses, points) for port in ports if port.connection == loop.name}
+    return np.array([own[name] for name in ("pulley_1", "guide", "pulley_2") if name in own])

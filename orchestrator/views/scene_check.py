@@ -1,0 +1,96 @@
+"""A picture of a scene before its run, stowed and deployed: bodies, hinge lines, cable loops, ports and frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ..analysis.scene_check import SceneCheck, Sketch
+from .space import bounds, draw_bodies, set_view
+from .style import COLOURS, STYLE, WIDTH
+
+_TRIAD = 0.06
+"""Length of the axes of a frame, of the largest extent of a picture."""
+_AXES = ("#C00000", "#007000", "#0000C0")
+_LABEL = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
+_ABOVE = 1000.0
+"""Order in depth of what is drawn over all bodies."""
+
+
+def plot_scene(found: SceneCheck, folder: Path) -> list[Path]:
+    """Write the picture of a scene without problems into a folder; the path written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "scene.png"
+    draw_scene(found).savefig(path)
+    return [path]
+
+
+def draw_scene(found: SceneCheck) -> Figure:
+    """The scene where a run begins, and with all lines at their deployed angles."""
+    pictures = {"at the start": found.stowed, "deployed": found.deployed}
+    sketches = {title: sketch for title, sketch in pictures.items() if sketch is not None}
+    names = list(dict.fromkeys(name for sketch in sketches.values() for name in sketch.faces))
+    colours = dict(zip(names, cycle(COLOURS), strict=False))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(WIDTH, 8.4))
+        FigureCanvasAgg(figure)
+        figure.suptitle(f"{found.scene}, axes in m", y=0.985)
+        figure.subplots_adjust(left=0.02, right=0.95, bottom=0.14, top=0.93, hspace=0.08)
+        for k, (title, sketch) in enumerate(sketches.items()):
+            axes: Any = figure.add_subplot(2, 1, k + 1, projection="3d", proj_type="ortho")
+            cell = axes.get_position(original=True)
+            figure.text(0.5, cell.y1, title, ha="center", va="bottom", fontsize=10)
+            _draw(axes, sketch, colours)
+        _legend(figure, colours)
+    return figure
+
+
+def _draw(axes: Any, sketch: Sketch, colours: Mapping[str, str]) -> None:  # noqa: ANN401 - matplotlib has no type of it
+    draw_bodies(axes, sketch.faces, colours)
+    marked = [
+        *sketch.axes.values(),
+        *sketch.loops.values(),
+        sketch.ports,
+        *(at[None] for at, _ in sketch.frames.values()),
+    ]
+    low, high = bounds([*(faces.reshape(-1, 3) for faces in sketch.faces.values()), *marked])
+    over: dict[str, Any] = {"zorder": _ABOVE, "clip_on": False}
+    if len(sketch.ports):
+        axes.plot(*sketch.ports.T, linestyle="none", marker="o", markersize=2.5, color="black", **over)
+    for course in sketch.loops.values():
+        axes.plot(*course.T, color="black", linewidth=0.9, linestyle=(0, (4, 2)), **over)
+    named: dict[tuple[float, ...], list[str]] = {}
+    for name, ends in sketch.axes.items():
+        axes.plot(*ends.T, color="0.25", linewidth=1.6, linestyle="-.", **over)
+        named.setdefault(max(tuple(end) for end in ends.round(3).tolist()), []).append(name)
+    for place, lines in named.items():  # those of a folded stack coincide
+        axes.text(*place, ", ".join(lines), fontsize=7.5, va="bottom", bbox=_LABEL, **over)
+    size = _TRIAD * float(np.max(high - low)) or 1.0
+    for origin, turned in sketch.frames.values():
+        for direction, colour in zip(turned.T, _AXES, strict=True):
+            axes.plot(*np.array([origin, origin + size * direction]).T, color=colour, linewidth=1.4, **over)
+    set_view(axes, low, high)
+
+
+def _legend(figure: Figure, colours: Mapping[str, str]) -> None:
+    handles: list[Any] = [Patch(facecolor=colour, label=name) for name, colour in colours.items()]
+    marks = {
+        "hinge line": {"color": "0.25", "linestyle": "-.", "linewidth": 1.6},
+        "cable loop": {"color": "black", "linestyle": (0, (4, 2)), "linewidth": 0.9},
+        "port": {"color": "black", "linestyle": "none", "marker": "o", "markersize": 2.5},
+    }
+    handles += [Line2D([], [], label=name, **look) for name, look in marks.items()]  # type: ignore[arg-type]
+    handles += [
+        Line2D([], [], label=f"{name} of a body", color=colour)
+        for name, colour in zip("xyz", _AXES, strict=True)
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=6, frameon=False)

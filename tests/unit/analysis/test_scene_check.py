@@ -1,0 +1,125 @@
+"""A scene looked at before its run: what it is made of against the scene's own numbers, problems, the picture."""
+
+import json
+from math import radians
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from orchestrator.cli.main import main
+from tests.unit.scene.scene_cases import SCENES
+
+WING = SCENES / "four_panels_free.toml"
+
+
+@pytest.fixture(scope="module")
+def checked():
+    return fanfold.check_scene("amos3")
+
+
+def test_bodies_lines_and_loops_are_those_of_the_scene(checked):
+    """AMOS-3 data sheet: masses, angles, torques, radii."""
+    masses = {body.name: body.mass for body in checked.bodies}
+    assert masses == {
+        "spacecraft": None, "yoke": pytest.approx(1.8), "panel1": pytest.approx(8.08, abs=0.01),
+        "panel2": pytest.approx(7.78, abs=0.01),
+    }  # fmt: skip
+    first = checked.lines[0]
+    assert (first.travel, first.motor, first.latch) == (
+        pytest.approx(radians(90)),
+        (1.648, 1.048),
+        "kinematic",
+    )
+    assert first.motor_energy == pytest.approx(0.5 * (1.648 + 1.048) * radians(90))
+    assert [loop.mismatch for loop in checked.loops] == pytest.approx([0.0, 0.0], abs=1e-15)
+    assert checked.connections == {"damper": "eddy_current_damper"}
+    assert checked.problems == checked.warnings == ()
+
+
+def test_a_rigid_choice_is_shown():
+    """The latch of HL1 is a spring where the yoke is rigid."""
+    found = fanfold.check_scene("amos3", rigid="all")
+    assert {body.model for body in found.bodies} == {"fixed", "rigid"}
+    assert found.lines[0].latch == "spring, 2500 N.m/rad"
+
+
+def test_the_deployed_wing_is_straight_and_the_stowed_one_a_stack(checked):
+    """Geometry of the sheet: a stack in the plane x = 0, then a wing along x; lines are normal to their travel."""
+    stowed, deployed = (
+        np.concatenate([faces.reshape(-1, 3) for faces in sketch.faces.values()])
+        for sketch in (checked.stowed, checked.deployed)
+    )
+    assert np.ptp(stowed[:, 0]) == pytest.approx(0.0, abs=1e-12)
+    assert np.ptp(deployed[:, 2]) == pytest.approx(0.0, abs=1e-12)
+    assert deployed[:, 0].max() == pytest.approx(4.2, abs=0.2)
+    assert set(checked.deployed.axes) == {"HL1", "HL2", "HL3"}
+    for ends in checked.deployed.axes.values():
+        assert np.ptp(ends, axis=0)[[0, 2]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert checked.deployed.loops["yoke_loop"].shape == (3, 3)
+    assert checked.deployed.loops["panel_loop"].shape == (2, 3)
+
+
+def test_problems_are_a_record():
+    found = fanfold.check_scene("amos3", settings={"friction.pin_radius": 6})
+    assert found.problems == (
+        "amos3.toml: friction.pin_radius: is 6; it must be at most 1 m, so check the unit",
+    )
+    assert found.bodies == ()
+    assert "runs in phases" in fanfold.check_scene("arabsat").problems[0]
+
+
+def test_a_first_wing_on_a_free_spacecraft(tmp_path):
+    """Written from the README alone: everything is there, and a latch that is forgotten is told of."""
+    found = fanfold.check_scene(WING)
+    assert found.warnings == ()
+    assert {body.name for body in found.bodies if body.name in found.deployed.faces} == {
+        "spacecraft", "panel1", "panel2", "panel3", "panel4",
+    }  # fmt: skip
+    text = WING.read_text(encoding="utf-8")
+    start = text.index("latch", text.index('name = "HL3"'))
+    forgotten = tmp_path / "wing.toml"
+    forgotten.write_text(text[:start] + text[text.index("\n", start) + 1 :], encoding="utf-8")
+    (sentence,) = fanfold.check_scene(forgotten).warnings
+    assert "hinge_line.HL3: a motor opens it, and it has neither a latch nor an end_stop" in sentence
+
+
+def test_the_picture_has_bodies_lines_loops_ports_and_frames(checked):
+    """Every mark of the legend is drawn, in both configurations."""
+    from orchestrator.views.scene_check import draw_scene
+
+    figure = draw_scene(checked)
+    assert len(figure.axes) == 2
+    for axes in figure.axes:
+        assert {"HL1", "HL2", "HL3"} == {name for text in axes.texts for name in text.get_text().split(", ")}
+        marked = 1 + 2 + 3 + 3 * 4  # ports, loops, lines, axes of frames
+        assert len(axes.lines) == marked
+    assert {"yoke", "cable loop", "port"} <= {text.get_text() for text in figure.legends[0].get_texts()}
+
+
+def test_the_command_tells_and_draws(tmp_path):
+    run = CliRunner().invoke(main, ["check", "amos3", "--output", str(tmp_path)])
+    assert run.exit_code == 0, run.output
+    assert "hinge lines and their expected travels" in run.output
+    assert "no problem found" in run.output
+    assert (tmp_path / "scene.png").stat().st_size > 10_000
+    assert max(map(len, run.output.splitlines())) <= max(80, len(str(tmp_path)) + 12)
+
+
+def test_the_command_refuses_and_lists_every_problem(tmp_path):
+    bad = ["check", "amos3", "--set", "friction.pin_radius=6", "--set", "joint.axial_stifness=1", "--json"]
+    run = CliRunner().invoke(main, bad)
+    assert run.exit_code == 1
+    first, second = json.loads(run.output)["problems"]
+    assert "did you mean axial_stiffness" in first
+    assert "pin_radius: is 6" in second
+    assert CliRunner().invoke(main, ["check", "amos3", "workbench"]).exit_code == 2
+
+
+def test_scenes_in_phases_are_checked_phase_by_phase():
+    run = CliRunner().invoke(main, ["check", "arabsat", "--json"])
+    assert run.exit_code == 0, run.output
+    runs = json.loads(run.output)["runs"]
+    assert set(runs) == {"phase1", "phase2"}
+    assert [line["held"] for line in runs["phase1"]["lines"]] == [True] * 5 + [False]
