@@ -16,6 +16,7 @@ from components.flexible.modal import ModalData
 from ..assembly.assemble import assemble, choose_fidelity
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.hinges import line_latch
+from ..assembly.plausibility import doubts, loop_travels
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,
@@ -29,7 +30,6 @@ from ..scene.bodies import (
 )
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.plausibility import doubts, loop_travels
 
 Places = Mapping[str, StartPose]
 Points = Mapping[str, Mapping[str, Vector3]]

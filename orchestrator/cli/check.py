@@ -50,6 +50,8 @@ def _check_fmus(paths: list[str]) -> bool:
     """Print every problem of FMUs; whether there is any."""
     found = False
     for path in paths:
+        if not Path(path).is_file():
+            raise click.BadParameter(f"file {path!r} does not exist")
         problems = fanfold.check(path)
         found = found or bool(problems)
         for problem in problems or ["no problem found"]:

@@ -12,10 +12,10 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..assembly.plausibility import doubts
 from ..cosim.master import Settings
 from ..cosim.ports import Order
 from ..scene import CheckedScene
-from ..scene.plausibility import doubts
 from .companion import with_estimates
 from .progress import Progress, followed, silent
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, run

@@ -19,12 +19,12 @@ from components.contract.frames import (
     subtract,
 )
 from components.flexible.modal import ModalData
+from components.flexible.point_shapes import span
 
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
-from .point_shapes import span
 from .schema import CheckedScene
 from .table import Seat
 

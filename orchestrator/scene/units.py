@@ -78,10 +78,9 @@ def _parts(value: object, unit: str) -> tuple[str, str]:
 
 def written(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
     """The same of a value in a scene, where an angle other than 0 needs its unit."""
-    found = to_si(value, unit, sign, largest)
-    if unit == "rad" and found and not isinstance(value, str):
+    if unit == "rad" and isinstance(value, int | float) and not isinstance(value, bool) and value:
         raise ValueError(f"is {value!r}; an angle needs its unit: '{value} deg' or '{value} rad'")
-    return found
+    return to_si(value, unit, sign, largest)
 
 
 def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:

@@ -274,7 +274,7 @@ def test_readme_snippets_run(tmp_path, monkeypatch):
     for snippet in snippets:
         exec(compile(snippet, "README.md", "exec"), found)
     written = {path.name for path in tmp_path.iterdir()}
-    assert written == {"amos3.cold.h5", "margins", "one_panel.toml", "torques.png"}
+    assert written == {"amos3.cold.h5", "margins", "one_panel.toml", "pictures", "torques.png"}
     shown = ast.literal_eval(re.search(r"print\(result.latch_times\) +# (.*)", snippets[0])[1])
     assert found["result"].latch_times == pytest.approx(shown, abs=0.006)
     known = re.findall(r"fanfold\.(\w+)", section("From Python"))

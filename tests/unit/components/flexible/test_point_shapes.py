@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from orchestrator.scene.point_shapes import span
+from components.flexible.point_shapes import span
 
 
 def area(positions, faces):

@@ -10,9 +10,9 @@ import numpy as np
 
 from components.contract.frames import Vector3, dot, norm, subtract
 
-from .body_tables import Inertial
-from .connection_tables import Ccl
-from .schema import CheckedScene
+from ..scene.body_tables import Inertial
+from ..scene.connection_tables import Ccl
+from ..scene.schema import CheckedScene
 
 _BEYOND_POINTS = 5.0
 """A body's radius of gyration over the distance of its farthest point, where the points still span the body."""

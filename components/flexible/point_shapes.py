@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from components.contract.frames import Vector3
+from ..contract.frames import Vector3
 
 _FLAT = 1e-6
 """A direction in which points spread by less than this part of their largest spread is none."""

@@ -4,8 +4,8 @@ from math import pi
 
 import pytest
 
+from orchestrator.assembly.plausibility import doubts, loop_travels
 from orchestrator.scene import find_scene, load_scene
-from orchestrator.scene.plausibility import doubts, loop_travels
 from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text
 
 SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
