@@ -3,12 +3,16 @@
 A floating frame in the centre of mass plus orthonormalised Craig-Bampton modes with the rigid modes
 removed, so that linear momentum decouples and the frame is the mean-axis frame (Bagnoli 2007, section 1.3,
 Table 1-1, with I3 = I4 = 0). The states are momenta: world linear and angular momentum are conserved to
-round-off. Wrenches linear in time act on the ports; the modes are propagated exactly, the rotation by the
-Lie-group midpoint rule, the inertia coupling by an exponential midpoint rule iterated to convergence, so a step
-is time-symmetric, of fourth order in the vibration and of second in large rotations.
+round-off. Wrenches linear in time act on the ports; the modes are propagated exactly, the rotation by the mean of
+the angular velocities at both ends, each in the body's axes of its instant, iterated to convergence, so a step is
+time-symmetric, of fourth order in the vibration and of second in large rotations.
 
-A step's moments are what the slopes do work on: all maps from slopes to motion and from motion to moments are
-transposes of one another, so that means times travel and slopes times moments are the energy a body takes up.
+That mean keeps the energy of a rigid body (Simo and Wong 1991), w . (l1 - l0) being its change and w . (w x l) nothing.
+Slopes lower the mean by g = h/6 J^-1 S, and g . (l1 - l0) is their work on the moment h/6 (w1 - w0). With modes the
+quadratic forces take w0 w1 for w w, and the inertia at the mean coordinates, so that they do the work that inertia that
+changes takes. All other maps from slopes to motion and from motion to moments are transposes of one another: means
+times travel and slopes times moments are the energy a body takes up, but for (turn of a step)^2 / 12 of the work of
+forces, 1/6 (turn of a port by its modes)^3 of that of torques, and 1/4 dw B dB dw.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from numpy.typing import ArrayLike
 
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
-from .body_parts.inertia_coupling import InertiaCoupling, solve_symmetric
+from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
 from .body_parts.load import Load
 from .body_parts.ports import BodyPorts
 from .body_parts.variables import continuous_states, observations, parameters
@@ -50,7 +54,7 @@ _R, _Q, _P, _L, _W, _D, _ETA = (
     17,
 )
 _MAX_ITERATIONS = 12
-_ANGLE_TOLERANCE = 1e-12
+_ANGLE_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
 
 
@@ -76,13 +80,14 @@ class _Constants:
 
 
 class _Turned(NamedTuple):
-    """Outcome of a step's iteration: mean angular velocity, arms at both ends, modes at the end, heat.
+    """Outcome of a step's iteration: angular velocity, mean and end, arms at both ends, modes at the end, heat.
 
     omega, arms and rate_moment, the first moment of the angular velocity (rad), are in body axes, that of mid-step;
     world_arms are those of the start. modal_moment: of the modal rates. eta_mean: where wrenches acted.
     """
 
     omega: Vector
+    end: Vector
     world_arms: Vector
     arms: Vector
     eta: Vector
@@ -205,10 +210,10 @@ class Body(Component):
         result[_Q] = q1 = normalized(multiply(q0, multiply(half_turn, half_turn)))
         a1 = rotation_matrix(q1)
         moment, _ = load.moments(turned.world_arms, turned.arms @ a1.T)
-        result[_L] = momentum = x[_L] + h * moment
+        result[_L] = x[_L] + h * moment
         result[_ETA : self._moments.start] = np.concatenate((turned.eta, turned.pi))
         result[_D] = x[_D] + turned.heat
-        result[_W] = self._inertia.angular_velocity(momentum @ a1, turned.eta, turned.pi)
+        result[_W] = turned.end
         center = (h / (6.0 * mass)) * (result[_P] - x[_P])
         result[self._moments] = self._port_moments(x, turned, center, half_turn, a1, h).ravel()
         return result
@@ -239,66 +244,69 @@ class Body(Component):
         """Mean angular velocity, iterated on the moments of the forces at both ends."""
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         world_arms = self.arms @ a0.T
-        momentum, omega = x[_L], x[_W]
-        for _ in range(_MAX_ITERATIONS):
-            half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
-            a_mid = a0 @ half
-            moment, slope = load.moments(world_arms, self.arms @ (a_mid @ half).T)
-            mean = momentum + (0.5 * h) * moment - (h / 6.0) * slope
-            updated = self._inertia.inverse @ (mean @ a_mid)
-            change, omega = float(abs(updated - omega).max()), updated
-            if h * change < _ANGLE_TOLERANCE:
-                break
-        torque = moment @ a_mid - np.cross(omega, mean @ a_mid)
-        rate_moment = (h * h / 6.0) * (self._inertia.inverse @ torque)
-        none = x[_ETA:_ETA]
-        return _Turned(omega, world_arms, self.arms, none, none, 0.0, rate_moment, none, none)
-
-    def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> _Turned:
-        """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
-        prop = c.propagator(h)
-        a0 = rotation_matrix(tuple(x[_Q].tolist()))
-        (eta0, pi0), momentum, omega = self._modal(x), x[_L], x[_W]
-        world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
-        eta_mean, rate_mean = eta0, self._inertia.modal_rate(omega, eta0, pi0)
+        momentum, start, omega, inverse = x[_L], x[_W], x[_W], self._inertia.inverse
         for _ in range(_MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
             a1 = a_mid @ half
-            b, inertia, nonlinear = self._inertia.at(omega, eta_mean, rate_mean)
-            drag = omega @ b
-            force, slope = self._placed.modal_forces(a0, a_mid, a1, eta_mean, load)
-            force = nonlinear + force
-            rate0, travel = pi0 - drag, prop.c1 * slope
-            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + travel
-            held = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force
-            eta_mean, rate_mean = 0.5 * (eta0 + eta1), 0.5 * (rate0 + held) + travel / h
-            arms = self.arms + self._placed.displacements(eta1)
-            moment, moment_slope = load.moments(world_arms, arms @ a1.T)
-            body_momentum = (momentum + (0.5 * h) * moment - (h / 6.0) * moment_slope) @ a_mid
-            if self._inertia.varies:
-                updated = solve_symmetric(inertia, body_momentum - b @ (rate_mean + drag))
-            else:
-                updated = self._inertia.inverse @ body_momentum
+            moment, slope = load.moments(world_arms, self.arms @ a1.T)
+            end = inverse @ ((momentum + h * moment) @ a1)
+            updated = 0.5 * (start + end) - (h / 6.0) * (inverse @ (slope @ a_mid))
             change, omega = float(abs(updated - omega).max()), updated
             if h * change < _ANGLE_TOLERANCE:
                 break
-        rate = (eta1 - eta0) / h
-        growth = self._inertia.growth(omega, eta0, eta1, h)
-        momenta_moment = prop.moment(eta0, rate0, force, slope)
-        gyroscopic = np.cross(omega, body_momentum) + growth.momentum + growth.b @ (rate + drag)
-        torque = (h * h / 6.0) * (moment @ a_mid - gyroscopic) - b @ momenta_moment
-        varies = self._inertia.varies
-        rate_moment = solve_symmetric(inertia, torque) if varies else self._inertia.inverse @ torque
+        none = x[_ETA:_ETA]
+        return _Turned(
+            omega, end, world_arms, self.arms, none, none, 0.0, (h / 6.0) * (end - start), none, none
+        )
+
+    def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> _Turned:
+        """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
+        prop, inertia = c.propagator(h), self._inertia
+        a0 = rotation_matrix(tuple(x[_Q].tolist()))
+        (eta0, pi0), momentum, start = self._modal(x), x[_L], x[_W]
+        world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
+        before = after = inertia.at(eta0)
+        omega, end, eta1, rate_mean = start, start, eta0, pi0 - start @ before.b
+        _, moment_slope = load.moments(world_arms, world_arms)
+        for _ in range(_MAX_ITERATIONS):
+            half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
+            a_mid = a0 @ half
+            a1 = a_mid @ half
+            eta_mean = 0.5 * (eta0 + eta1)
+            mid, trapezoid = inertia.mean(before, after, eta_mean), 0.5 * (start + end)
+            drag = trapezoid @ mid.b
+            force, slope = self._placed.modal_forces(a0, a_mid, a1, eta_mean, load)
+            turning = inertia.solve(mid, moment_slope @ a_mid - mid.b @ slope)
+            force = force + inertia.forces(mid, start, end, (h / 6.0) * turning, rate_mean)
+            slope = slope - turning @ mid.b
+            rate0, travel = pi0 - drag, prop.c1 * slope
+            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + travel
+            rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force + prop.c2 * slope
+            rate_mean = 0.5 * (rate0 + rate1) - (h / 6.0) * slope
+            after, arms = inertia.at(eta1), self.arms + self._placed.displacements(eta1)
+            moment, moment_slope = load.moments(world_arms, arms @ a1.T)
+            spin = (momentum + h * moment) @ a1
+            end = inertia.solve(after, spin - after.b @ (rate1 + drag))
+            updated = 0.5 * (start + end) - (h / 6.0) * turning
+            change, omega = float(abs(updated - omega).max()), updated
+            if h * change < _ANGLE_TOLERANCE:
+                break
+        modal_moment = prop.moment(eta0, rate0, force, slope)
+        growth = after.b - before.b
+        torque = spin - momentum @ a0 - symmetric_product(after.inertia - before.inertia, trapezoid)
+        torque -= growth @ (rate_mean + drag)
+        rate_moment = inertia.solve(mid, (h / 6.0) * torque - mid.b @ modal_moment)
         return _Turned(
             omega,
+            end,
             world_arms,
             arms,
             eta1,
-            held + prop.c2 * slope + drag,
+            rate1 + drag,
             prop.dissipated(eta0, rate0, force, slope),
             rate_moment,
-            momenta_moment - rate_moment @ b - (h * h / 6.0) * (omega @ growth.b),
+            modal_moment - rate_moment @ mid.b - (h / 6.0) * (trapezoid @ growth),
             eta_mean,
         )
 
@@ -399,7 +407,8 @@ class Body(Component):
         arms = (self.arms + self._placed.displacements(eta)) @ a.T
         rate = self._inertia.modal_rate(omega, eta, pi)
         friction = 2.0 * c.damping_ratio * c.frequency * rate
-        load = self._inertia.at(omega, eta, rate).forces + self._placed.modal_force(a, a, eta, force, torque)
+        load = self._placed.modal_force(a, a, eta, force, torque)
+        load = load + self._inertia.forces(self._inertia.at(eta), omega, omega, np.zeros(3), rate)
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
         return np.concatenate(
             (

@@ -25,18 +25,11 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 class Coupling(NamedTuple):
-    """B (3, M), J - B B^T (6,), and the forces (M,) that are quadratic in the velocities."""
+    """At modal coordinates: B (3, M), J - B B^T (6,), and half the slope of J's quadratic part (6, M)."""
 
     b: Vector
     inertia: Vector
-    forces: Vector
-
-
-class Growth(NamedTuple):
-    """Rate of B (3, M), and what the rate of J - B B^T makes of an angular velocity (3,)."""
-
-    b: Vector
-    momentum: Vector
+    quadratic: Vector
 
 
 class InertiaCoupling:
@@ -58,7 +51,7 @@ class InertiaCoupling:
         self._inertia = np.array([data.inertia[i, j] for i, j in _PAIRS])
         i8 = data.invariant8 + data.invariant8.transpose(0, 2, 1)
         self._slope = np.array([i8[:, i, j] for i, j in _PAIRS])
-        self._none = Coupling(np.zeros((3, m)), self._inertia, np.zeros(m))
+        self._none = Coupling(np.zeros((3, m)), self._inertia, np.zeros((6, m)))
         self._tensors = np.zeros((0, m))
         if not self.full:
             return
@@ -81,29 +74,49 @@ class InertiaCoupling:
             "tensors": self._tensors,
         }
 
-    def at(self, omega: Vector, eta: Vector, rate: Vector) -> Coupling:
-        """Coupling at angular velocity omega (3,), modal coordinates and rates (M,)."""
+    def at(self, eta: Vector) -> Coupling:
+        """Coupling at modal coordinates (M,)."""
         if not self.varies:
             return self._none
-        x, y, z = omega.tolist()
-        products = np.array((x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z))
         if not self.full:
-            return Coupling(self._none.b, self._inertia - self._slope @ eta, -0.5 * (products @ self._slope))
+            return self._none._replace(inertia=self._inertia - self._slope @ eta)
         m = self._modes
-        stacked = self._tensors @ np.array((eta, rate)).T
-        quadratic = stacked[: 6 * m, 0].reshape(6, m)
-        b = stacked[6 * m :, 0].reshape(3, m)
-        bb = b @ b.T
-        inertia = self._inertia - (self._slope + quadratic) @ eta - bb.ravel()[[0, 4, 8, 1, 2, 5]]
-        forces = -0.5 * (products @ self._slope) - products @ quadratic
-        return Coupling(b, inertia, forces - omega @ stacked[6 * m :, 1].reshape(3, m))
+        products = self._tensors @ eta
+        return self._of(products[6 * m :].reshape(3, m), products[: 6 * m].reshape(6, m), eta)
 
-    def growth(self, omega: Vector, start: Vector, end: Vector, h: float) -> Growth:
-        """Mean rates over a step h of B and of the inertia, from the modal coordinates (M,) at both ends."""
-        zero = np.zeros_like(start)
-        before, after = (self.at(np.zeros(3), eta, zero) for eta in (start, end))
-        inertia = (after.inertia - before.inertia)[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3)
-        return Growth((after.b - before.b) / h, inertia @ omega / h)
+    def mean(self, start: Coupling, end: Coupling, eta: Vector) -> Coupling:
+        """Coupling at the mean of the modal coordinates of two others."""
+        if not self.full:
+            return self._none._replace(inertia=0.5 * (start.inertia + end.inertia))
+        return self._of(0.5 * (start.b + end.b), 0.5 * (start.quadratic + end.quadratic), eta)
+
+    def _of(self, b: Vector, quadratic: Vector, eta: Vector) -> Coupling:
+        bb = (b @ b.T).ravel()[[0, 4, 8, 1, 2, 5]]
+        return Coupling(b, self._inertia - (self._slope + quadratic) @ eta - bb, quadratic)
+
+    def forces(self, mid: Coupling, start: Vector, end: Vector, bend: Vector, rate: Vector) -> Vector:
+        """Forces (M,) on the modes over a step, quadratic in the velocities.
+
+        mid: coupling at the mean modal coordinates; start, end: angular velocities (3,) at both ends, body axes;
+        bend: what their mean is above the mean over the step; rate: mean modal rates (M,). Their work is what
+        inertia that changes takes from the rotation.
+        """
+        if not self.varies:
+            return np.zeros(self._modes)
+        mean = 0.5 * (start + end)
+        product = np.outer(start, end) - 2.0 * np.outer(bend, mean)
+        product = (0.5 * (product + product.T)).ravel()[[0, 4, 8, 1, 2, 5]]
+        product[3:] *= 2.0
+        found: Vector = -0.5 * (product @ self._slope)
+        if not self.full:
+            return found
+        found -= product @ mid.quadratic
+        found -= (mean - bend) @ (self._gyroscopic @ rate).reshape(3, self._modes)
+        return found
+
+    def solve(self, coupling: Coupling, momentum: Vector) -> Vector:
+        """Angular velocity (3,) of an angular momentum less its part in the modes, both in body axes."""
+        return solve_symmetric(coupling.inertia, momentum) if self.varies else self.inverse @ momentum
 
     def modal_rate(self, omega: Vector, eta: Vector, pi: Vector) -> Vector:
         """Rates eta' = pi - B^T omega from modal momenta."""
@@ -111,10 +124,14 @@ class InertiaCoupling:
 
     def angular_velocity(self, momentum: Vector, eta: Vector, pi: Vector) -> Vector:
         """Angular velocity (3,) from the angular momentum, both in body axes."""
-        if not self.varies:
-            return self.inverse @ momentum
-        b, inertia, _ = self.at(np.zeros(3), eta, pi)
-        return solve_symmetric(inertia, momentum - b @ pi)
+        coupling = self.at(eta)
+        return self.solve(coupling, momentum - coupling.b @ pi)
+
+
+def symmetric_product(entries: Vector, v: Vector) -> Vector:
+    """A symmetric 3x3 matrix given by its six entries times a vector (3,)."""
+    found: Vector = entries[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3) @ v
+    return found
 
 
 def solve_symmetric(entries: Vector, right: Vector) -> Vector:

@@ -23,7 +23,7 @@ typedef struct {
     Triangles gyroscopic; /* 3 */
 } InertiaCoupling;
 
-/* Working memory of a coupling: `quadratic` 6 modes, `b` and `b_rate` 3 modes each. */
+/* Working memory of a coupling at some modal coordinates: `quadratic` 6 modes, `b` and `b_rate` 3 modes each. */
 typedef struct {
     real *quadratic, *b, *b_rate;
     double *split;
@@ -133,26 +133,42 @@ FANFOLD_VECTORISED static void inertia_at(const InertiaCoupling *coupling, const
 
 #endif
 
-/* Forces on the modes that are quadratic in the velocities, and drag = omega^T B, at a level that varies. */
-FANFOLD_VECTORISED static void coupling_forces(const InertiaCoupling *coupling, Vector3 omega,
-                                               const CouplingScratch *scratch, real *restrict force,
+/* Products at the mean modal coordinates, from those at both ends. */
+FANFOLD_VECTORISED static void coupling_mean(size_t n, const double *restrict quadratic_start,
+                                             const double *restrict b_start, const CouplingScratch *end,
+                                             const CouplingScratch *mid) {
+    const real *restrict quadratic_end = end->quadratic, *restrict b_end = end->b;
+    real *restrict quadratic = mid->quadratic, *restrict b = mid->b;
+    for (size_t i = 0; i < 6 * n; i++) quadratic[i] = 0.5 * (quadratic_start[i] + quadratic_end[i]);
+    for (size_t i = 0; i < 3 * n; i++) b[i] = 0.5 * (b_start[i] + b_end[i]);
+}
+
+/* Forces on the modes over a step that are quadratic in the velocities, and drag = mean^T B, at a level that varies.
+   mid: products at the mean modal coordinates, B of the mean rates among them; start, end: angular velocities, of which
+   `mean` is the mean; bend: what this is above the mean over the step. */
+FANFOLD_VECTORISED static void coupling_forces(const InertiaCoupling *coupling, Vector3 start, Vector3 end,
+                                               Vector3 bend, const CouplingScratch *mid, real *restrict force,
                                                real *restrict drag) {
     size_t n = coupling->modes;
     const double *restrict slope = coupling->slope;
-    real xx = omega.x * omega.x, yy = omega.y * omega.y, zz = omega.z * omega.z;
-    real xy = 2.0 * omega.x * omega.y, xz = 2.0 * omega.x * omega.z, yz = 2.0 * omega.y * omega.z;
+    Vector3 mean = vector_mean(start, end), omega = vector_subtract(mean, bend);
+    real xx = start.x * end.x - 2.0 * bend.x * mean.x, yy = start.y * end.y - 2.0 * bend.y * mean.y;
+    real zz = start.z * end.z - 2.0 * bend.z * mean.z;
+    real xy = start.x * end.y + start.y * end.x - 2.0 * (bend.x * mean.y + bend.y * mean.x);
+    real xz = start.x * end.z + start.z * end.x - 2.0 * (bend.x * mean.z + bend.z * mean.x);
+    real yz = start.y * end.z + start.z * end.y - 2.0 * (bend.y * mean.z + bend.z * mean.y);
     for (size_t j = 0; j < n; j++) {
         force[j] = -0.5 * (xx * slope[j] + yy * slope[n + j] + zz * slope[2 * n + j] + xy * slope[3 * n + j] +
                            xz * slope[4 * n + j] + yz * slope[5 * n + j]);
         drag[j] = 0.0;
     }
     if (!coupling->full) return;
-    const real *restrict q = scratch->quadratic, *restrict b = scratch->b, *restrict rate = scratch->b_rate;
+    const real *restrict q = mid->quadratic, *restrict b = mid->b, *restrict rate = mid->b_rate;
     for (size_t j = 0; j < n; j++) {
         force[j] -= xx * q[j] + yy * q[n + j] + zz * q[2 * n + j] + xy * q[3 * n + j] + xz * q[4 * n + j] +
                     yz * q[5 * n + j];
         force[j] -= omega.x * rate[j] + omega.y * rate[n + j] + omega.z * rate[2 * n + j];
-        drag[j] = omega.x * b[j] + omega.y * b[n + j] + omega.z * b[2 * n + j];
+        drag[j] = mean.x * b[j] + mean.y * b[n + j] + mean.z * b[2 * n + j];
     }
 }
 

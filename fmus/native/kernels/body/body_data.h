@@ -51,9 +51,10 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
 /* For so many numbers of a size, one a mode. */
 static int remembered_allocate(Remembered *remembered, size_t modes, size_t size, Memory *memory) {
     remembered->eta = allocate(memory, modes * size);
+    remembered->quadratic = allocate(memory, 6 * modes * size);
     remembered->b = allocate(memory, 3 * modes * size);
     remembered->inertia = allocate(memory, 6 * size);
-    return remembered->eta && remembered->b && remembered->inertia;
+    return remembered->eta && remembered->quadratic && remembered->b && remembered->inertia;
 }
 
 /* Working memory that is too large for the stack; 0 without memory. */

@@ -22,7 +22,9 @@ void NAME(body_complete)(void *self, real *x) {
     quaternion_store(q, x + ORIENTATION);
     rotation_matrix(q, a);
     load_modes(body, x, work.eta, work.pi);
-    vector_store(angular_velocity(body, transposed_times(a, vector_of(x + SPIN)), &work, inertia), x + OMEGA);
+        evaluate_coupling(body, work.eta, &work.coupling, inertia);
+    remember_end(body, &work, inertia);
+    vector_store(solved(body, inertia, &work.coupling, transposed_times(a, vector_of(x + SPIN)), work.pi), x + OMEGA);
 }
 
 /* Rates of modal coordinates, momenta and heat; leaves the arms of the deformed body behind. */
@@ -34,10 +36,10 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     Vector3 omega = vector_of(x + OMEGA);
     load_modes(body, x, work->eta_mean, work->pi);
     memcpy(work->rate_mean, work->pi, n * sizeof(real));
-    if (body->coupling.full)
-        modal_rate(n, omega, gyroscopic_at(body, work->eta_mean, work), work->pi, work->rate_mean);
+    evaluate_coupling(body, work->eta_mean, &work->mid, inertia);
+    if (body->coupling.full) modal_rate(n, omega, work->mid.b, work->pi, work->rate_mean);
     deformed_arms(body, work->eta_mean, work);
-    couple(body, omega, work, inertia);
+    coupled_forces(body, omega, omega, (Vector3){0.0, 0.0, 0.0}, work);
     modal_force(body, load, a, a, work->deflection + l, work);
     for (size_t j = 0; j < m; j++) {
         real rate = work->rate_mean[j], friction = 2.0 * ratio[j] * frequency[j] * rate;

@@ -13,10 +13,11 @@
 enum { POSITION = 0, ORIENTATION = 3, MOMENTUM = 7, SPIN = 10, OMEGA = 13, HEAT = 16, MODES = 17 };
 enum { WRENCH = 6, MOTION = 13 };
 
-/* B and J - B B^T at the modal coordinates they were last evaluated for: a state is asked for them several times. */
+/* B, J - B B^T and what its quadratic part is made of, at the modal coordinates they were last evaluated for: a state is
+   asked for them several times. */
 typedef struct {
     int known;
-    void *eta, *b, *inertia;
+    void *eta, *quadratic, *b, *inertia;
 } Remembered;
 
 typedef struct {
@@ -40,7 +41,7 @@ typedef struct {
 /* Working memory of one number type. Vectors over modes are padded, with zeros. */
 typedef struct {
     real *eta_start, *pi_start, *eta_mean, *rate_mean, *rate_start;
-    real *eta, *pi, *pi_mean, *force, *port_force, *drag;
+    real *eta, *pi, *force, *port_force, *drag;
     real *slope, *moment;   /* slope of the modal forces; first moment of the modal rates */
     real *wrenches;         /* 2 coordinates: forces and torques conjugate to the modes, body axes */
     real *slope_wrenches;   /* 2 coordinates: their slopes */
@@ -50,12 +51,13 @@ typedef struct {
     real *arms;             /* coordinates */
     real *arms_start;       /* coordinates: at the start of a step, world axes */
     real *arms_end;         /* coordinates: at its end, world axes */
-    CouplingScratch coupling;
+    CouplingScratch coupling; /* at given modal coordinates, in a step at those of its end; without b_rate */
+    CouplingScratch mid;      /* at the mean ones of a step */
 } Work;
 
-#define WORK_BY_MODE 13
+#define WORK_BY_MODE 12
 #define WORK_BY_PORT 13
-#define WORK_OF_COUPLING 12
+#define WORK_OF_COUPLING 21
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
 #define WORK_SIZE(modes, coordinates) \
@@ -63,7 +65,7 @@ typedef struct {
 
 /* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
    large bodies, of 50 modes and more, is their own. */
-#define LOCAL_WORK_SIZE 2048
+#define LOCAL_WORK_SIZE 2560
 typedef struct {
 #ifdef __GNUC__
     __attribute__((aligned(64)))
@@ -87,12 +89,11 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.rate_start = next + 4 * n;
     work.eta = next + 5 * n;
     work.pi = next + 6 * n;
-    work.pi_mean = next + 7 * n;
-    work.force = next + 8 * n;
-    work.port_force = next + 9 * n;
-    work.drag = next + 10 * n;
-    work.slope = next + 11 * n;
-    work.moment = next + 12 * n;
+    work.force = next + 7 * n;
+    work.port_force = next + 8 * n;
+    work.drag = next + 9 * n;
+    work.slope = next + 10 * n;
+    work.moment = next + 11 * n;
     next += WORK_BY_MODE * n;
     work.wrenches = next;
     work.slope_wrenches = next + 2 * l;
@@ -103,10 +104,9 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.arms_start = next + 11 * l;
     work.arms_end = next + 12 * l;
     next += WORK_BY_PORT * l;
-    work.coupling.quadratic = next;
-    work.coupling.b = next + 6 * n;
-    work.coupling.b_rate = next + 9 * n;
-    work.coupling.split = (double *)(next + WORK_OF_COUPLING * n);
+    double *split = (double *)(next + WORK_OF_COUPLING * n);
+    work.coupling = (CouplingScratch){next, next + 6 * n, NULL, split};
+    work.mid = (CouplingScratch){next + 9 * n, next + 15 * n, next + 18 * n, split};
     return work;
 }
 

@@ -76,11 +76,14 @@ static inline int recalled(const Remembered *remembered, const real *eta, size_t
     return remembered->known && memcmp(remembered->eta, eta, modes * sizeof(real)) == 0;
 }
 
-/* b: NULL at a level without it. */
-static inline void remember(Remembered *remembered, const real *eta, const real *b, const real inertia[6],
+/* Without `at` nothing but the inertia: of a level without the rest. */
+static inline void remember(Remembered *remembered, const real *eta, const CouplingScratch *at, const real inertia[6],
                             size_t modes) {
     memcpy(remembered->eta, eta, modes * sizeof(real));
-    if (b) memcpy(remembered->b, b, 3 * modes * sizeof(real));
+    if (at) {
+        memcpy(remembered->quadratic, at->quadratic, 6 * modes * sizeof(real));
+        memcpy(remembered->b, at->b, 3 * modes * sizeof(real));
+    }
     memcpy(remembered->inertia, inertia, 6 * sizeof(real));
     remembered->known = 1;
 }
@@ -132,14 +135,21 @@ static inline void store_modes(const Body *body, const real *eta, const real *pi
     }
 }
 
-/* B and J - B B^T at eta in the working memory, as far as the level keeps them. */
-static inline void evaluate_coupling(const Body *body, const real *eta, const Work *work, real inertia[6]) {
+/* Products at eta in `at`, and J - B B^T, as far as the level keeps them. */
+static inline void evaluate_coupling(const Body *body, const real *eta, const CouplingScratch *at, real inertia[6]) {
     const InertiaCoupling *coupling = &body->coupling;
     if (coupling->full) {
-        quadratic_at(coupling, eta, &work->coupling);
-        gyroscopic_of(coupling, eta, work->coupling.b, &work->coupling);
+        quadratic_at(coupling, eta, at);
+        gyroscopic_of(coupling, eta, at->b, at);
     }
-    if (coupling->varies) inertia_at(coupling, eta, &work->coupling, inertia);
+    if (coupling->varies) inertia_at(coupling, eta, at, inertia);
+}
+
+/* Has these of the end of a step remembered, where `work` holds them. */
+static inline void remember_end(Body *body, const Work *work, const real inertia[6]) {
+    const InertiaCoupling *coupling = &body->coupling;
+    if (coupling->varies)
+        remember(end_of(body), work->eta, coupling->full ? &work->coupling : NULL, inertia, body->padded_modes);
 }
 
 /* Has these of the start of a step remembered; no derivative enters there. */
@@ -150,16 +160,18 @@ void body_remember_start(Body *body, const double *eta);
 void body_remember_start(Body *body, const double *eta) {
     size_t n = body->padded_modes;
     const Remembered *end = &body->at_end;
+    int full = body->coupling.full;
     if (recalled(&body->at_start, eta, n)) return;
     if (recalled(end, eta, n)) {
-        remember(&body->at_start, eta, body->coupling.full ? end->b : NULL, end->inertia, n);
+        const CouplingScratch at_end = {end->quadratic, end->b, NULL, NULL};
+        remember(&body->at_start, eta, full ? &at_end : NULL, end->inertia, n);
         return;
     }
     LocalWork stack;
     Work work = work_of(body, &stack);
     double inertia[6];
-    evaluate_coupling(body, eta, &work, inertia);
-    remember(&body->at_start, eta, body->coupling.full ? work.coupling.b : NULL, inertia, n);
+    evaluate_coupling(body, eta, &work.coupling, inertia);
+    remember(&body->at_start, eta, full ? &work.coupling : NULL, inertia, n);
 }
 
 #endif
@@ -171,17 +183,24 @@ FANFOLD_VECTORISED static void start_rates(size_t n, const double *omega, const 
         rate[j] = pi[j] - (omega[0] * b[j] + omega[1] * b[n + j] + omega[2] * b[2 * n + j]);
 }
 
-/* The modes at the start of a step: coordinates, momenta, rates, no slope. No derivative enters here. */
-static inline void start_modes(Body *body, const double *x, const Work *work) {
+/* The modes at the start of a step: coordinates, momenta, rates, no slope, and the coupling, from which that of the end
+   sets out. No derivative enters here. */
+static inline void start_modes(Body *body, const double *x, const Work *work, real inertia[6]) {
     size_t m = body->modes, n = body->padded_modes;
+    const Remembered *start = &body->at_start;
     double *eta = work->coupling.split;
     for (size_t j = 0; j < n; j++) {
-        work->eta_mean[j] = work->eta_start[j] = eta[j] = j < m ? x[MODES + body->order[j]] : 0.0;
+        work->eta[j] = work->eta_start[j] = work->eta_mean[j] = eta[j] = j < m ? x[MODES + body->order[j]] : 0.0;
         work->rate_mean[j] = work->pi_start[j] = j < m ? x[MODES + m + body->order[j]] : 0.0;
         work->slope[j] = 0.0;
     }
-    if (body->coupling.varies) body_remember_start(body, eta);
-    if (body->coupling.full) start_rates(n, x + OMEGA, body->at_start.b, work->pi_start, work->rate_mean);
+    if (!body->coupling.varies) return;
+    body_remember_start(body, eta);
+    for (size_t p = 0; p < 6; p++) inertia[p] = ((const double *)start->inertia)[p];
+    if (!body->coupling.full) return;
+    for (size_t i = 0; i < 6 * n; i++) work->coupling.quadratic[i] = ((const double *)start->quadratic)[i];
+    for (size_t i = 0; i < 3 * n; i++) work->coupling.b[i] = ((const double *)start->b)[i];
+    start_rates(n, x + OMEGA, start->b, work->pi_start, work->rate_mean);
 }
 
 /* The modes over a step under their force, which the port forces join, and the means the iteration needs. */
@@ -189,7 +208,7 @@ FANFOLD_VECTORISED static void propagate(const Propagator *prop, size_t n, const
     const real *restrict eta_start = work->eta_start, *restrict pi_start = work->pi_start;
     const real *restrict drag = work->drag, *restrict port_force = work->port_force;
     real *restrict force = work->force, *restrict eta = work->eta, *restrict pi = work->pi;
-    real *restrict rate_start = work->rate_start, *restrict pi_mean = work->pi_mean;
+    real *restrict rate_start = work->rate_start;
     real *restrict eta_mean = work->eta_mean, *restrict rate_mean = work->rate_mean;
     const double *restrict a11 = prop->a11, *restrict a12 = prop->a12, *restrict a21 = prop->a21;
     const double *restrict a22 = prop->a22, *restrict b1 = prop->b1;
@@ -201,25 +220,23 @@ FANFOLD_VECTORISED static void propagate(const Propagator *prop, size_t n, const
         rate_start[j] = v;
         eta[j] = end;
         pi[j] = end_rate + drag[j];
-        pi_mean[j] = 0.5 * (pi_start[j] + pi[j]);
         eta_mean[j] = 0.5 * (eta_start[j] + end);
         rate_mean[j] = 0.5 * (v + end_rate);
     }
 }
 
-/* What slopes of the forces, which `propagate` held, add to that: of mean rates it is their travel over the step. */
+/* What slopes of the forces, which `propagate` held, add to that. */
 FANFOLD_VECTORISED static void propagate_slopes(const Propagator *prop, size_t n, const Work *work) {
     const real *restrict slope = work->slope;
-    real *restrict eta = work->eta, *restrict pi = work->pi, *restrict pi_mean = work->pi_mean;
+    real *restrict eta = work->eta, *restrict pi = work->pi;
     real *restrict eta_mean = work->eta_mean, *restrict rate_mean = work->rate_mean;
-    const double *restrict c1 = prop->c1, *restrict c2 = prop->c2, rate = 1.0 / prop->h;
+    const double *restrict c1 = prop->c1, *restrict c2 = prop->c2, sixth = prop->h / 6.0;
     for (size_t j = 0; j < n; j++) {
-        real travel = c1[j] * slope[j];
+        real travel = c1[j] * slope[j], gain = c2[j] * slope[j];
         eta[j] += travel;
         eta_mean[j] += 0.5 * travel;
-        pi[j] += c2[j] * slope[j];
-        pi_mean[j] += rate * travel;
-        rate_mean[j] += rate * travel;
+        pi[j] += gain;
+        rate_mean[j] += 0.5 * gain - sixth * slope[j];
     }
 }
 
@@ -245,92 +262,79 @@ FANFOLD_VECTORISED static real dissipated_by_slopes(const Propagator *prop, cons
     return heat;
 }
 
-/* First moments of the modal momenta over the step; mean rates and momenta from where it led. */
+/* First moments over the step of the modal rates that drag leaves. */
 FANFOLD_VECTORISED static void moments_of_momenta(const Oscillators *oscillators, const Propagator *prop, size_t n,
                                                   const Work *work) {
-    const real *restrict eta_start = work->eta_start, *restrict eta = work->eta, *restrict drag = work->drag;
-    const real *restrict force = work->force, *restrict rate_start = work->rate_start, *restrict slope = work->slope;
+    const real *restrict eta_start = work->eta_start, *restrict force = work->force;
+    const real *restrict rate_start = work->rate_start, *restrict slope = work->slope;
     const double *restrict w = oscillators->frequency, *restrict c1 = prop->c1, *restrict c2 = prop->c2;
-    real *restrict moment = work->moment, *restrict rate_mean = work->rate_mean, *restrict pi_mean = work->pi_mean;
-    for (size_t j = 0; j < n; j++) {
+    real *restrict moment = work->moment;
+    for (size_t j = 0; j < n; j++)
         moment[j] = c1[j] * (w[j] * w[j] * eta_start[j] - force[j]) - c2[j] * rate_start[j] + prop->d[j] * slope[j];
-        rate_mean[j] = (1.0 / prop->h) * (eta[j] - eta_start[j]);
-        pi_mean[j] = rate_mean[j] + drag[j];
-    }
 }
 
-/* First moments of rates from those of momenta: less B^T of the angular velocity's, and what B grows by. */
-FANFOLD_VECTORISED static void moments_of_rates(size_t n, Vector3 rate_moment, const real *restrict b, Vector3 growth,
-                                                const real *restrict b_rate, real *restrict moment) {
-    for (size_t j = 0; j < n; j++) {
-        moment[j] -= rate_moment.x * b[j] + rate_moment.y * b[n + j] + rate_moment.z * b[2 * n + j];
-        moment[j] -= growth.x * b_rate[j] + growth.y * b_rate[n + j] + growth.z * b_rate[2 * n + j];
-    }
+/* y -= B^T v. */
+FANFOLD_VECTORISED static void subtract_drag(size_t n, Vector3 v, const real *restrict b, real *restrict y) {
+    for (size_t j = 0; j < n; j++) y[j] -= v.x * b[j] + v.y * b[n + j] + v.z * b[2 * n + j];
 }
 
-/* B, J - B B^T and the quadratic forces at mid-step, as far as the level keeps them. */
-static inline void couple(const Body *body, Vector3 omega, const Work *work, real inertia[6]) {
+/* Coupling at the mean modal coordinates and rates of a step, from those at both ends, and J - B B^T there. */
+static inline void couple_mean(const Body *body, const Work *work, real inertia[6]) {
     const InertiaCoupling *coupling = &body->coupling;
-    size_t n = body->padded_modes;
+    const Remembered *start = &body->at_start;
+    if (coupling->full) coupling_mean(body->padded_modes, start->quadratic, start->b, &work->coupling, &work->mid);
+    if (coupling->varies) inertia_at(coupling, work->eta_mean, &work->mid, inertia);
+}
+
+/* The quadratic forces of a step and its drag, as `coupling_forces` has them. */
+static inline void coupled_forces(const Body *body, Vector3 start, Vector3 end, Vector3 bend, const Work *work) {
+    const InertiaCoupling *coupling = &body->coupling;
     if (!coupling->varies) {
-        for (size_t j = 0; j < n; j++) work->force[j] = work->drag[j] = 0.0;
+        for (size_t j = 0; j < body->padded_modes; j++) work->force[j] = work->drag[j] = 0.0;
         return;
     }
-    if (coupling->full) {
-        quadratic_at(coupling, work->eta_mean, &work->coupling);
-        gyroscopic_of(coupling, work->eta_mean, work->coupling.b, &work->coupling);
-        gyroscopic_of(coupling, work->rate_mean, work->coupling.b_rate, &work->coupling);
-    }
-    inertia_at(coupling, work->eta_mean, &work->coupling, inertia);
-    coupling_forces(coupling, omega, &work->coupling, work->force, work->drag);
+    if (coupling->full) gyroscopic_of(coupling, work->rate_mean, work->mid.b_rate, &work->mid);
+    coupling_forces(coupling, start, end, bend, &work->mid, work->force, work->drag);
 }
 
 /* Angular velocity from the momentum in body axes, whose part in the modes is B pi. */
-static inline Vector3 solved(const Body *body, const real inertia[6], Vector3 momentum, const real *pi,
-                             const Work *work) {
+static inline Vector3 solved(const Body *body, const real inertia[6], const CouplingScratch *at, Vector3 momentum,
+                             const real *pi) {
     size_t n = body->padded_modes;
     if (!body->coupling.varies) return constant_times(body->coupling.inverse, momentum);
-    if (body->coupling.full) momentum = vector_subtract(momentum, gyroscopic_times(work->coupling.b, pi, n));
+    if (body->coupling.full) momentum = vector_subtract(momentum, gyroscopic_times(at->b, pi, n));
     return solve_symmetric(inertia, momentum);
 }
 
-/* Angular velocity at the end of a step, from the momentum in body axes and the modes there; J - B B^T there as well. */
-static inline Vector3 angular_velocity(Body *body, Vector3 momentum, const Work *work, real inertia[6]) {
-    evaluate_coupling(body, work->eta, work, inertia);
-    const real *b = body->coupling.full ? work->coupling.b : NULL;
-    if (body->coupling.varies) remember(end_of(body), work->eta, b, inertia, body->padded_modes);
-    return solved(body, inertia, momentum, work->pi, work);
-}
-
-/* B of mid-step and its rate, from B of the end in the working memory and that of the start. */
-FANFOLD_VECTORISED static void gyroscopic_over(size_t count, double rate, const double *restrict start,
-                                               real *restrict b, real *restrict b_rate) {
-    for (size_t i = 0; i < count; i++) {
-        b_rate[i] = rate * (b[i] - start[i]);
-        b[i] = 0.5 * (b[i] + start[i]);
-    }
-}
-
-/* First moments over a step that led to `inertia_end`: of the angular velocity (rad), which it returns, and of the modal
-   rates. torque: what turns the body in its own axes; inertia: of mid-step. */
-static inline Vector3 moments_over(const Body *body, const Propagator *prop, Vector3 torque, Vector3 omega,
-                                   const real inertia[6], const real inertia_end[6], const Work *work) {
-    const InertiaCoupling *coupling = &body->coupling;
+/* By what J - B B^T and B grow over a step: what of its change of momentum, body axes, does not turn the body on. B of the
+   end, in the working memory, gives way to its growth. mean: of the angular velocities at both ends. */
+static inline Vector3 less_growth(const Body *body, Vector3 change, Vector3 mean, const real inertia_end[6],
+                                  const Work *work) {
     size_t n = body->padded_modes;
-    double rate = 1.0 / prop->h, scale = prop->h * prop->h / 6.0;
-    real *b = work->coupling.b, *b_rate = work->coupling.b_rate, growth[6];
+    if (!body->coupling.varies) return change;
+    const double *inertia_start = body->at_start.inertia, *b_start = body->at_start.b;
+    real growth[6];
+    for (size_t p = 0; p < 6; p++) growth[p] = inertia_end[p] - inertia_start[p];
+    change = vector_subtract(change, symmetric_times(growth, mean));
+    if (!body->coupling.full) return change;
+    for (size_t i = 0; i < 3 * n; i++) work->coupling.b[i] -= b_start[i];
+    for (size_t j = 0; j < n; j++) work->rate_mean[j] += work->drag[j];
+    return vector_subtract(change, gyroscopic_times(work->coupling.b, work->rate_mean, n));
+}
+
+/* First moments over a step: of the angular velocity (rad), which it returns, and of the modal rates. change: of the
+   momentum in body axes; mean: of the angular velocities at both ends; inertia: at the mean modal coordinates. */
+static inline Vector3 moments_over(const Body *body, const Propagator *prop, Vector3 change, Vector3 mean,
+                                   const real inertia[6], const real inertia_end[6], const Work *work) {
+    size_t n = body->padded_modes;
+    double sixth = prop->h / 6.0;
     moments_of_momenta(&body->oscillators, prop, n, work);
-    if (coupling->full) {
-        gyroscopic_over(3 * n, rate, body->at_start.b, b, b_rate);
-        torque = vector_subtract(torque, gyroscopic_times(b_rate, work->pi_mean, n));
+    Vector3 torque = vector_scaled(sixth, less_growth(body, change, mean, inertia_end, work));
+    Vector3 rate_moment = solved(body, inertia, &work->mid, torque, work->moment);
+    if (body->coupling.full) {
+        subtract_drag(n, rate_moment, work->mid.b, work->moment);
+        subtract_drag(n, vector_scaled(sixth, mean), work->coupling.b, work->moment);
     }
-    if (coupling->varies) {
-        const double *inertia_start = body->at_start.inertia;
-        for (size_t p = 0; p < 6; p++) growth[p] = rate * (inertia_end[p] - inertia_start[p]);
-        torque = vector_subtract(torque, symmetric_times(growth, omega));
-    }
-    Vector3 rate_moment = solved(body, inertia, vector_scaled(scale, torque), work->moment, work);
-    if (coupling->full) moments_of_rates(n, rate_moment, b, vector_scaled(scale, omega), b_rate, work->moment);
     return rate_moment;
 }
 

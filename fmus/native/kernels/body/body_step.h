@@ -8,7 +8,7 @@
 
 #define MAX_ITERATIONS 12
 #define MAX_SLOPE_ITERATIONS 40
-#define ANGLE_TOLERANCE 1e-12
+#define ANGLE_TOLERANCE 1e-13
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
 
@@ -17,12 +17,12 @@ typedef struct {
     real start[9], mid[9], end[9];
 } Axes;
 
-/* Outcome of a step's iteration: mean angular velocity and what turned the body, axes of mid-step; J - B B^T there;
-   moments on the arms of the start; heat. */
+/* Outcome of a step's iteration: angular velocity, the mean over the step and that of its end, and by what the momentum
+   changed, body axes; moments on the arms of the start; J - B B^T at the mean modal coordinates and at the end; heat. */
 typedef struct {
-    Vector3 omega, torque;
+    Vector3 omega, end, change;
     Course moments_start;
-    real inertia[6], heat;
+    real inertia[6], inertia_end[6], heat;
 } Turned;
 
 #ifdef FANFOLD_COMPLEX
@@ -66,36 +66,42 @@ static inline void turn_on(const real a_start[9], Vector3 omega, double h, real 
     matrix_product(a_mid, half, a_end);
 }
 
-/* Mean angular momentum of a step, body axes of its middle. */
-static inline Vector3 mean_momentum(const double *x, const Course *moment, double h, const real a_mid[9]) {
-    Vector3 momentum = vector_add(constant_vector(x + SPIN), vector_scaled(0.5 * h, moment->mean));
-    return transposed_times(a_mid, vector_subtract(momentum, vector_scaled(h / 6.0, moment->slope)));
-}
-
-/* What turns a body in its own axes, those of mid-step. */
-static inline Vector3 turning_torque(const Course *moment, Vector3 omega, Vector3 momentum, const real a_mid[9]) {
-    return vector_subtract(transposed_times(a_mid, moment->mean), vector_cross(omega, momentum));
+/* Angular momentum at the end of a step, body axes there. */
+static inline Vector3 momentum_at_end(const double *x, Vector3 moment, double h, const real a_end[9]) {
+    return transposed_times(a_end, vector_add(constant_vector(x + SPIN), vector_scaled(h, moment)));
 }
 
 /* Mean angular velocity, iterated on the moments of the forces at both ends. */
 static inline void turn_rigid(const Body *body, const double *x, const Load *load, double h, Axes *axes,
                               const Work *work, Turned *turned) {
-    Course moment;
+    const double *inverse = body->coupling.inverse;
+    const Vector3 start = constant_vector(x + OMEGA), momentum_start = constant_vector(x + SPIN);
     Vector3 momentum;
     undeformed_arms(body, work);
-    turned->omega = constant_vector(x + OMEGA);
+    turned->omega = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
-        moment = moment_over(load, &turned->moments_start, &moments_end);
-        momentum = mean_momentum(x, &moment, h, axes->mid);
-        Vector3 next = constant_times(body->coupling.inverse, momentum);
+        Course moment = moment_over(load, &turned->moments_start, &moments_end);
+        momentum = momentum_at_end(x, moment.mean, h, axes->end);
+        turned->end = constant_times(inverse, momentum);
+        Vector3 bend = constant_times(inverse, vector_scaled(h / 6.0, transposed_times(axes->mid, moment.slope)));
+        Vector3 next = vector_subtract(vector_mean(start, turned->end), bend);
         done = converged(turned->omega, next, h);
         turned->omega = next;
     }
-    turned->torque = turning_torque(&moment, turned->omega, momentum, axes->mid);
+    turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
     turned->heat = 0.0;
+}
+
+/* By what slopes put the mean of the angular velocities at both ends above that over the step, with their share in the
+   modes, whose slopes of ports give way to all of them. */
+static inline Vector3 bend_of(const Body *body, Vector3 moment_slope, double h, const real a_mid[9],
+                              const real inertia[6], const Work *work) {
+    Vector3 turning = solved(body, inertia, &work->mid, transposed_times(a_mid, moment_slope), work->slope);
+    if (body->coupling.full) subtract_drag(body->padded_modes, turning, work->mid.b, work->slope);
+    return vector_scaled(h / 6.0, turning);
 }
 
 /* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. */
@@ -103,33 +109,39 @@ static inline void turn_flexible(Body *body, const double *x, const Load *load, 
                                  const Work *work, Turned *turned) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
+    const Vector3 start = constant_vector(x + OMEGA), momentum_start = constant_vector(x + SPIN);
     real *turns = work->rates;
-    Course moment;
-    Vector3 momentum;
-    start_modes(body, x, work);
+    Vector3 momentum, bend = {0.0, 0.0, 0.0};
+    start_modes(body, x, work, turned->inertia_end);
     deformed_arms(body, work->eta_start, work);
     memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
     memcpy(turns, work->deflection + l, l * sizeof(real));
-    turned->omega = constant_vector(x + OMEGA);
+    turned->omega = turned->end = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
+    Course moment = moment_over(load, &turned->moments_start, &turned->moments_start);
     for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
-        couple(body, turned->omega, work, turned->inertia);
+        couple_mean(body, work, turned->inertia);
         modal_forces(body, load, axes->start, axes->mid, axes->end, turns, work);
+        if (load->sloped) bend = bend_of(body, moment.slope, h, axes->mid, turned->inertia, work);
+        coupled_forces(body, start, turned->end, bend, work);
         propagate(prop, n, work);
         if (load->sloped) propagate_slopes(prop, n, work);
+        evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
         for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
         moment = moment_over(load, &turned->moments_start, &moments_end);
-        momentum = mean_momentum(x, &moment, h, axes->mid);
-        Vector3 next = solved(body, turned->inertia, momentum, work->pi_mean, work);
+        momentum = momentum_at_end(x, moment.mean, h, axes->end);
+        turned->end = solved(body, turned->inertia_end, &work->coupling, momentum, work->pi);
+        Vector3 next = vector_subtract(vector_mean(start, turned->end), bend);
         done = converged(turned->omega, next, h);
         turned->omega = next;
     }
+    remember_end(body, work, turned->inertia_end);
     turned->heat = dissipated(prop, body->oscillators.compliance, n, work);
     if (load->sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
-    turned->torque = turning_torque(&moment, turned->omega, momentum, axes->mid);
+    turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
 }
 
 /* First moments of velocity and angular velocity of every port, world axes, from those of the centre of mass and of
@@ -165,15 +177,15 @@ static inline void add_modal_moments(const Body *body, const Axes *axes, const W
     }
 }
 
-/* First moments over a step, from that of the velocity of the centre of mass; inertia_end: J - B B^T it led to. */
-static inline void store_moments(Body *body, const Turned *turned, Vector3 center, const real inertia_end[6], double h,
+/* First moments over a step, from that of the velocity of the centre of mass. start: angular velocity there. */
+static inline void store_moments(Body *body, const Turned *turned, Vector3 center, Vector3 start, double h,
                                  const Axes *axes, const Work *work, real *moments) {
     Vector3 rate_moment, turn = vector_scaled(h / 6.0, matrix_times(axes->mid, turned->omega));
     if (body->modes)
-        rate_moment = moments_over(body, oscillators_propagator(&body->oscillators, h), turned->torque, turned->omega,
-                                   turned->inertia, inertia_end, work);
+        rate_moment = moments_over(body, oscillators_propagator(&body->oscillators, h), turned->change,
+                                   vector_mean(start, turned->end), turned->inertia, turned->inertia_end, work);
     else
-        rate_moment = constant_times(body->coupling.inverse, vector_scaled(h * h / 6.0, turned->torque));
+        rate_moment = vector_scaled(h / 6.0, vector_subtract(turned->end, start));
     place_moments(body, center, matrix_times(axes->mid, rate_moment), turn, work, moments);
     if (body->modes) add_modal_moments(body, axes, work, moments);
 }
@@ -184,7 +196,6 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     Quaternion q = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
-    real inertia[6];
     Axes axes;
     rotation_matrix(q, axes.start);
     Turned turned;
@@ -209,8 +220,8 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     vector_store(spin, x_next + SPIN);
     x_next[HEAT] = x[HEAT] + turned.heat;
     store_modes(body, work.eta, work.pi, x_next);
-    vector_store(angular_velocity(body, transposed_times(axes.end, spin), &work, inertia), x_next + OMEGA);
-    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), inertia, h, &axes, &work,
+    vector_store(turned.end, x_next + OMEGA);
+    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), constant_vector(x + OMEGA), h, &axes, &work,
                   x_next + MODES + 2 * body->modes);
 }
 

@@ -9,7 +9,6 @@ from tests.unit.components.body.body_cases import (
     MASSES,
     SPIN,
     VELOCITY,
-    extrapolated,
     flexible,
     modal_data,
     motions,
@@ -86,16 +85,25 @@ def excursions(body, c, x, h, steps):
     return np.abs(np.array(rows) / start - 1.0)
 
 
-def test_energy_of_torque_free_flexible_body_is_bounded_and_second_order():
+@pytest.mark.parametrize("level", ["rigid", "partial"])
+def test_energy_of_torque_free_flexible_body_is_exact(level):
+    """Conservation law, to the tolerance of the iteration: twice 1e-13 rad of 0.023 a step, over 1000 steps."""
+    body, c = flexible(modal_data(damping=0.0), level)
+    x = body.complete(c, moving_state(*flexible(modal_data(damping=0.0)))[0])
+    assert excursions(body, c, x, 4e-3, 1000).max() < 1000 * 2e-13 / (np.linalg.norm(SPIN) * 4e-3)
+
+
+def test_energy_of_torque_free_flexible_body_with_gyroscopic_modes_is_bounded_and_second_order():
     """Conservation law: no drift over 1000 steps, and the excursion falls with the square of the step.
 
-    It is that of the rotation, at most (w h)^2 / 12 at 5.8 rad/s. A drift would make the last quarter four times
-    the first, a random walk twice. The next order is (w h)^2 / 4 of the fastest mode, 0.036 at 2 ms.
+    Left is the work of the angular velocity's change within a step through B, 1/4 dw B dB dw, nothing of the
+    rotation's (w h)^2 / 12 at 5.8 rad/s. A drift would make the last quarter four times the first, a random walk
+    twice. The next order is (w h)^2 / 4 of the fastest mode, 0.036 at 2 ms.
     """
     body, c = flexible(modal_data(damping=0.0))
     x, _ = moving_state(body, c)
     quarters = excursions(body, c, x, 4e-3, 1000).reshape(4, -1).max(1)
-    assert quarters.max() < (np.linalg.norm(SPIN) * 4e-3) ** 2 / 12
+    assert quarters.max() < 0.01 * (np.linalg.norm(SPIN) * 4e-3) ** 2 / 12
     assert quarters[3] < 2.0 * quarters[0]
     coarse, fine = (excursions(body, c, x, h, round(1.0 / h)).max() for h in (2e-3, 1e-3))
     assert coarse / fine == pytest.approx(4.0, rel=(2 * np.pi * HERTZ[-1] * 2e-3) ** 2 / 4)
@@ -105,7 +113,7 @@ def test_energy_of_torque_free_flexible_body_is_bounded_and_second_order():
 def test_undamped_motion_retraces_itself_with_momenta_reversed(h):
     """Reversibility of mechanics: the step is time-symmetric at any size, which the even error expansion needs.
 
-    Backwards, slopes are the other way round and moments the same. The turn of a step is iterated to 1e-12 rad,
+    Backwards, slopes are the other way round and moments the same. The turn of a step is iterated to 1e-13 rad,
     which twenty steps leave below 1e-10 of the largest state.
     """
     body, c = flexible(modal_data(damping=0.0))
@@ -123,23 +131,18 @@ def test_undamped_motion_retraces_itself_with_momenta_reversed(h):
 
 
 def test_damping_heat_is_the_energy_lost_of_the_tumbling_body():
-    """Closed form of the dissipation against the energy balance, whose rest is the second-order rotation error.
+    """Closed form of the dissipation against the energy balance, at any step.
 
-    The rest falls as the square of the step, up to (w h)^2 / 4 of the fastest mode, and vanishes extrapolated.
+    What remains is that of an undamped body, see above, 0.01 (w h)^2 / 12 of its energy.
     """
     body, c = flexible()
     start, _ = moving_state(body, c)
     total = total_energy(body, c, start)
-    rest = []
     for h in (2e-3, 1e-3, 5e-4):
         x = stepped(body, c, start, no_wrench(body), h, round(0.5 / h))
-        rest.append(total_energy(body, c, x) - total)
-    heat = observed(body, c, x, "dissipated_energy")
-    assert heat > 0.05 * total
-    assert rest[0] / rest[1] == pytest.approx(4.0, rel=(2 * np.pi * HERTZ[-1] * 2e-3) ** 2 / 4)
-    value, bound = extrapolated(rest)
-    assert bound < 1e-8 * heat
-    assert abs(value) < bound
+        assert observed(body, c, x, "dissipated_energy") > 0.05 * total
+        rest = total_energy(body, c, x) - total
+        assert abs(rest) < 0.01 * (np.linalg.norm(SPIN) * h) ** 2 / 12 * total
 
 
 def test_gravity_gives_a_parabola_and_keeps_the_energy():
