@@ -105,10 +105,28 @@ class FmuParticipant:
         self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self._component = self._fmu.component
         self._bind()
+        self._start = start
+        self._set_up()
+
+    def _set_up(self) -> None:
+        """From a new instance, or one that was reset, into initialization mode."""
         self._fmu.setupExperiment(startTime=0.0)
-        for key, value in start.items():
+        for key, value in self._start.items():
             self._set(key, value)
         self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
+
+    def reset(self) -> None:
+        """fmi2Reset: as it was when it was made, its arrays in place, ready for another run."""
+        self._free_saved()
+        self._time = 0.0
+        self.check(self._fmu.dll.fmi2Reset(self._component), "reset")
+        for values, layout in (
+            (self.inputs, self.input_layout),
+            (self.outputs, self.output_layout),
+            (self._observations, self.observation_layout),
+        ):
+            values[:] = layout.start_values()
+        self._set_up()
 
     def _bind(self) -> None:
         """Raw functions; argument types are set so that nothing is converted per call but the two times."""
@@ -210,10 +228,14 @@ class FmuParticipant:
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""
-        if self._saved and not self._overwrites_state:
+        if not self._overwrites_state:
+            self._free_saved()
+        self.check(self._get_state(self._component, byref(self._saved)), "save its state")
+
+    def _free_saved(self) -> None:
+        if self._saved:
             self._free_state(self._component, byref(self._saved))
             self._saved.value = None
-        self.check(self._get_state(self._component, byref(self._saved)), "save its state")
 
     def restore(self) -> None:
         """fmi2SetFMUstate from the slot."""
@@ -259,8 +281,7 @@ class FmuParticipant:
     def close(self) -> None:
         """Free state and instance, unload, remove the unpacked files."""
         if getattr(self, "_component", None) is not None:
-            if self._saved:
-                self._free_state(self._component, byref(self._saved))
+            self._free_saved()
             self._fmu.dll.fmi2FreeInstance(self._component)
             self._component = None
         shutil.rmtree(self._folder, ignore_errors=True)

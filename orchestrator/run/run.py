@@ -110,15 +110,32 @@ def export(
 
 
 @contextmanager
-def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[Participant]]:
+def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[FmuParticipant]]:
     """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
-        participants: list[Participant] = []
+        participants: list[FmuParticipant] = []
         for path in export(assembly, folder, backend):
             participants.append(FmuParticipant(path.stem, path))
             stack.callback(participants[-1].close)
         yield participants
+
+
+@contextmanager
+def kept_fmus(backend: Backend | None = None) -> Iterator[Loader]:
+    """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset."""
+    with ExitStack() as stack:
+        kept: list[FmuParticipant] = []
+
+        @contextmanager
+        def load(assembly: Assembly) -> Iterator[Sequence[Participant]]:
+            for participant in kept:
+                participant.reset()
+            if not kept:
+                kept.extend(stack.enter_context(as_fmus(assembly, backend)))
+            yield kept
+
+        yield load
 
 
 def run(
@@ -166,13 +183,13 @@ def _follow(
 ) -> Outcome:
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
-    clocks = [_timed(p) for p in participants]
     groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     start = perf_counter()
     around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
     recorder = MemoryRecorder(*around) if output is None else ResultWriter(output, *around)
-    with recorder as writer:
+    with recorder as writer, ExitStack() as stack:
+        clocks = [stack.enter_context(_timed(p)) for p in participants]
         runner = (
             Master(network, assembly.hinge_lines, writer, settings)
             if kind == "implicit"
@@ -204,8 +221,9 @@ def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunEr
     )
 
 
-def _timed(participant: Participant) -> list[float]:
-    """Replace a participant's step by one that adds up the time it takes; the sum is the list's one number."""
+@contextmanager
+def _timed(participant: Participant) -> Iterator[list[float]]:
+    """Add up the time that a participant's steps take; the sum is the list's one number."""
     clock = [0.0]
     step = participant.do_step
 
@@ -215,7 +233,10 @@ def _timed(participant: Participant) -> list[float]:
         clock[0] += perf_counter() - begin
 
     participant.do_step = timed_step  # type: ignore[method-assign]
-    return clock
+    try:
+        yield clock
+    finally:
+        participant.do_step = step  # type: ignore[method-assign]
 
 
 def _scene_group() -> SignalGroup:

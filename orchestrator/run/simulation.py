@@ -18,7 +18,7 @@ from ..cosim.ports import Order
 from ..scene import CheckedScene
 from .companion import with_estimates
 from .progress import Progress, followed, silent
-from .run import Loader, MasterKind, Outcome, RunError, as_fmus, run
+from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
@@ -114,15 +114,15 @@ def simulate(
     for sentence in [*doubts(scene), *_held_sentences(assembly, options.flexible)]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
-    load = partial(as_fmus, backend=options.backend)
-    with followed(progress, assembly.name, end) as watch:
-        outcome = run(assembly, output, settings, end, options.master, watch, warn, load)
-    if estimate:
-        with followed(progress, f"{assembly.name}: errors", end) as watch:
-            outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+    with kept_fmus(options.backend) as load:
+        with followed(progress, assembly.name, end) as watch:
+            outcome = run(assembly, output, settings, end, options.master, watch, warn, load)
+        if estimate:
+            with followed(progress, f"{assembly.name}: errors", end) as watch:
+                outcome = with_estimates(assembly, outcome, settings, end, watch, load)
     for sentence in outcome.headline.open_ends():
         warn(sentence)
-    return Simulation(assembly, settings, end, load, outcome)
+    return Simulation(assembly, settings, end, partial(as_fmus, backend=options.backend), outcome)
 
 
 def python_sentence(backend: Backend | None) -> str:

@@ -1,0 +1,33 @@
+"""FMUs that serve several runs: reset, they are those that were loaded."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from orchestrator.run.run import as_fmus, kept_fmus, run
+from orchestrator.run.simulation import Options
+from orchestrator.scene import find_scene, load_scene
+from tests.references.native_fmus import needs_native
+
+
+@needs_native
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_a_run_with_fmus_that_ran_before_is_that_with_new_ones(backend):
+    """Equality to the bit of all signals, through a latch-up of the first run that the second does not have."""
+    options = Options(rigid=("all",), step=0.02, backend=backend)
+    assembly = options.assemble(load_scene(find_scene("workbench")))
+    settings = options.settings(assembly)
+
+    def signals(load, end):
+        result = run(assembly, None, settings, end, load=load).result
+        return [result.signal(name, of) for name in result.components for of in result.variables(name)]
+
+    with kept_fmus(backend) as load:
+        latched = signals(load, 4.6)
+        again = signals(load, 0.5)
+    new = signals(partial(as_fmus, backend=backend), 0.5)
+    assert len(latched) == len(again) == len(new) > 20
+    assert all(np.array_equal(a, b) for a, b in zip(again, new, strict=True))
