@@ -8,12 +8,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from .contract.component import (
-    DISSIPATED_ENERGY,
-    KINETIC_ENERGY,
-    NUMERICAL_DISSIPATION,
-    POTENTIAL_ENERGY,
     REGISTRY,
-    SUPPLIED_ENERGY,
     Component,
     ComponentError,
     ContinuousStates,
@@ -24,6 +19,13 @@ from .contract.component import (
 )
 from .contract.errors import FanfoldError
 from .contract.frames import left_product, rotation_matrix
+from .contract.roles import (
+    DISSIPATED_ENERGY,
+    KINETIC_ENERGY,
+    NUMERICAL_DISSIPATION,
+    POTENTIAL_ENERGY,
+    SUPPLIED_ENERGY,
+)
 
 for _module in iter_modules(__path__):
     if not _module.ispkg:

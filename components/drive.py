@@ -23,6 +23,8 @@ from .numerics.relative_motion import (
     numerical_dissipation,
     order_parameter,
     pair,
+    port_moments,
+    port_motions,
     relative_pose,
     relative_rates,
 )
@@ -179,10 +181,12 @@ class Drive(Component):
 
     def _instant(self, c: _Constants, u: list[float], clock: float, reference: float) -> _Instant:
         """The instant of the inputs; the angle is the one nearest the reference."""
-        pose = relative_pose(u, self._axis_frame)
+        pose = relative_pose(port_motions(u), self._axis_frame)
         angle = nearest_turn(c.aligned_angle + pose.twist, reference)
         commanded_rate = 0.0 if u[_HOLD] > 0.5 else c.motion.rate(clock)
-        return _Instant(pose, angle, relative_rates(u, pose).twist, c.motion.angle(clock), commanded_rate)
+        return _Instant(
+            pose, angle, relative_rates(port_motions(u), pose).twist, c.motion.angle(clock), commanded_rate
+        )
 
     def _now(self, c: _Constants, x: Vector, u: Vector) -> _Instant:
         return self._instant(c, as_floats(u), float(x[_CLOCK]), float(x[_ANGLE]))
@@ -200,7 +204,7 @@ class Drive(Component):
         passage = Passage((v[1], v[2], v[3], v[4]), pose.frame, _NOWHERE, _NOWHERE)
         turned = driven = 0.0
         if fourth:
-            turned = passage.rate_moments(inputs[_MOMENTS], swing).twist
+            turned = passage.rate_moments(port_moments(inputs[_MOMENTS]), swing).twist
             driven = c.motion.rate_moment(v[_CLOCK], clock)
         # inertial terms tame held torques, which an end-point torque is not
         memory = Memory(mean_rate, mean_rate)

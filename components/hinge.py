@@ -54,6 +54,8 @@ from .numerics.relative_motion import (
     gives_end_point,
     is_of_order_four,
     pair,
+    port_moments,
+    port_motions,
     relative_pose,
     relative_rates,
 )
@@ -159,8 +161,8 @@ class Hinge(Component):
     def initial(self, c: Constants, u: Vector) -> Vector:
         """Unlatched, at the pose of the inputs; the angle is the one nearest the stowed angle."""
         values = as_floats(u)
-        pose = relative_pose(values, self._axis_frame)
-        rates = relative_rates(values, pose)
+        pose = relative_pose(port_motions(values), self._axis_frame)
+        rates = relative_rates(port_motions(values), pose)
         angle = nearest_turn(c.aligned_angle + pose.twist, c.stowed_angle)
         return State(
             pose.frame,
@@ -180,9 +182,9 @@ class Hinge(Component):
         """One step; the inputs are those of its end. Commands act from its start."""
         values = as_floats(u)
         old = State.unpack(x).commanded(values[26], values[28])
-        pose = relative_pose(values, self._axis_frame)
+        pose = relative_pose(port_motions(values), self._axis_frame)
         end = coordinates_of(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
-        rates = rates_of(relative_rates(values, pose))
+        rates = rates_of(relative_rates(port_motions(values), pose))
         moved = old._replace(frame=pose.frame, gap=pose.gap, coordinates=end, rates=rates)
         if self._endpoint:
             return self._endpoint_step(c, old, moved, h).pack()
@@ -190,7 +192,7 @@ class Hinge(Component):
         passage = passage_of(old, moved)
         moments = (0.0,) * 6
         if c.paired:
-            moments = rates_of(passage.rate_moments(values[29:41], mean_swing(old, moved)))
+            moments = rates_of(passage.rate_moments(port_moments(values[29:41]), mean_swing(old, moved)))
         motions = motions_of(old, moved, moments, h)
         lasting, sliding = NO_LOADS, MidStepSlope.starting(rates[3])
         if impulse:
@@ -270,8 +272,8 @@ class Hinge(Component):
         """The state moved to the motion of the present inputs."""
         values = as_floats(u)
         state = State.unpack(x)
-        pose = relative_pose(values, self._axis_frame)
-        rates = relative_rates(values, pose)
+        pose = relative_pose(port_motions(values), self._axis_frame)
+        rates = relative_rates(port_motions(values), pose)
         angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
         return state._replace(
             frame=pose.frame,

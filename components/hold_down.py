@@ -20,6 +20,7 @@ from .numerics.relative_motion import (
     numerical_dissipation,
     order_parameter,
     pair,
+    port_moments,
     unit_direction,
 )
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
@@ -175,7 +176,7 @@ class HoldDown(Component):
         lasting = [MidStep.starting(0.0)] * 3
         if not released:
             passage, fourth = Passage(frame, now.frame, gap, now.gap), c.paired and not impulse
-            moments = passage.moments(inputs[_MOMENTS])[0] if fourth else _NOWHERE
+            moments = passage.moments(port_moments(inputs[_MOMENTS]))[0] if fourth else _NOWHERE
             motions = [self._motion(v, i, before[i], now.displacement[i], moments[i], h) for i in range(3)]
             loads = [self._load(c, i, motion, fourth) for i, motion in enumerate(motions)]
             heat += sum(load.heat for load in loads)

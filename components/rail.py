@@ -22,6 +22,7 @@ from .numerics.relative_motion import (
     dissipated_energies,
     gives_end_point,
     numerical_dissipation,
+    port_motions,
     relative_pose,
     relative_rates,
 )
@@ -119,8 +120,8 @@ class Rail(Component):
         """The instant of the inputs; the twist is the one nearest the reference."""
         axes = multiply(conjugate((start[3], start[4], start[5], start[6])), self._axes)
         motions = [*start, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *u[:13]]
-        pose = relative_pose(motions, axes)
-        rates = relative_rates(motions, pose)
+        pose = relative_pose(port_motions(motions), axes)
+        rates = relative_rates(port_motions(motions), pose)
         twist = nearest_turn(pose.twist, reference)
         return _Instant(
             pose,

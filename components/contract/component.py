@@ -34,150 +34,28 @@ World axes, SI units, radians. Quaternions are scalar first and rotate body into
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .errors import FanfoldError
+from .ports import Port, port_layout, slope_layout
+from .quantity import ComponentError, Layout, Quantity, Vector
 
-Vector = NDArray[np.float64]
-
-KINETIC_ENERGY = "kinetic_energy"
-POTENTIAL_ENERGY = "potential_energy"
-DISSIPATED_ENERGY = "dissipated_energy"
-NUMERICAL_DISSIPATION = "numerical_dissipation"
-SUPPLIED_ENERGY = "supplied_energy"
-"""Observations (J) that the energy balance of a scene adds up; dissipation is never found by difference.
-
-Kinetic, potential, dissipated energy and numerical dissipation change together by what is supplied from outside,
-such as the work of a drive. Dissipated energy is the heat of dampers, friction and latches alone; numerical
-dissipation is what the scheme takes away besides, and it may give back a part that it stored.
-"""
-
-
-class ComponentError(FanfoldError):
-    """A sentence for the user: what is wrong with a value, and what it must be."""
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """One declared variable: the single place where its unit, range, start value and meaning stand.
-
-    `size` scalars of `unit` (FMI unit syntax; "1" for none). `start` is one number for all or one per
-    scalar. `minimum` and `maximum` bound every scalar, inclusive. `variability` only matters for
-    parameters ("fixed" before the start only, "tunable" between steps) and inputs ("continuous",
-    "discrete").
-    """
-
-    name: str
-    unit: str
-    description: str
-    size: int = 1
-    start: float | tuple[float, ...] = 0.0
-    minimum: float | None = None
-    maximum: float | None = None
-    variability: Literal["fixed", "tunable", "continuous", "discrete"] = "continuous"
-
-    def scalar_names(self) -> tuple[str, ...]:
-        """Names of the scalars, `name` itself when there is one, else `name[1]`, ..."""
-        if self.size == 1:
-            return (self.name,)
-        return tuple(f"{self.name}[{i}]" for i in range(1, self.size + 1))
-
-    def start_values(self) -> Vector:
-        """Start values, shape (size,)."""
-        return np.broadcast_to(np.asarray(self.start, dtype=float), (self.size,)).copy()
-
-
-@dataclass(frozen=True, slots=True)
-class Port:
-    """A place where mechanical power flows.
-
-    side "body": gives `position, orientation, velocity, angular_velocity`, takes `force, torque`.
-    side "connection": the other way round. All in world axes, torque about the port's origin.
-    order: 2 where wrenches are held over a step, 4 where they are linear in time, see `slope_layout`.
-    """
-
-    name: str
-    side: Literal["body", "connection"]
-    order: Literal[2, 4] = 2
-
-
-class Layout:
-    """Where each quantity sits in a flat array: `layout["name"]` is its slice, `size` the total length."""
-
-    def __init__(self, quantities: Iterable[Quantity]) -> None:
-        self.quantities = tuple(quantities)
-        self._slices: dict[str, slice] = {}
-        position = 0
-        for quantity in self.quantities:
-            if quantity.name in self._slices:
-                raise ComponentError(f"variable {quantity.name!r} is declared twice")
-            self._slices[quantity.name] = slice(position, position + quantity.size)
-            position += quantity.size
-        self.size = position
-
-    def __getitem__(self, name: str) -> slice:
-        """Slice of the named quantity; KeyError if there is none."""
-        return self._slices[name]
-
-    def __contains__(self, name: str) -> bool:
-        """Whether the quantity is declared here."""
-        return name in self._slices
-
-    def start_values(self) -> Vector:
-        """Start values of all quantities, shape (size,)."""
-        return np.concatenate([np.zeros(0), *(q.start_values() for q in self.quantities)])
-
-    def scalar_names(self) -> tuple[str, ...]:
-        """Names of all scalars in order."""
-        return tuple(name for q in self.quantities for name in q.scalar_names())
-
-
-def port_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
-    """Inputs and outputs of a port, each in the order they take in flat arrays (13 and 6 scalars)."""
-    n = port.name
-    motion = (
-        Quantity(f"{n}.position", "m", f"Position of port {n}, world axes", 3),
-        Quantity(f"{n}.orientation", "1", f"Quaternion of port {n}, scalar first", 4, (1.0, 0.0, 0.0, 0.0)),
-        Quantity(f"{n}.velocity", "m/s", f"Velocity of port {n}, world axes", 3),
-        Quantity(f"{n}.angular_velocity", "rad/s", f"Angular velocity of port {n}, world axes", 3),
-    )
-    wrench = (
-        Quantity(f"{n}.force", "N", f"Force on the body at port {n}, world axes", 3),
-        Quantity(f"{n}.torque", "N.m", f"Torque on the body about the origin of port {n}, world axes", 3),
-    )
-    return (wrench, motion) if port.side == "body" else (motion, wrench)
-
-
-def slope_layout(port: Port) -> tuple[tuple[Quantity, ...], tuple[Quantity, ...]]:
-    """Inputs and outputs that make a port of order 4, each in the order they take in flat arrays (6 scalars each).
-
-    Over a step of size h a wrench is u + u_slope P1(t), P1 = 2 t / h - 1, with `force` and `torque` its mean u. The
-    moment of a velocity is the integral of P1 v dt, so that slope times moment is work. Empty for a port of order 2.
-    """
-    if port.order == 2:
-        return ((), ())
-    n = port.name
-    moments = (
-        Quantity(
-            f"{n}.velocity_moment", "m", f"First moment of the velocity of port {n} over the last step", 3
-        ),
-        Quantity(
-            f"{n}.angular_velocity_moment",
-            "rad",
-            f"First moment of the angular velocity of port {n} over the last step",
-            3,
-        ),
-    )
-    slopes = (
-        Quantity(f"{n}.force_slope", "N", f"Half the change of the force at port {n} over the step", 3),
-        Quantity(f"{n}.torque_slope", "N.m", f"Half the change of the torque at port {n} over the step", 3),
-    )
-    return (slopes, moments) if port.side == "body" else (moments, slopes)
+__all__ = [
+    "REGISTRY",
+    "Component",
+    "ComponentError",
+    "ContinuousStates",
+    "Layout",
+    "Port",
+    "Quantity",
+    "Vector",
+    "port_layout",
+    "slope_layout",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +74,19 @@ class ContinuousStates:
     quadratures: tuple[str, ...] = ()
     indicators: int = 0
 
+    @classmethod
+    def of(cls, layout: Layout, indicators: int = 0) -> ContinuousStates:
+        """Those states of a layout that have a unit of their rate."""
+        states = [q for q in layout.quantities if q.rate_unit]
+        return cls(
+            tuple(states),
+            tuple(q.rate_unit for q in states),
+            tuple(q.nominal for q in states),
+            tuple(place for q in states for place in range(layout[q.name].start, layout[q.name].stop)),
+            tuple(q.name for q in states if q.quadrature),
+            indicators,
+        )
+
     def nominals(self) -> Vector:
         """Typical size of every scalar, shape (len(places),)."""
         sizes = zip(self.nominal, self.quantities, strict=True)
@@ -211,11 +102,20 @@ class Component(ABC):
     """A mechanical component: declared variables and pure functions on a flat state. See the module."""
 
     kind: ClassVar[str]
+    order: ClassVar[Literal[2, 4]] = 4
+    """Order in time, at most, of the wrenches at the ports."""
+    ports_vary: ClassVar[bool] = False
+    """Whether the number of ports follows from the structure."""
+    scheme: ClassVar[Mapping[str, float]] = {}
+    """Constants of the equations that the kernel takes from here."""
     structure: Mapping[str, Any]
     parameter_layout: Layout
     input_layout: Layout
+    state_layout: Layout
     output_layout: Layout
     observation_layout: Layout
+    own_inputs: Sequence[Quantity]
+    own_outputs: Sequence[Quantity]
     ports: tuple[Port, ...]
     feedthrough: bool
     continuous: ContinuousStates | None = None
@@ -236,6 +136,7 @@ class Component(ABC):
         inputs: Iterable[Quantity] = (),
         outputs: Iterable[Quantity] = (),
         observations: Iterable[Quantity] = (),
+        states: Iterable[Quantity] = (),
         feedthrough: bool = False,
     ) -> None:
         """Record the variables; those of the ports come first, in port order, those of their slopes last.
@@ -245,15 +146,18 @@ class Component(ABC):
         self.structure = dict(structure)
         self.ports = tuple(ports)
         sides, slopes = [port_layout(p) for p in self.ports], [slope_layout(p) for p in self.ports]
+        own = tuple(inputs), tuple(outputs)
         self.feedthrough = feedthrough
         self.parameter_layout = Layout(parameters)
         self.input_layout, self.output_layout = (
             Layout(
-                (*(q for side in sides for q in side[i]), *own, *(q for slope in slopes for q in slope[i]))
+                (*(q for side in sides for q in side[i]), *own[i], *(q for slope in slopes for q in slope[i]))
             )
-            for i, own in enumerate((tuple(inputs), tuple(outputs)))
+            for i in (0, 1)
         )
+        self.own_inputs, self.own_outputs = own
         self.observation_layout = Layout(observations)
+        self.state_layout = Layout(states)
         Layout(q for layout in self.layouts for q in layout.quantities)  # names are unique across all four
 
     @property

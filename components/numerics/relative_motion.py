@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from math import isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
-from ..contract.component import NUMERICAL_DISSIPATION, ComponentError, ContinuousStates, Quantity, Vector
+from ..contract import roles
+from ..contract.component import ComponentError, ContinuousStates, Quantity, Vector
 from ..contract.frames import (
     Quaternion,
     Vector3,
@@ -24,6 +25,7 @@ from ..contract.frames import (
     subtract,
     swing_twist,
 )
+from ..contract.ports import PortMoments, PortMotion
 
 
 class Pose(NamedTuple):
@@ -71,16 +73,7 @@ def dissipated_energies(
 
 def order_parameter() -> Quantity:
     """The order in time of a connection's mean wrenches."""
-    return Quantity(
-        "order",
-        "1",
-        "Order of mean wrenches in time: 2, or 4, which needs first moments from the master",
-        1,
-        2.0,
-        2.0,
-        4.0,
-        "fixed",
-    )
+    return roles.ORDER
 
 
 def is_of_order_four(order: float) -> bool:
@@ -92,9 +85,7 @@ def is_of_order_four(order: float) -> bool:
 
 def numerical_dissipation() -> Quantity:
     """The observation of what the scheme took away in a connection's stiff coordinates (J)."""
-    return Quantity(
-        NUMERICAL_DISSIPATION, "J", "Energy taken by the scheme since the start, not a physical loss"
-    )
+    return roles.NUMERICAL_DISSIPATION
 
 
 def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:
@@ -114,20 +105,20 @@ def axis_frame(axis: Sequence[float], what: str, name: str = "axis") -> Quaterni
     return frame_with_x_along(unit_direction(axis, name, what))
 
 
-def relative_pose(u: list[float], axis_on_port: Quaternion) -> Pose:
-    """Pose from the 26 inputs of two connection ports (position, quaternion, velocities of A, then of B)."""
-    frame = multiply((u[3], u[4], u[5], u[6]), axis_on_port)
-    frame_b = multiply((u[16], u[17], u[18], u[19]), axis_on_port)
-    gap = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
+def relative_pose(motions: Sequence[PortMotion], axis_on_port: Quaternion) -> Pose:
+    """Pose of port B against port A from the motions of both."""
+    a, b = motions
+    frame, frame_b = multiply(a.orientation, axis_on_port), multiply(b.orientation, axis_on_port)
+    gap = subtract(b.position, a.position)
     twist, swing_y, swing_z = swing_twist(multiply(conjugate(frame), frame_b))
     return Pose(frame, gap, rotate_back(frame, gap), twist, (swing_y, swing_z))
 
 
-def relative_rates(u: list[float], pose: Pose) -> Rates:
-    """Rates from the same 26 inputs."""
-    spin_a = (u[10], u[11], u[12])
-    velocity = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross(spin_a, pose.gap))
-    spin = rotate_back(pose.frame, (u[23] - u[10], u[24] - u[11], u[25] - u[12]))
+def relative_rates(motions: Sequence[PortMotion], pose: Pose) -> Rates:
+    """Rates from the same motions."""
+    a, b = motions
+    velocity = subtract(subtract(b.velocity, a.velocity), cross(a.angular_velocity, pose.gap))
+    spin = rotate_back(pose.frame, subtract(b.angular_velocity, a.angular_velocity))
     return _rates(rotate_back(pose.frame, velocity), spin, pose.swing)
 
 
@@ -155,15 +146,16 @@ class Passage(NamedTuple):
     gap0: Vector3
     gap1: Vector3
 
-    def moments(self, moments: Sequence[float]) -> tuple[Vector3, Vector3]:
-        """Moments of the relative velocity and angular velocity in hinge axes, from those of both ports (12,)."""
-        a_v, a_w, b_v, b_w = ((moments[i], moments[i + 1], moments[i + 2]) for i in (0, 3, 6, 9))
+    def moments(self, moments: Sequence[PortMoments]) -> tuple[Vector3, Vector3]:
+        """Moments of the relative velocity and angular velocity in hinge axes, from those of both ports."""
+        a, b = moments
         # the gap changes while the first port turns
         turning = cross(turn_between(self.frame0, self.frame1), self._gap_slope())
-        carried = add(cross(a_w, mean(self.gap0, self.gap1)), turning)
-        return self._back(subtract(subtract(b_v, a_v), carried)), self._back(subtract(b_w, a_w))
+        carried = add(cross(a.angular_velocity, mean(self.gap0, self.gap1)), turning)
+        apart = subtract(subtract(b.velocity, a.velocity), carried)
+        return self._back(apart), self._back(subtract(b.angular_velocity, a.angular_velocity))
 
-    def rate_moments(self, moments: Sequence[float], swing: tuple[float, float]) -> Rates:
+    def rate_moments(self, moments: Sequence[PortMoments], swing: tuple[float, float]) -> Rates:
         """Moments of the rates of a pose; `swing` is the one in the middle of the step."""
         return _rates(*self.moments(moments), swing)
 
@@ -271,6 +263,16 @@ def pair(force: Vector3, torque: Vector3, gap: Vector3) -> tuple[float, ...]:
     """
     reaction = scaled(-1.0, add(torque, cross(gap, force)))
     return (*scaled(-1.0, force), *reaction, *force, *torque)
+
+
+def port_motions(u: Sequence[float]) -> list[PortMotion]:
+    """Motions of two ports."""
+    return [PortMotion.read(u[:13]), PortMotion.read(u[13:26])]
+
+
+def port_moments(u: Sequence[float]) -> list[PortMoments]:
+    """First moments of two ports."""
+    return [PortMoments.read(u[:6]), PortMoments.read(u[6:12])]
 
 
 def as_floats(u: Vector) -> list[float]:

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from components import Component
 
+from .headers import layout_digest
+
 _MAGIC = b"FANFOLD\1"
 _GROUPS = ("parameter", "input", "output", "observation")
 
@@ -30,7 +32,7 @@ def component_bytes(component: Component, starts: Sequence[float], token: str) -
         **_continuous(component),
         **arrays,
     }
-    texts = {"kind": component.kind, "token": token}
+    texts = {"kind": component.kind, "token": token, "layout": layout_digest(component)}
     texts.update((f"unit:{q.name}", q.unit) for q in component.parameter_layout.quantities)
     return _MAGIC + b"".join(
         [_entry(b"s", name, len(text.encode()), text.encode()) for name, text in texts.items()]

@@ -46,6 +46,7 @@ typedef struct {
    `self` is what `create` returned; `step` and `outputs` exist for both number types. */
 typedef struct {
     const char *kind;
+    const char *layout; /* digest of the declared layout that the kernel was written for */
     /* Reads the data and allocates all that is ever needed; sets the number of states. NULL and a sentence
        when the data are unusable: nothing in them may be trusted. */
     void *(*create)(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why);

@@ -19,7 +19,7 @@ from .participant import Participant
 
 Rows = np.ndarray[Any, np.dtype[np.uintp]]
 
-_NAMES = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY, NUMERICAL_DISSIPATION, SUPPLIED_ENERGY)
+_ENERGIES = (KINETIC_ENERGY, POTENTIAL_ENERGY, DISSIPATED_ENERGY, NUMERICAL_DISSIPATION, SUPPLIED_ENERGY)
 
 
 class Energies(NamedTuple):
@@ -48,12 +48,12 @@ def energy_rows(participants: Sequence[Participant]) -> Rows:
     Where a participant has none it is the place behind the last observation, which holds a zero.
     """
     end = sum(p.observation_layout.size for p in participants)
-    rows = np.full((len(_NAMES), len(participants)), end, dtype=np.uintp)
+    rows = np.full((len(_ENERGIES), len(participants)), end, dtype=np.uintp)
     start = 0
     for column, participant in enumerate(participants):
         layout = participant.observation_layout
-        for row, name in enumerate(_NAMES):
-            if name in layout:
-                rows[row, column] = start + layout[name].start
+        for row, energy in enumerate(_ENERGIES):
+            if energy.name in layout:
+                rows[row, column] = start + layout[energy.name].start
         start += layout.size
     return rows

@@ -27,11 +27,11 @@ from components.contract.component import Vector
 from .result import Result
 
 _GAINS: Final = {
-    KINETIC_ENERGY: 1.0,
-    POTENTIAL_ENERGY: 1.0,
-    DISSIPATED_ENERGY: 1.0,
-    NUMERICAL_DISSIPATION: 1.0,
-    SUPPLIED_ENERGY: -1.0,
+    KINETIC_ENERGY.name: 1.0,
+    POTENTIAL_ENERGY.name: 1.0,
+    DISSIPATED_ENERGY.name: 1.0,
+    NUMERICAL_DISSIPATION.name: 1.0,
+    SUPPLIED_ENERGY.name: -1.0,
 }
 _ALLOWED = 2.0
 """Relative error of an energy over that of the velocities."""
@@ -70,8 +70,8 @@ def energy_ledger(result: Result) -> EnergyLedger | None:
     if not result.has(_SCENE, "energy_residual"):
         return None
     numerical = 0.0
-    if result.has(_SCENE, NUMERICAL_DISSIPATION):
-        numerical = float(result.signal(_SCENE, NUMERICAL_DISSIPATION)[-1])
+    if result.has(_SCENE, NUMERICAL_DISSIPATION.name):
+        numerical = float(result.signal(_SCENE, NUMERICAL_DISSIPATION.name)[-1])
     return EnergyLedger(
         exchanged=_largest_exchange(result),
         numerical=numerical,
@@ -90,7 +90,7 @@ def _largest_exchange(result: Result) -> float:
                 continue
             energy = result.signal(name, variable)
             exchanged += np.maximum(sign * (energy - energy[0]), 0.0)
-            if variable == KINETIC_ENERGY:
+            if variable == KINETIC_ENERGY.name:
                 moving += energy
     return float(max(exchanged.max(), moving.max()))
 

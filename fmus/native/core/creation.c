@@ -14,6 +14,9 @@ static int find_kernel(Instance *instance, Reason *why) {
             instance->kernel = kernels[i];
     if (!instance->kernel)
         return refuse(why, "this binary knows no component %.100s", kind ? kind : "without a kind");
+    const char *layout = data_text(&instance->data, "layout");
+    if (instance->kernel->layout && (!layout || strcmp(layout, instance->kernel->layout) != 0))
+        return refuse(why, "the data are of another version of %s than this binary; export the FMU anew", kind);
     return 1;
 }
 

@@ -24,7 +24,7 @@ class Thruster(Component):
         self._declare(
             {},
             ports=[Port("mount", "connection")],
-            observations=[Quantity(SUPPLIED_ENERGY, "J", "Work of the force")],
+            observations=[SUPPLIED_ENERGY],
         )
 
     def prepare(self, p):

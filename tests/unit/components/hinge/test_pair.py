@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from components import ComponentError
+from components.contract.ports import PortMoments
 from components.hinge_parts.state import State
 from components.numerics.relative_motion import Passage, turn_between
 from tests.references.relative_motion import (
@@ -83,7 +84,7 @@ def test_slopes_and_moments_are_adjoint(turns, gaps, moments, loads, swings, slo
     frames = [tuple(np.roll(Rotation.from_rotvec(turn).as_quat(), 1).tolist()) for turn in turns]
     passage = Passage(*frames, *gaps)
     ports = np.concatenate(moments).tolist()
-    velocity, spin = passage.moments(ports)
+    velocity, spin = passage.moments([PortMoments.read(ports[:6]), PortMoments.read(ports[6:])])
     zero = (0.0, 0.0, 0.0)
     mean, slope = passage.wrenches(zero, zero, loads[0], slopes_of_torque)
     done = np.dot(slope, ports) + np.dot(mean[3:6], turn_between(*frames))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from components import ComponentError
 from components.contract.frames import multiply, rotate
+from components.contract.ports import PortMotion
 from components.numerics.relative_motion import axis_frame, conjugate_torque, relative_pose, relative_rates
 from tests.references.relative_motion import port_motion
 
@@ -31,7 +32,7 @@ def moving(turn_a, turn_b, place, velocities, time):
         start[:3] += time * velocity
         start[3:7] = multiply(tuple(turned[3:7]), tuple(start[3:7]))
         ports.append(start)
-    return np.concatenate(ports).tolist()
+    return [PortMotion.read(port.tolist()) for port in ports]
 
 
 @given(THREE, THREE, THREE, st.tuples(THREE, THREE, THREE, THREE))
@@ -50,9 +51,9 @@ def test_rates_are_those_of_the_pose(turn_a, turn_b, place, velocities):
 @given(THREE, THREE, THREE, THREE, THREE)
 def test_torque_has_the_power_of_its_loads(turn_a, turn_b, spin_a, spin_b, loads):
     """Virtual work: loads on twist and swing against the torque on the difference of the spins."""
-    u = np.concatenate(
-        (port_motion(turn=turn_a, spin=spin_a), port_motion(turn=turn_b, spin=spin_b))
-    ).tolist()
+    u = [
+        PortMotion.read(port_motion(turn=t, spin=s).tolist()) for t, s in ((turn_a, spin_a), (turn_b, spin_b))
+    ]
     pose = relative_pose(u, AXIS_FRAME)
     if np.hypot(*pose.swing) > 2.5:
         return

@@ -1,0 +1,70 @@
+"""What a master and those who show results know a variable by: names and roles that any component may declare."""
+
+from __future__ import annotations
+
+from .quantity import Quantity
+
+
+def _command(name: str, description: str) -> Quantity:
+    return Quantity(name, "1", description, variability="discrete")
+
+
+IMPULSE = _command("impulse", "1: the next step is an impulse")
+"""Input of whatever remembers motion or load from step to step: an impulse is neither."""
+HOLD = _command("hold", "1: what moves by itself stands still")
+"""Input: an angle is held, a clock stands, strands keep their preload, while a master seeks an equilibrium."""
+LATCH_COMMAND = _command("latch_command", "1: the latch engages at the start of the next step")
+RELEASE_COMMAND = _command("release_command", "1: released at the start of the next step")
+
+LATCH_DISTANCE = Quantity(
+    "latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"
+)
+"""Output that a master watches for its zero: the event indicator of latch-up."""
+LATCHED = Quantity("latched", "1", "1 from latch-up on")
+"""Output, beside the latch distance."""
+
+END_WEIGHT = Quantity(
+    "end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"
+)
+"""Parameter: one half keeps energy, one is for static solutions."""
+ORDER = Quantity(
+    "order", "1", "Order of mean wrenches in time: 2, or 4, which needs first moments from the master",
+    1, 2.0, 2.0, 4.0, "fixed",
+)  # fmt: skip
+"""Parameter of a connection that has a law of order 4."""
+QUASI_STATIC = Quantity(
+    "quasi_static",
+    "1",
+    "1: steps seek static equilibrium instead of following time",
+    1,
+    0.0,
+    0.0,
+    1.0,
+    "tunable",
+)
+"""Parameter of bodies."""
+
+KINETIC_ENERGY = Quantity("kinetic_energy", "J", "Kinetic energy")
+POTENTIAL_ENERGY = Quantity("potential_energy", "J", "Elastic energy")
+DISSIPATED_ENERGY = Quantity("dissipated_energy", "J", "Energy dissipated since the start")
+NUMERICAL_DISSIPATION = Quantity(
+    "numerical_dissipation", "J", "Energy taken by the scheme since the start, not a physical loss"
+)
+SUPPLIED_ENERGY = Quantity(
+    "supplied_energy", "J", "Work of what supplies energy from outside since the start"
+)
+"""Observations that the energy balance of a scene adds up; dissipation is never found by difference.
+
+Kinetic, potential, dissipated energy and numerical dissipation change together by what is supplied from outside,
+such as the work of a drive. Dissipated energy is the heat of dampers, friction and latches alone; numerical
+dissipation is what the scheme takes away besides, and it may give back a part that it stored.
+"""
+
+LOAD = "load"
+"""Role of an observation: a force or torque that a part must bear, of which the peak counts."""
+DISSIPATION = "dissipation"
+"""Role of an observation: one cause's share of the dissipated energy (J)."""
+COMMAND = "command"
+"""Role of an observation: what is commanded, beside which stands what was reached."""
+EVENT = "event"
+"""Role of an observation: 1 while something has happened, such as a release or a contact."""

@@ -1,0 +1,18 @@
+/* Where the variables of a component lie: parameters P_, state X_, own inputs U_ and outputs Y_, observations Z_.
+   Written by python -m fmus.native from its declarations. */
+
+#ifndef FANFOLD_DAMPER_LAYOUT_H
+#define FANFOLD_DAMPER_LAYOUT_H
+
+#define KIND "eddy_current_damper"
+#define LAYOUT_DIGEST "cb2f31402b66b6f2"
+#define MOMENTS 12
+#define CONTINUOUS_PLACES {X_HEAT}
+
+enum { P_DAMPING_COEFFICIENT = 0, P_PEAK_RATE = 1, P_ORDER = 2, PARAMETERS = 3 };
+enum { X_ANGLE = 0, X_FRAME = 1, X_SWING = 5, X_WRENCH = 7, X_SLOPES = 19, X_RATE = 31, X_HEAT = 35, STATES = 36 };
+enum { U_IMPULSE = 26, INPUTS = 27 };
+enum { OUTPUTS = 12 };
+enum { Z_ANGULAR_RATE = 0, Z_DAMPER_TORQUE = 1, Z_DISSIPATED_ENERGY = 2, OBSERVATIONS = 3 };
+
+#endif

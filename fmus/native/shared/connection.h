@@ -1,0 +1,79 @@
+/* What connections have in common: data, wrench mode and order, mean wrenches, the table of their functions. The twin of
+   components/contract/connection.py. A kernel includes its layout header before this one. */
+
+#ifndef FANFOLD_CONNECTION_H
+#define FANFOLD_CONNECTION_H
+
+#include <string.h>
+
+#include "relative.h"
+
+/* The first member of every connection: its parameters by place; `paired`: wrenches are of order 4. */
+typedef struct Connection {
+    int endpoint, paired;
+    double p[PARAMETERS];
+} Connection;
+
+static inline int commanded(const real *u, int input) { return value_of(u[input]) > 0.5; }
+
+/* Gives the mean wrenches of all ports and, at order 4, their slopes; 0 in end-point mode, which has none. */
+static inline int gives_means(const Connection *connection, const real *x, real *y) {
+    if (connection->endpoint) return 0;
+    for (int i = 0; i < OUTPUTS; i++) y[i] = x[X_WRENCH + i];
+#if MOMENTS
+    for (int i = 0; i < MOMENTS; i++) y[OUTPUTS + i] = x[X_SLOPES + i];
+#endif
+    return 1;
+}
+
+#ifndef FANFOLD_COMPLEX
+
+/* A connection of `bytes`, with what all read from their data; NULL and a sentence where there is none. */
+static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes,
+                                      size_t *states, Reason *why) {
+    Connection *connection = allocate(memory, bytes);
+    *states = STATES;
+    if (!connection) {
+        refuse(why, "there is no memory for a component of kind " KIND);
+        return NULL;
+    }
+    if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
+    size_t moments = connection->endpoint ? 0 : MOMENTS;
+    if (sizes->parameters == PARAMETERS && sizes->inputs == INPUTS + moments && sizes->outputs == OUTPUTS + moments &&
+        sizes->observations == OBSERVATIONS)
+        return connection;
+    refuse(why, "the numbers of variables in the data are not those of " KIND);
+    return NULL;
+}
+
+/* Takes the parameters over. Static solutions, with an end weight above one half, are of order 2. */
+static inline int prepare_connection(void *self, const double *p, double order, double end_weight, Reason *why) {
+    Connection *connection = self;
+    memcpy(connection->p, p, sizeof connection->p);
+    connection->paired = order == 4.0 && end_weight == 0.5 && !connection->endpoint;
+    if (order == 2.0 || order == 4.0) return 1;
+    return refuse(why, "order = %g; it must be 2 or 4", order);
+}
+
+static inline size_t connection_continuous(const void *self, size_t *places) {
+    static const size_t own[] = CONTINUOUS_PLACES;
+    (void)self;
+    if (places) memcpy(places, own, sizeof own);
+    return sizeof own / sizeof *own;
+}
+
+#define DECLARE_COMPLEX(name)                                                                                      \
+    int name##_step_complex(void *, const double *, const double complex *, double, double complex *, Reason *);   \
+    void name##_outputs_complex(void *, const double complex *, const double complex *, double complex *);         \
+    int name##_rates_complex(void *, const double complex *, const double complex *, const double complex *,       \
+                             double complex *, Reason *);
+
+/* The table of a connection's functions; `made` is the prefix of the one that makes it. */
+#define CONNECTION_FUNCTIONS(name, made)                                                                           \
+    .kind = KIND, .layout = LAYOUT_DIGEST, .create = made##_create, .prepare = name##_prepare,                     \
+    .initial = name##_initial, .step = name##_step_real, .outputs = name##_outputs_real, .observe = name##_observe, \
+    .step_complex = name##_step_complex, .outputs_complex = name##_outputs_complex,                                \
+    .continuous = connection_continuous, .rates = name##_rates_real, .rates_complex = name##_rates_complex
+
+#endif
+#endif
