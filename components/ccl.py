@@ -8,14 +8,13 @@ hence a pulley distance of sqrt(L^2 + (r1 - r2)^2): only with that arm is angula
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import asin, atan2, sqrt
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.component import ComponentError, Vector
+from .contract.connection import HEAT, SLOPES, WRENCH, Connection, Inputs
 from .contract.frames import (
     Quaternion,
     Vector3,
@@ -33,33 +32,69 @@ from .contract.frames import (
     subtract,
     swing_twist,
 )
+from .contract.ports import WRENCH_SIZE
+from .contract.record import Record, kept, observed, tunable
+from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
 from .numerics.laws import SlackSpring, mean_force
-from .numerics.relative_motion import (
-    Line,
-    as_floats,
-    axis_frame,
-    dissipated_energies,
-    gives_end_point,
-    is_of_order_four,
-    order_parameter,
-    turn_between,
-)
+from .numerics.relative_motion import Line, axis_frame, turn_between
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 from .numerics.workless_pair import workless_law
 
 
+class _Parameters(NamedTuple):
+    radius_1: Annotated[float, tunable("m", "Radius of pulley 1", 0.03, 1e-6)]
+    radius_2: Annotated[float, tunable("m", "Radius of pulley 2", 0.03, 1e-6)]
+    preload: Annotated[float, tunable("N", "Tension of each strand at the start", 40.0, 0.0)]
+    strand_stiffness: Annotated[float, tunable("N/m", "Stiffness of one strand", 5000.0, 1e-9)]
+    strand_damping: Annotated[float, tunable("N.s/m", "Damping of one strand", 0.0, 0.0)]
+    end_weight: Annotated[float, END_WEIGHT]
+    order: Annotated[float, ORDER]
+
+
+class _Preload(NamedTuple):
+    """States: where both strands are at their preload."""
+
+    preload_angles: Annotated[tuple[float, float], kept("rad", "Angles of the pulleys at the preload")]
+    preload_length: Annotated[float, kept("m", "Strand length between the pulleys at the preload")]
+
+
 class _Geometry(NamedTuple):
-    """Angles of both pulleys against the strands (rad, unwrapped) and the centre line `span`, world axes.
+    """States: angles of both pulleys against the strands (rad, unwrapped) and the centre line `span`, world axes.
 
     works_1, works_2: what a pulley's angle works on. Guided cables: the direction whose torque does the work
     of that angle. Free strands: the angle's gradient (1/m) with respect to the centre line; span x gradient
     is then the direction of the torque, so wrenches balance at any tilt of the pulleys.
     """
 
-    angles: tuple[float, float]
-    works_1: Vector3
-    works_2: Vector3
-    span: Vector3
+    angles: Annotated[tuple[float, float], kept("rad", "Angles of the pulleys, unwrapped")]
+    works_1: Annotated[Vector3, kept("1", "What the angle of pulley 1 works on")]
+    works_2: Annotated[Vector3, kept("1", "What the angle of pulley 2 works on")]
+    span: Annotated[Vector3, kept("m", "Centre line from pulley 1 to pulley 2, world axes")]
+
+
+class _State(NamedTuple):
+    geometry: _Geometry
+    preload: _Preload
+    heat: Annotated[float, HEAT]
+    frames: Annotated[tuple[Quaternion, Quaternion], kept("1", "Orientations of both pulleys")]
+    wrench: Annotated[tuple[float, ...], WRENCH]
+    slopes: Annotated[tuple[float, ...], SLOPES]
+
+
+class _Commands(NamedTuple):
+    hold: Annotated[float, HOLD.saying("1: strands are adjusted to their preload at every step")]
+
+
+class _Observations(NamedTuple):
+    tension_a: Annotated[float, observed("N", "Tension of strand a", LOAD)]
+    tension_b: Annotated[float, observed("N", "Tension of strand b", LOAD)]
+    torque_1: Annotated[float, observed("N.m", "Torque T1 on body 1 about the pulley axis", LOAD)]
+    torque_2: Annotated[float, observed("N.m", "Torque T2 on body 3 about the pulley axis", LOAD)]
+    axial_force: Annotated[float, observed("N", "Force between the pulleys along their centre line", LOAD)]
+    lateral_force: Annotated[float, observed("N", "Lateral force on each pulley", LOAD)]
+    synchronization_error: Annotated[float, observed("m", "r1 phi1 - r2 phi2, what the strands take up")]
+    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of both strands")]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
 
 
 class _Instant(NamedTuple):
@@ -72,21 +107,13 @@ class _Instant(NamedTuple):
     heat: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Constants:
-    radius_1: float
-    radius_2: float
+class _Constants(NamedTuple):
+    p: _Parameters
     strand: SlackSpring
-    damping: float
-    end_weight: float
-    paired: bool
+    is_paired: bool
 
 
-_ANGLES, _WORKS, _SPAN, _START, _HEAT, _WRENCH = slice(0, 2), slice(2, 8), slice(8, 11), slice(11, 14), 14, 15
-_FRAMES_SIZE = 8
-
-
-class CableLoop(Component):
+class CableLoop(Connection[_Parameters, _State, _Commands]):
     """Synchroniser between pulley 1 (port `pulley_1`, fixed to body 1) and pulley 2 (`pulley_2`, body 3).
 
     axis: pulley axis in the axes of both pulley ports. guided: cables are led along body 2, which then has
@@ -94,7 +121,9 @@ class CableLoop(Component):
     of radii makes a lateral pair of forces on the pulleys.
     """
 
-    kind = "ccl"
+    kind, ports_vary = "ccl", True
+    parameters = Record(_Parameters)
+    commands, observations = Record(_Commands), Record(_Observations)
 
     def __init__(
         self,
@@ -102,55 +131,30 @@ class CableLoop(Component):
         guided: bool = False,
         wrench_mode: str = "mean",
     ) -> None:
-        self._endpoint = gives_end_point(wrench_mode)
         self._axis_frame = axis_frame(axis, "the pulley axes")
         self._guided = bool(guided)
-        ports = 3 if guided else 2
-        self._hold = 13 * ports
-        self._wrench = slice(_WRENCH, _WRENCH + 6 * ports)
-        self._frames = slice(self._wrench.stop, self._wrench.stop + _FRAMES_SIZE)
-        self._slopes = slice(self._frames.stop, self._frames.stop + 6 * ports)
-        names = ("pulley_1", "pulley_2", "guide") if guided else ("pulley_1", "pulley_2")
-        self._declare(
-            {"axis": tuple(axis), "guided": self._guided, "wrench_mode": wrench_mode},
-            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in names],
-            parameters=_parameters(),
-            inputs=[
-                Quantity(
-                    "hold",
-                    "1",
-                    "1: strands are adjusted to their preload at every step",
-                    variability="discrete",
-                )
-            ],
-            observations=_observations(),
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(_HEAT)
+        self.port_names = ("pulley_1", "pulley_2", "guide") if guided else ("pulley_1", "pulley_2")
+        size = WRENCH_SIZE * len(self.port_names)
+        self._no_wrench = (0.0,) * size
+        self.states = Record(_State, wrench=size, slopes=size)
+        super().__init__({"axis": tuple(axis), "guided": self._guided}, wrench_mode)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
-        self.check_ranges(p)
-        one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
-        return _Constants(
-            one["radius_1"],
-            one["radius_2"],
-            SlackSpring(one["strand_stiffness"], one["preload"]),
-            one["strand_damping"],
-            one["end_weight"],
-            is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint,
-        )
+        one = self._checked(p)
+        strand = SlackSpring(one.strand_stiffness, one.preload)
+        return _Constants(one, strand, self._is_paired(one.order, one.end_weight))
 
-    def _geometry(self, u: list[float], reference: tuple[float, float]) -> _Geometry:
+    def _geometry(self, u: Inputs[_Commands], reference: tuple[float, float]) -> _Geometry:
         """Geometry of one instant; angles are those nearest the reference."""
-        frame_1 = multiply((u[3], u[4], u[5], u[6]), self._axis_frame)
-        frame_2 = multiply((u[16], u[17], u[18], u[19]), self._axis_frame)
-        span = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
-        if self._guided:
-            link = multiply((u[29], u[30], u[31], u[32]), self._axis_frame)
-            angle_1 = swing_twist(multiply(conjugate(frame_1), link))[0]
-            angle_2 = swing_twist(multiply(conjugate(frame_2), link))[0]
+        pulley_1, pulley_2, *guide = u.motions
+        frame_1 = multiply(pulley_1.orientation, self._axis_frame)
+        frame_2 = multiply(pulley_2.orientation, self._axis_frame)
+        span = subtract(pulley_2.position, pulley_1.position)
+        if guide:
+            link = multiply(guide[0].orientation, self._axis_frame)
+            angle_1, *_ = swing_twist(multiply(conjugate(frame_1), link))
+            angle_2, *_ = swing_twist(multiply(conjugate(frame_2), link))
             axis = rotate(link, (1.0, 0.0, 0.0))
             works_1, works_2 = _shared(frame_1, axis), _shared(frame_2, axis)
         else:
@@ -159,95 +163,79 @@ class CableLoop(Component):
         angles = (nearest_turn(angle_1, reference[0]), nearest_turn(angle_2, reference[1]))
         return _Geometry(angles, works_1, works_2, span)
 
-    def _elongations(
-        self, c: _Constants, g: _Geometry, start: tuple[float, float, float]
-    ) -> tuple[float, float]:
+    def _elongations(self, c: _Constants, g: _Geometry, start: _Preload) -> tuple[float, float]:
         """Elongation of strands a and b from the start: length change of the loop plus and minus r1 d1 - r2 d2."""
-        turn = c.radius_1 * (g.angles[0] - start[0]) - c.radius_2 * (g.angles[1] - start[1])
-        stretch = self._length(c, norm(g.span)) - start[2]
+        turn = c.p.radius_1 * (g.angles[0] - start.preload_angles[0]) - c.p.radius_2 * (
+            g.angles[1] - start.preload_angles[1]
+        )
+        stretch = self._length(c, norm(g.span)) - start.preload_length
         return stretch + turn, stretch - turn
 
     def _length(self, c: _Constants, distance: float) -> float:
         """Strand length between the pulleys, the wrap that changes with the distance included."""
         if self._guided:
             return distance
-        difference = c.radius_1 - c.radius_2
+        difference = c.p.radius_1 - c.p.radius_2
         return sqrt(distance * distance - difference * difference) + difference * asin(difference / distance)
 
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def _preload(self, c: _Constants, g: _Geometry) -> _Preload:
+        """The given geometry as the one of the preload."""
+        return _Preload(g.angles, self._length(c, norm(g.span)))
+
+    def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """Both strands at their preload in the pose of the inputs."""
-        g = self._geometry(as_floats(u), (0.0, 0.0))
-        if norm(g.span) <= abs(c.radius_1 - c.radius_2):
+        g = self._geometry(u, (0.0, 0.0))
+        if norm(g.span) <= abs(c.p.radius_1 - c.p.radius_2):
             raise ComponentError(
                 f"the pulleys are {norm(g.span):g} m apart, less than the difference of their radii; check the ports"
             )
-        x = np.zeros(self._slopes.stop)
-        self._store(x, g, u)
-        x[_START] = (*g.angles, self._length(c, norm(g.span)))
-        return x
+        return _State(g, self._preload(c, g), 0.0, _frames(u), self._no_wrench, self._no_wrench)
 
-    def _store(self, x: Vector, g: _Geometry, u: Vector) -> None:
-        """Put a geometry and the orientations of both pulleys into a state."""
-        x[_ANGLES], x[_WORKS], x[_SPAN] = g.angles, (*g.works_1, *g.works_2), g.span
-        x[self._frames] = (*u[3:7], *u[16:20])
-
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step; mean tensions from the strands' elongations at both ends."""
-        v = as_floats(x)
-        start = (v[11], v[12], v[13])
-        old = _Geometry((v[0], v[1]), (v[2], v[3], v[4]), (v[5], v[6], v[7]), (v[8], v[9], v[10]))
-        new = self._geometry(as_floats(u), old.angles)
-        result = x.copy()
-        self._store(result, new, u)
-        if u[self._hold] > 0.5:
-            return self._adjusted(c, result, new)
-        before, after = self._elongations(c, old, start), self._elongations(c, new, start)
+    def advance(self, c: _Constants, s: _State, u: Inputs[_Commands], h: float) -> _State:
+        """Mean tensions from the strands' elongations at both ends."""
+        old, new = s.geometry, self._geometry(u, s.geometry.angles)
+        moved = s._replace(geometry=new, frames=_frames(u), slopes=self._no_wrench)
+        if u.commands.hold > 0.5:
+            tension = -c.strand.value(0.0)
+            wrench = self._wrenches(c, new, tension, tension)
+            return moved._replace(preload=self._preload(c, new), wrench=wrench)
+        before, after = self._elongations(c, old, s.preload), self._elongations(c, new, s.preload)
         works = mean(old.works_1, new.works_1), mean(old.works_2, new.works_2)
         middle = _Geometry(new.angles, *works, mean(old.span, new.span))
-        if c.paired:
+        if c.is_paired:
             line = Line(middle.span, subtract(new.span, old.span), 1.0 / norm(middle.span))
-            moments = self._moments(c, v, as_floats(u), middle, line)
+            moments = self._moments(c, s, u, middle, line)
             loads = [
-                workless_law(c.strand, c.damping, StepMotion(a, b, h, Memory(0.0, 0.0), moment))
+                workless_law(c.strand, c.p.strand_damping, StepMotion(a, b, h, Memory(0.0, 0.0), moment))
                 for a, b, moment in zip(before, after, moments, strict=True)
             ]
-            result[_HEAT] += sum(load.heat for load in loads)
-            result[self._wrench], result[self._slopes] = self._pairs(c, middle, line, loads)
-            return result
+            wrench, slopes = self._pairs(c, middle, line, loads)
+            heat = s.heat + sum(load.heat for load in loads)
+            return moved._replace(heat=heat, wrench=wrench, slopes=slopes)
         rates = [(b - a) / h for a, b in zip(before, after, strict=True)]
-        tension = [
-            -mean_force(c.strand, a, b, c.end_weight) + c.damping * rate
+        tension_a, tension_b = (
+            -mean_force(c.strand, a, b, c.p.end_weight) + c.p.strand_damping * rate
             for a, b, rate in zip(before, after, rates, strict=True)
-        ]
-        result[_HEAT] += self._heat(c, before, after, rates, h)
-        result[self._wrench] = self._wrenches(c, middle, tension[0], tension[1])
-        result[self._slopes] = 0.0
-        return result
-
-    def _adjusted(self, c: _Constants, result: Vector, g: _Geometry) -> Vector:
-        """The state with both strands at their preload in the given geometry."""
-        tension = -c.strand.value(0.0)
-        result[_START] = (*g.angles, self._length(c, norm(g.span)))
-        result[self._wrench] = self._wrenches(c, g, tension, tension)
-        result[self._slopes] = 0.0
-        return result
+        )
+        return moved._replace(
+            heat=s.heat + self._heat(c, before, after, rates, h),
+            wrench=self._wrenches(c, middle, tension_a, tension_b),
+        )
 
     def _moments(
-        self, c: _Constants, x: list[float], u: list[float], g: _Geometry, line: Line
+        self, c: _Constants, s: _State, u: Inputs[_Commands], g: _Geometry, line: Line
     ) -> tuple[float, float]:
         """Moments of both elongations' rates; the adjoint of `_pairs`."""
-        first = self._hold + 1
-        parts = [(u[i], u[i + 1], u[i + 2]) for i in range(first, len(u), 3)]
-        apart, spins = subtract(parts[2], parts[0]), (parts[1], parts[3])
-        if self._guided:
-            relative = [subtract(parts[5], spin) for spin in spins]
+        pulley_1, pulley_2, *guide = u.moments
+        apart = subtract(pulley_2.velocity, pulley_1.velocity)
+        spins = pulley_1.angular_velocity, pulley_2.angular_velocity
+        if guide:
+            relative = [subtract(guide[0].angular_velocity, spin) for spin in spins]
         else:
-            now = (u[3:7], u[16:20])
-            frames = [x[i : i + 4] for i in range(self._frames.start, self._frames.stop, 4)]
             change = scaled(1.0 / 6.0, line.change)
             relative = [
-                subtract(subtract(apart, cross(spin, g.span)), cross(_turn(before, after), change))
-                for spin, before, after in zip(spins, frames, now, strict=True)
+                subtract(subtract(apart, cross(spin, g.span)), cross(turn_between(before, after), change))
+                for spin, before, after in zip(spins, s.frames, _frames(u), strict=True)
             ]
         return self._elongation_rates(c, g, relative, line.moment(apart))
 
@@ -265,24 +253,24 @@ class CableLoop(Component):
         added = [scaled(-1.0, force), (0.0, 0.0, 0.0), force, (0.0, 0.0, 0.0)]
         if not self._guided:
             change = scaled((slope_a - slope_b) / 6.0, line.change)
-            added[1] = scaled(c.radius_1, cross(change, g.works_1))
-            added[3] = scaled(-c.radius_2, cross(change, g.works_2))
+            added[1] = scaled(c.p.radius_1, cross(change, g.works_1))
+            added[3] = scaled(-c.p.radius_2, cross(change, g.works_2))
         more = [value for vector in added for value in vector]
         return (*(p + q for p, q in zip(means[:12], more, strict=True)), *means[12:]), slopes
 
     def _axial(self, c: _Constants, distance: float) -> float:
         """Force along the centre line for a tension of one: free strands cross it."""
-        step = 0.0 if self._guided else c.radius_1 - c.radius_2
+        step = 0.0 if self._guided else c.p.radius_1 - c.p.radius_2
         return sqrt(distance * distance - step * step) / distance
 
     @staticmethod
     def _heat(
         c: _Constants, before: tuple[float, float], after: tuple[float, float], rates: list[float], h: float
     ) -> float:
-        heat = c.damping * h * sum(rate * rate for rate in rates)
-        if c.end_weight != 0.5:
+        heat = c.p.strand_damping * h * sum(rate * rate for rate in rates)
+        if c.p.end_weight != 0.5:
             heat -= sum(
-                (mean_force(c.strand, a, b, c.end_weight) - mean_force(c.strand, a, b)) * (b - a)
+                (mean_force(c.strand, a, b, c.p.end_weight) - mean_force(c.strand, a, b)) * (b - a)
                 for a, b in zip(before, after, strict=True)
             )
         return heat
@@ -292,36 +280,36 @@ class CableLoop(Component):
         distance = norm(g.span)
         direction = scaled(1.0 / distance, g.span)
         difference = tension_a - tension_b
-        works_1 = scaled(c.radius_1 * difference, g.works_1)
-        works_2 = scaled(-c.radius_2 * difference, g.works_2)
+        works_1 = scaled(c.p.radius_1 * difference, g.works_1)
+        works_2 = scaled(-c.p.radius_2 * difference, g.works_2)
         if self._guided:
             torque_1, torque_2 = works_1, works_2
             force_2 = scaled(-(tension_a + tension_b), direction)
             guide = scaled(-1.0, add(add(torque_1, torque_2), cross(g.span, force_2)))
             return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2, 0.0, 0.0, 0.0, *guide)
-        step = c.radius_1 - c.radius_2
+        step = c.p.radius_1 - c.p.radius_2
         axial = (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance
         force_2 = subtract(scaled(-axial, direction), add(works_1, works_2))
         torque_1, torque_2 = cross(g.span, works_1), cross(g.span, works_2)
         return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
 
-    def _now(self, c: _Constants, x: Vector, u: Vector) -> _Instant:
+    def _now(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Instant:
         """Geometry, tensions and heat of this instant; strands that are being adjusted are at their preload."""
-        v, inputs = as_floats(x), as_floats(u)
-        g = self._geometry(inputs, (v[0], v[1]))
-        elongations = rates = (0.0, 0.0)
-        if not (self._endpoint and inputs[self._hold] > 0.5):
-            elongations = self._elongations(c, g, (v[11], v[12], v[13]))
-            rates = self._port_rates(c, inputs, g) if c.damping > 0.0 else rates
-        a, b = (-c.strand.value(s) + c.damping * rate for s, rate in zip(elongations, rates, strict=True))
-        return _Instant(g, elongations, a, b, c.damping * sum(rate * rate for rate in rates))
+        g = self._geometry(u, s.geometry.angles)
+        damping, elongations, rates = c.p.strand_damping, (0.0, 0.0), (0.0, 0.0)
+        if not (self.endpoint and u.commands.hold > 0.5):
+            elongations = self._elongations(c, g, s.preload)
+            rates = self._port_rates(c, u, g) if damping > 0.0 else rates
+        a, b = (-c.strand.value(s) + damping * rate for s, rate in zip(elongations, rates, strict=True))
+        return _Instant(g, elongations, a, b, damping * sum(rate * rate for rate in rates))
 
-    def _port_rates(self, c: _Constants, u: list[float], g: _Geometry) -> tuple[float, float]:
+    def _port_rates(self, c: _Constants, u: Inputs[_Commands], g: _Geometry) -> tuple[float, float]:
         """Elongation rates of both strands from the ports' velocities."""
-        velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
-        spins = (u[10], u[11], u[12]), (u[23], u[24], u[25])
-        if self._guided:
-            relative = [subtract((u[36], u[37], u[38]), spin) for spin in spins]
+        pulley_1, pulley_2, *guide = u.motions
+        velocity = subtract(pulley_2.velocity, pulley_1.velocity)
+        spins = pulley_1.angular_velocity, pulley_2.angular_velocity
+        if guide:
+            relative = [subtract(guide[0].angular_velocity, spin) for spin in spins]
         else:
             relative = [subtract(velocity, cross(spin, g.span)) for spin in spins]
         along = dot(velocity, scaled(1.0 / norm(g.span), g.span))
@@ -333,57 +321,56 @@ class CableLoop(Component):
         """Elongation rates from that of the centre line, and from what moves against each pulley."""
         rate_1, rate_2 = dot(relative[0], g.works_1), dot(relative[1], g.works_2)
         stretch = along if self._guided else along * self._axial(c, norm(g.span))
-        turn = c.radius_1 * rate_1 - c.radius_2 * rate_2
+        turn = c.p.radius_1 * rate_1 - c.p.radius_2 * rate_2
         return stretch + turn, stretch - turn
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on all ports, slopes of mean wrenches."""
-        if not self._endpoint:
-            return np.concatenate((x[self._wrench], x[self._slopes]))
-        now = self._now(c, x, u)
-        return np.array(self._wrenches(c, now.geometry, now.tension_a, now.tension_b))
+    def wrenches(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
+        """Of the present tensions."""
+        now = self._now(c, s, u)
+        return self._wrenches(c, now.geometry, now.tension_a, now.tension_b)
 
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Observations:
         """Tensions, forces and torques of this instant, and energies."""
-        g, (a, b), tension_a, tension_b, _ = self._now(c, x, u)
+        g, (a, b), tension_a, tension_b, _ = self._now(c, s, u)
         distance = norm(g.span)
-        step = 0.0 if self._guided else c.radius_1 - c.radius_2
+        step = 0.0 if self._guided else c.p.radius_1 - c.p.radius_2
         difference = tension_a - tension_b
-        return np.array(
-            (
-                tension_a,
-                tension_b,
-                c.radius_1 * difference,
-                -c.radius_2 * difference,
-                (tension_a + tension_b) * sqrt(distance * distance - step * step) / distance,
-                -difference * step / distance,
-                0.5 * (a - b),
-                c.strand.potential(a) + c.strand.potential(b),
-                float(x[_HEAT]),
-            )
+        return _Observations(
+            tension_a=tension_a,
+            tension_b=tension_b,
+            torque_1=c.p.radius_1 * difference,
+            torque_2=-c.p.radius_2 * difference,
+            axial_force=(tension_a + tension_b) * sqrt(distance * distance - step * step) / distance,
+            lateral_force=-difference * step / distance,
+            synchronization_error=0.5 * (a - b),
+            potential_energy=c.strand.potential(a) + c.strand.potential(b),
+            dissipated_energy=s.heat,
         )
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Heat of the strands' damping (W)."""
-        return np.array((self._now(c, x, u).heat,))
+        return (self._now(c, s, u).heat,)
 
-    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+    def follow(self, c: _Constants, s: _State, u: Inputs[_Commands], at_event: bool) -> _State:
         """Follow the angles; while strands are adjusted, the present geometry is the one of their preload."""
-        g = self._geometry(as_floats(u), (float(x[0]), float(x[1])))
-        result = x.copy()
-        result[_ANGLES] = g.angles
-        if u[self._hold] > 0.5:
-            result[_START] = (*g.angles, self._length(c, norm(g.span)))
-        return result
+        g = self._geometry(u, s.geometry.angles)
+        followed = s._replace(geometry=s.geometry._replace(angles=g.angles))
+        return followed._replace(preload=self._preload(c, g)) if u.commands.hold > 0.5 else followed
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Pulley axis, course of the cables and mode."""
-        return {"axis_frame": self._axis_frame, "guided": self._guided, "endpoint": self._endpoint}
+        return {**super().native_data(), "axis_frame": self._axis_frame, "guided": self._guided}
 
     @classmethod
     def example(cls) -> CableLoop:
         """A loop whose cables are led along the body between."""
         return cls(guided=True)
+
+
+def _frames(u: Inputs[_Commands]) -> tuple[Quaternion, Quaternion]:
+    """Orientations of both pulleys."""
+    pulley_1, pulley_2, *_ = u.motions
+    return pulley_1.orientation, pulley_2.orientation
 
 
 def _shared(frame: Quaternion, axis: Vector3) -> Vector3:
@@ -392,44 +379,8 @@ def _shared(frame: Quaternion, axis: Vector3) -> Vector3:
     return scaled(1.0 / (1.0 + dot(own, axis)), add(own, axis))
 
 
-def _turn(before: Sequence[float], after: Sequence[float]) -> Vector3:
-    """Turn of a port between two quaternions."""
-    return turn_between(
-        (before[0], before[1], before[2], before[3]), (after[0], after[1], after[2], after[3])
-    )
-
-
 def _angle_of(span: Vector3, frame: Quaternion) -> tuple[float, Vector3]:
     """Angle of the centre line about a frame's x axis, and its gradient (1/m) with respect to the centre line."""
     _, y, z = rotate_back(frame, span)
     square = y * y + z * z
     return atan2(z, y), rotate(frame, (0.0, -z / square, y / square))
-
-
-def _parameters() -> list[Quantity]:
-    def tunable(name: str, unit: str, text: str, start: float, minimum: float) -> Quantity:
-        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
-
-    return [
-        tunable("radius_1", "m", "Radius of pulley 1", 0.03, 1e-6),
-        tunable("radius_2", "m", "Radius of pulley 2", 0.03, 1e-6),
-        tunable("preload", "N", "Tension of each strand at the start", 40.0, 0.0),
-        tunable("strand_stiffness", "N/m", "Stiffness of one strand", 5000.0, 1e-9),
-        tunable("strand_damping", "N.s/m", "Damping of one strand", 0.0, 0.0),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-        order_parameter(),
-    ]
-
-
-def _observations() -> list[Quantity]:
-    return [
-        Quantity("tension_a", "N", "Tension of strand a"),
-        Quantity("tension_b", "N", "Tension of strand b"),
-        Quantity("torque_1", "N.m", "Torque T1 on body 1 about the pulley axis"),
-        Quantity("torque_2", "N.m", "Torque T2 on body 3 about the pulley axis"),
-        Quantity("axial_force", "N", "Force between the pulleys along their centre line"),
-        Quantity("lateral_force", "N", "Lateral force on each pulley"),
-        Quantity("synchronization_error", "m", "r1 phi1 - r2 phi2, what the strands take up"),
-        Quantity("potential_energy", "J", "Elastic energy of both strands"),
-        Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-    ]

@@ -7,30 +7,29 @@ the penetration, and damping that rises from nothing at touch to its full value 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import pow
+from typing import Annotated, ClassVar, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, Port, Quantity, Vector
+from .contract.connection import HEAT, NO_PAIR, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
+from .contract.record import Record, kept, observed, tunable
+from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, EVENT, LOAD, POTENTIAL_ENERGY
 from .numerics.mid_step import MidStep
-from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point, pair, unit_direction
+from .numerics.relative_motion import pair, unit_direction
 
-_NORMAL, _ARM, _HEAT, _WRENCH, _RATE = slice(0, 3), slice(3, 6), 6, slice(7, 19), slice(19, 23)
 _NARROW = 1e-3
 
 
-@dataclass(frozen=True, slots=True)
-class _Constants:
-    gap: float
-    reference_force: float
-    reference_penetration: float
-    exponent: float
-    damping: float
-    full_damping_penetration: float
-    end_weight: float
+class _Parameters(NamedTuple):
+    gap: Annotated[float, tunable("m", "Distance of the plane from the inboard port along the normal")]
+    reference_force: Annotated[float, tunable("N", "Elastic force at the reference penetration", 1000.0, 0.0)]
+    reference_penetration: Annotated[float, tunable("m", "Penetration of the reference force", 1e-3, 1e-9)]
+    exponent: Annotated[float, tunable("1", "Power of the penetration in the elastic force", 1.5, 1.0)]
+    damping: Annotated[float, tunable("N.s/m", "Force per rate of penetration at full damping", 0.0, 0.0)]
+    full_damping_penetration: Annotated[float, tunable("m", "Penetration of full damping", 1e-4, 1e-9)]
+    end_weight: Annotated[float, END_WEIGHT]
 
     def elastic(self, penetration: float) -> float:
         """Force of the potential."""
@@ -61,7 +60,23 @@ class _Constants:
         return elastic, _pushing(force)
 
 
-class Contact(Component):
+class _State(NamedTuple):
+    normal: Annotated[Vector3, kept("1", "Normal of the plane, world axes")]
+    arm: Annotated[Vector3, kept("m", "Vector from the inboard to the outboard port, world axes")]
+    rate: Annotated[MidStep, kept("m/s", "Mean rates of the penetration over two steps")]
+    heat: Annotated[float, HEAT]
+    wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
+
+
+class _Observations(NamedTuple):
+    penetration: Annotated[float, observed("m", "Penetration of the outboard port; negative: its clearance")]
+    contact_force: Annotated[float, observed("N", "Force on the outboard body along the normal", LOAD)]
+    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the penetration")]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
+    in_contact: Annotated[float, observed("1", "1: the outboard port is in the plane or behind it", EVENT)]
+
+
+class Contact(Connection[_Parameters, _State, Impulse]):
     """A point of the outboard body, its port, against a plane fixed to the inboard port.
 
     normal: direction in the axes of the inboard port along which the outboard body is pushed away. The
@@ -69,91 +84,61 @@ class Contact(Component):
     The force acts at the outboard port.
     """
 
-    kind = "contact"
+    kind, order = "contact", 2
+    parameters, states = Record(_Parameters), Record(_State)
+    commands, observations = Record(Impulse), Record(_Observations)
+    scheme: ClassVar = {"NARROW": _NARROW}
 
     def __init__(self, normal: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
-        self._endpoint = gives_end_point(wrench_mode)
         self._direction = unit_direction(normal, "normal", "the plane's normal")
-        self._declare(
-            {"normal": tuple(normal), "wrench_mode": wrench_mode},
-            ports=[Port("inboard", "connection"), Port("outboard", "connection")],
-            parameters=_parameters(),
-            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=[
-                Quantity("penetration", "m", "Penetration of the outboard port; negative: its clearance"),
-                Quantity("contact_force", "N", "Force on the outboard body along the normal"),
-                Quantity("potential_energy", "J", "Elastic energy of the penetration"),
-                Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-                Quantity("in_contact", "1", "1: the outboard port is in the plane or behind it"),
-            ],
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(_HEAT)
+        super().__init__({"normal": tuple(normal)}, wrench_mode)
 
-    def prepare(self, p: Vector) -> _Constants:
-        """Constants of the given parameters."""
-        self.check_ranges(p)
-        return _Constants(*as_floats(p))
-
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
         """At the pose of the inputs."""
-        normal, arm, rate = self._place(as_floats(u))
-        return np.array((*normal, *arm, 0.0, *(0.0,) * 12, *MidStep.starting(rate)))
+        normal, arm, rate = self._place(u)
+        return _State(normal, arm, MidStep.starting(rate), 0.0)
 
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step: the mean force from the penetrations at both ends, and the heat it makes."""
-        v = as_floats(x)
-        old_normal, old_arm = (v[0], v[1], v[2]), (v[3], v[4], v[5])
-        normal, arm, end_rate = self._place(as_floats(u))
-        before, after = c.gap - dot(old_normal, old_arm), c.gap - dot(normal, arm)
+    def advance(self, c: _Parameters, s: _State, u: Inputs[Impulse], h: float) -> _State:
+        """The mean force from the penetrations at both ends, and the heat it makes."""
+        normal, arm, end_rate = self._place(u)
+        before, after = c.gap - dot(s.normal, s.arm), c.gap - dot(normal, arm)
         elastic, force = c.mean_forces(before, after, h)
-        heat = v[_HEAT] + (force - elastic) * (after - before)
+        heat = s.heat + (force - elastic) * (after - before)
         # with both means the work on the ports is the force times the change of penetration
-        wrench = pair(scaled(force, mean(old_normal, normal)), (0.0, 0.0, 0.0), mean(old_arm, arm))
-        rate = (after - before) / h
-        felt = MidStep(*v[_RATE]).after(rate, h) if u[-1] < 0.5 else MidStep.starting(end_rate)
-        return np.array((*normal, *arm, heat, *wrench, *felt))
+        wrench = pair(scaled(force, mean(s.normal, normal)), (0.0, 0.0, 0.0), mean(s.arm, arm))
+        is_impulse = u.commands.impulse > 0.5
+        felt = MidStep.starting(end_rate) if is_impulse else s.rate.after((after - before) / h, h)
+        return _State(normal, arm, felt, heat, wrench)
 
-    def _place(self, u: list[float]) -> tuple[Vector3, Vector3, float]:
+    def _place(self, u: Inputs[Impulse]) -> tuple[Vector3, Vector3, float]:
         """Normal and vector from the inboard to the outboard port, world axes, and rate of the penetration."""
-        normal = rotate((u[3], u[4], u[5], u[6]), self._direction)
-        arm = (u[13] - u[0], u[14] - u[1], u[15] - u[2])
-        velocity = subtract((u[20] - u[7], u[21] - u[8], u[22] - u[9]), cross((u[10], u[11], u[12]), arm))
-        return normal, arm, -dot(normal, velocity)
+        inboard, outboard = u.motions
+        normal = rotate(inboard.orientation, self._direction)
+        arm = subtract(outboard.position, inboard.position)
+        apart = subtract(outboard.velocity, inboard.velocity)
+        return normal, arm, -dot(normal, subtract(apart, cross(inboard.angular_velocity, arm)))
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports."""
-        if not self._endpoint:
-            return x[_WRENCH].copy()
-        normal, arm, rate = self._place(as_floats(u))
-        force = c.force(c.gap - dot(normal, arm), rate)
-        return np.array(pair(scaled(force, normal), (0.0, 0.0, 0.0), arm))
+    def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+        """Of the present penetration and its rate."""
+        normal, arm, rate = self._place(u)
+        return pair(scaled(c.force(c.gap - dot(normal, arm), rate), normal), (0.0, 0.0, 0.0), arm)
 
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> _Observations:
         """Penetration and force at the communication point, energies."""
-        normal, arm, rate = self._place(as_floats(u))
+        normal, arm, rate = self._place(u)
         penetration = c.gap - dot(normal, arm)
-        felt = rate if self._endpoint else MidStep(*as_floats(x[_RATE])).now()
-        return np.array(
-            (
-                penetration,
-                c.force(penetration, felt),
-                c.potential(penetration),
-                x[_HEAT],
-                float(penetration >= 0.0),
-            )
-        )
+        force = c.force(penetration, rate if self.endpoint else s.rate.now())
+        return _Observations(penetration, force, c.potential(penetration), s.heat, float(penetration >= 0.0))
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat of the end-point force (W)."""
-        normal, arm, rate = self._place(as_floats(u))
+        normal, arm, rate = self._place(u)
         penetration = c.gap - dot(normal, arm)
-        return np.array(((c.force(penetration, rate) - c.elastic(penetration)) * rate,))
+        return ((c.force(penetration, rate) - c.elastic(penetration)) * rate,)
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Normal and mode."""
-        return {"normal": self._direction, "endpoint": self._endpoint}
+        return {**super().native_data(), "normal": self._direction}
 
     @classmethod
     def example(cls) -> Contact:
@@ -194,18 +179,3 @@ def mean_rise(start: float, end: float) -> float:
 
 def _pushing(force: float) -> float:
     return 0.0 if force < 0.0 else force
-
-
-def _parameters() -> list[Quantity]:
-    def tunable(name: str, unit: str, text: str, start: float, minimum: float | None) -> Quantity:
-        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
-
-    return [
-        tunable("gap", "m", "Distance of the plane from the inboard port along the normal", 0.0, None),
-        tunable("reference_force", "N", "Elastic force at the reference penetration", 1000.0, 0.0),
-        tunable("reference_penetration", "m", "Penetration of the reference force", 1e-3, 1e-9),
-        tunable("exponent", "1", "Power of the penetration that the elastic force grows with", 1.5, 1.0),
-        tunable("damping", "N.s/m", "Force per rate of penetration at full damping", 0.0, 0.0),
-        tunable("full_damping_penetration", "m", "Penetration from which damping is full", 1e-4, 1e-9),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-    ]

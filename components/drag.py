@@ -7,14 +7,12 @@ so the sums over strips are integrals of quadratics, exact also where the plate 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
 from math import atan2, sqrt
+from typing import Annotated, NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.component import ComponentError, Vector
+from .contract.connection import HEAT, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import (
     Quaternion,
     Vector3,
@@ -26,20 +24,25 @@ from .contract.frames import (
     scaled,
     subtract,
 )
+from .contract.ports import WRENCH_SIZE, PortMotion
+from .contract.record import Record, kept, observed, tunable
+from .contract.roles import DISSIPATED_ENERGY, LOAD
 from .numerics.mid_step import MidStep
-from .numerics.relative_motion import as_floats, dissipated_energies, gives_end_point
 
-_POSITION, _ORIENTATION, _HEAT, _WRENCH = slice(0, 3), slice(3, 7), 7, slice(8, 14)
-_NORMAL_RATE, _TURN_RATE = slice(14, 18), slice(18, 22)
 _NORMAL, _TURN_AXIS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class _Constants:
-    start: float
-    end: float
-    pressure: float
-    """Force per length of the plate and square of the velocity (N.s2/m3)."""
+class _Parameters(NamedTuple):
+    start: Annotated[float, tunable("m", "Where the plate begins on the x axis of the port")]
+    end: Annotated[float, tunable("m", "Where the plate ends on the x axis of the port", 1.0)]
+    width: Annotated[float, tunable("m", "Width of the plate along the y axis of the port", 1.0, 0.0)]
+    air_density: Annotated[float, tunable("kg/m3", "Density of the air", 1.204, 0.0)]
+    drag_coefficient: Annotated[float, tunable("1", "Drag coefficient, flow along the normal", 1.28, 0.0)]
+
+    @property
+    def pressure(self) -> float:
+        """Force per length of the plate and square of the velocity (N.s2/m3)."""
+        return 0.5 * self.air_density * self.drag_coefficient * self.width
 
     def loads(self, velocity: float, turn: float) -> tuple[float, float]:
         """Force along the normal and torque about the y axis, both at the port, for the rates of the port.
@@ -58,102 +61,87 @@ class _Constants:
         return velocity - 0.5 * (self.start + self.end) * turn
 
 
-class PlateDrag(Component):
+class _State(NamedTuple):
+    position: Annotated[Vector3, kept("m", "Position of the port, world axes")]
+    orientation: Annotated[Quaternion, kept("1", "Its orientation")]
+    normal_rate: Annotated[MidStep, kept("m/s", "Mean velocities along the normal over two steps")]
+    turn_rate: Annotated[MidStep, kept("rad/s", "Mean rates about the y axis over two steps")]
+    heat: Annotated[float, HEAT]
+    wrench: Annotated[tuple[float, ...], WRENCH.sized(WRENCH_SIZE)] = (0.0,) * WRENCH_SIZE
+
+
+class _Observations(NamedTuple):
+    drag_force: Annotated[
+        float, observed("N", "Force on the body along the z axis of the port, the normal", LOAD)
+    ]
+    drag_torque: Annotated[float, observed("N.m", "Torque on the body about the y axis of the port", LOAD)]
+    normal_velocity: Annotated[float, observed("m/s", "Velocity of the plate's centre along the normal")]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
+
+
+class PlateDrag(Connection[_Parameters, _State, Impulse]):
     """Drag of a plate in the x-y plane of its port, from `start` to `end` along x and `width` across.
 
     The air is at rest in world axes. The mean wrench follows from the mean velocities of a step, so its work is
     never positive, and is what is dissipated.
     """
 
-    kind = "drag"
+    kind, port_names, order = "drag", ("body",), 2
+    parameters, states = Record(_Parameters), Record(_State)
+    commands, observations = Record(Impulse), Record(_Observations)
 
     def __init__(self, wrench_mode: str = "mean") -> None:
-        self._endpoint = gives_end_point(wrench_mode)
-        self._declare(
-            {"wrench_mode": wrench_mode},
-            ports=[Port("body", "connection")],
-            parameters=_parameters(),
-            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=[
-                Quantity(
-                    "drag_force", "N", "Force on the body along the plate's normal, the z axis of the port"
-                ),
-                Quantity("drag_torque", "N.m", "Torque on the body about the y axis of the port"),
-                Quantity("normal_velocity", "m/s", "Velocity of the plate's centre along the normal"),
-                Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-            ],
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(_HEAT)
+        super().__init__({}, wrench_mode)
 
-    def prepare(self, p: Vector) -> _Constants:
-        """Constants of the given parameters."""
-        self.check_ranges(p)
-        start, end, width, density, coefficient = as_floats(p)
-        if end <= start:
-            raise ComponentError(f"the plate ends at {end:g} m; it must end beyond its start at {start:g} m")
-        return _Constants(start, end, 0.5 * density * coefficient * width)
+    def prepare(self, p: Vector) -> _Parameters:
+        """The checked parameters by name."""
+        one = self._checked(p)
+        if one.end <= one.start:
+            raise ComponentError(
+                f"the plate ends at {one.end:g} m; it must end beyond its start at {one.start:g} m"
+            )
+        return one
 
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
         """At the pose of the inputs."""
-        v = as_floats(u)
-        velocity, turn = _rates(v)
-        slides = (*MidStep.starting(velocity), *MidStep.starting(turn))
-        return np.array((*v[:7], 0.0, *(0.0,) * 6, *slides))
+        (port,) = u.motions
+        velocity, turn = _rates(port)
+        return _State(
+            port.position, port.orientation, MidStep.starting(velocity), MidStep.starting(turn), 0.0
+        )
 
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step: the wrench of the mean velocities in the orientation halfway, and the heat it makes."""
-        v, w = as_floats(x), as_floats(u)
-        before, after = (v[3], v[4], v[5], v[6]), (w[3], w[4], w[5], w[6])
-        halfway, change = _halfway(before, after), _turned(before, after)
-        moved = subtract((w[0], w[1], w[2]), (v[0], v[1], v[2]))
+    def advance(self, c: _Parameters, s: _State, u: Inputs[Impulse], h: float) -> _State:
+        """The wrench of the mean velocities in the orientation halfway, and the heat it makes."""
+        (port,) = u.motions
+        halfway, change = _halfway(s.orientation, port.orientation), _turned(s.orientation, port.orientation)
+        moved = subtract(port.position, s.position)
         # the axis of the change is the same in all three frames
         velocity, turn = dot(rotate(halfway, _NORMAL), moved) / h, dot(_TURN_AXIS, change) / h
         force, torque = c.loads(velocity, turn)
-        heat = v[_HEAT] - (force * velocity + torque * turn) * h
-        if u[-1] < 0.5:
-            slides = (
-                MidStep(*v[_NORMAL_RATE]).after(velocity, h),
-                MidStep(*v[_TURN_RATE]).after(turn, h),
-            )
-        else:
-            slides = MidStep.starting(_rates(w)[0]), MidStep.starting(_rates(w)[1])
-        return np.array((*w[:7], heat, *_wrench(halfway, force, torque), *slides[0], *slides[1]))
+        felt = s.normal_rate.after(velocity, h), s.turn_rate.after(turn, h)
+        if u.commands.impulse > 0.5:
+            at_end = _rates(port)
+            felt = MidStep.starting(at_end[0]), MidStep.starting(at_end[1])
+        heat = s.heat - (force * velocity + torque * turn) * h
+        return _State(port.position, port.orientation, *felt, heat, _wrench(halfway, force, torque))
 
-    def _felt(self, x: Vector, u: Vector) -> tuple[float, float]:
-        """Velocity and turn rate of the port at the communication point."""
-        if self._endpoint:
-            return _rates(as_floats(u))
-        v = as_floats(x)
-        return MidStep(*v[_NORMAL_RATE]).now(), MidStep(*v[_TURN_RATE]).now()
+    def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+        """Of the present velocities."""
+        (port,) = u.motions
+        return _wrench(port.orientation, *c.loads(*_rates(port)))
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrench on the port."""
-        if not self._endpoint:
-            return x[_WRENCH].copy()
-        v = as_floats(u)
-        return np.array(_wrench((v[3], v[4], v[5], v[6]), *c.loads(*_rates(v))))
-
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> _Observations:
         """Force, torque and velocity at the communication point, energy dissipated."""
-        velocity, turn = self._felt(x, u)
-        return np.array((*c.loads(velocity, turn), c.centre_velocity(velocity, turn), x[_HEAT]))
+        velocity, turn = _rates(u.motions[0])
+        if not self.endpoint:
+            velocity, turn = s.normal_rate.now(), s.turn_rate.now()
+        return _Observations(*c.loads(velocity, turn), c.centre_velocity(velocity, turn), s.heat)
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat of the end-point wrench (W)."""
-        velocity, turn = _rates(as_floats(u))
+        velocity, turn = _rates(u.motions[0])
         force, torque = c.loads(velocity, turn)
-        return np.array((-(force * velocity + torque * turn),))
-
-    def native_data(self) -> Mapping[str, ArrayLike]:
-        """Mode."""
-        return {"endpoint": self._endpoint}
-
-    @classmethod
-    def example(cls) -> PlateDrag:
-        """A plate."""
-        return cls()
+        return (-(force * velocity + torque * turn),)
 
 
 def mean_squares(first: float, last: float) -> tuple[float, float]:
@@ -170,11 +158,10 @@ def mean_squares(first: float, last: float) -> tuple[float, float]:
     return (left + right) / 3.0, left * still / 12.0 + right * (still / 3.0 + (1.0 - still) / 4.0)
 
 
-def _rates(u: list[float]) -> tuple[float, float]:
+def _rates(port: PortMotion) -> tuple[float, float]:
     """Velocity of the port along the plate's normal, and its rate about the plate's y axis."""
-    orientation = (u[3], u[4], u[5], u[6])
-    normal, axis = rotate(orientation, _NORMAL), rotate(orientation, _TURN_AXIS)
-    return dot(normal, (u[7], u[8], u[9])), dot(axis, (u[10], u[11], u[12]))
+    normal, axis = rotate(port.orientation, _NORMAL), rotate(port.orientation, _TURN_AXIS)
+    return dot(normal, port.velocity), dot(axis, port.angular_velocity)
 
 
 def _wrench(orientation: Quaternion, force: float, torque: float) -> tuple[float, ...]:
@@ -196,16 +183,3 @@ def _turned(before: Quaternion, after: Quaternion) -> Vector3:
         w, x, y, z = -w, -x, -y, -z
     half = sqrt(x * x + y * y + z * z)
     return scaled(2.0 if half < 1e-8 else 2.0 * atan2(half, w) / half, (x, y, z))
-
-
-def _parameters() -> list[Quantity]:
-    def tunable(name: str, unit: str, text: str, start: float, minimum: float | None) -> Quantity:
-        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
-
-    return [
-        tunable("start", "m", "Where the plate begins on the x axis of the port", 0.0, None),
-        tunable("end", "m", "Where the plate ends on the x axis of the port", 1.0, None),
-        tunable("width", "m", "Width of the plate along the y axis of the port", 1.0, 0.0),
-        tunable("air_density", "kg/m3", "Density of the air", 1.204, 0.0),
-        tunable("drag_coefficient", "1", "Drag coefficient of the plate, flow along its normal", 1.28, 0.0),
-    ]

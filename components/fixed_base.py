@@ -3,21 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
+from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized, sum_of_moments
+from .contract.ports import WRENCH_SIZE
+from .contract.record import Record, kept, observed
+from .contract.roles import IMPULSE, LOAD
 from .numerics.mid_step import StepMean, extrapolated
 
-_STEP = 13  # load, slope and size of a step
 _STOPPED = -1.0
 
 
-def _step_mean(memory: Vector) -> StepMean[Vector]:
-    return StepMean(memory[:6], memory[6:12], float(memory[12]))
+class _State(NamedTuple):
+    """Mean loads (N, N.m) and their slopes over the last two steps; size 0: none, below 0: an impulse."""
+
+    load: Annotated[tuple[float, ...], kept("N", "Mean load of the last step").sized(WRENCH_SIZE)]
+    slope: Annotated[tuple[float, ...], kept("N", "Its slope").sized(WRENCH_SIZE)]
+    h: Annotated[float, kept("s", "Size of the last step")]
+    previous_load: Annotated[tuple[float, ...], kept("N", "The same of the step before").sized(WRENCH_SIZE)]
+    previous_slope: Annotated[tuple[float, ...], kept("N", "Its slope").sized(WRENCH_SIZE)]
+    previous_h: Annotated[float, kept("s", "Its size")]
+
+
+_STATES = Record(_State)
+_NONE = (0.0,) * WRENCH_SIZE
+_OBSERVATIONS = (
+    observed("N", "Force on the base, world axes", LOAD).called("interface_force", 3),
+    observed("N.m", "Torque on the base about the reference point", LOAD).called("interface_torque", 3),
+)
 
 
 class FixedBase(Component):
@@ -28,7 +45,9 @@ class FixedBase(Component):
     """
 
     kind = "fixed_base"
+    ports_vary = True
     constant_mobility = True
+    scheme: ClassVar = {"STOPPED": _STOPPED}
 
     def __init__(
         self, ports: Sequence[Mapping[str, Any]], reference: Sequence[float] = (0.0, 0.0, 0.0)
@@ -38,54 +57,55 @@ class FixedBase(Component):
         self._declare(
             {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
             ports=[Port(port["name"], "body", 4) for port in ports],
-            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=[
-                Quantity("interface_force", "N", "Force on the base, world axes", 3),
-                Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
-            ],
+            inputs=[IMPULSE],
+            observations=_OBSERVATIONS,
+            states=_STATES.quantities,
         )
-        self._impulse = 6 * len(ports)
+        self._impulse = self.input_layout[IMPULSE.name].start
         self.continuous = ContinuousStates((), (), (), ())
-        self._y = np.zeros((len(ports), 13))
-        self._y[:, 0:3] = self._positions
-        for pose, port in zip(self._y, ports, strict=True):
-            turn = port.get("orientation", (1.0, 0.0, 0.0, 0.0))
-            pose[3:7] = normalized((turn[0], turn[1], turn[2], turn[3]))
+        turns = [port.get("orientation", (1.0, 0.0, 0.0, 0.0)) for port in ports]
+        self._orientations = np.array([normalized((w, x, y, z)) for w, x, y, z in turns]).reshape(-1, 4)
+        at_rest = np.zeros((len(ports), 6))
+        poses = np.concatenate((self._positions, self._orientations, at_rest), axis=1)
+        self._y = np.concatenate((poses.ravel(), np.zeros(WRENCH_SIZE * len(ports))))
 
     def prepare(self, p: Vector) -> None:
         """Nothing to prepare."""
 
     def initial(self, c: None, u: Vector) -> Vector:
-        """Mean load, slope, size of the last two steps; size 0 where there is none yet, _STOPPED after an impulse."""
-        return np.zeros(2 * _STEP)
+        """No step yet."""
+        return np.zeros(_STATES.size)
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
         """Remember the mean load of the step; an impulse is no load that lasts, and starts the record anew."""
         if u[self._impulse] > 0.5:
-            stopped = np.zeros(2 * _STEP)
-            stopped[_STEP - 1] = _STOPPED
-            return stopped
+            return _STATES.write(_State(_NONE, _NONE, _STOPPED, _NONE, _NONE, 0.0))
         slope = self._sum(u[self._impulse + 1 :])
-        return np.concatenate((self._sum(u[: self._impulse]), slope, (h,), x[:_STEP]))
+        last = x[: _STATES.size // 2]
+        return np.concatenate((self._sum(u[: self._impulse]), slope, (h,), last))
 
     def _sum(self, wrenches: Vector) -> Vector:
         """Sum of the wrenches of all ports about the reference, shape (6,)."""
-        wrench = wrenches.reshape(-1, 6)
+        wrench = wrenches.reshape(-1, WRENCH_SIZE)
         force, torque = wrench[:, :3], wrench[:, 3:]
         return np.concatenate((force.sum(0), torque.sum(0) + sum_of_moments(self._arms, force)))
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
         """Constant poses, first moments of no motion."""
-        return np.concatenate((self._y.ravel(), np.zeros(self._impulse)))
+        return self._y.copy()
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
 
         Without a step before, as at the start and in model exchange, those of the present inputs.
         """
-        if x[_STEP - 1] == 0.0:
+        s = _STATES.read(x)
+        if s.h == 0.0:
             return self._sum(u[: self._impulse])
-        return extrapolated(_step_mean(x[:_STEP]), _step_mean(x[_STEP:]))
+        last = StepMean(np.array(s.load), np.array(s.slope), s.h)
+        return extrapolated(
+            last, StepMean(np.array(s.previous_load), np.array(s.previous_slope), s.previous_h)
+        )
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""
@@ -93,7 +113,7 @@ class FixedBase(Component):
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/fixed_base.c` reads."""
-        return {"positions": self._positions, "arms": self._arms, "orientations": self._y[:, 3:7]}
+        return {"positions": self._positions, "arms": self._arms, "orientations": self._orientations}
 
     @classmethod
     def example(cls) -> FixedBase:

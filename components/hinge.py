@@ -9,15 +9,18 @@ the moments of the ports' velocities.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
-from typing import Literal
+from math import hypot
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, ComponentError, Port, Vector
+from .contract.component import ComponentError, Vector
+from .contract.connection import NO_PAIR, Connection, Inputs
 from .contract.frames import nearest_turn, rotate
+from .contract.record import Record
 from .hinge_parts.loads import (
+    FORCE_SMOOTHING,
     endpoint_loads,
     impulse_loads,
     instant_loads,
@@ -27,16 +30,7 @@ from .hinge_parts.loads import (
     stored_energy,
 )
 from .hinge_parts.state import (
-    ANGLE,
-    HEAT,
-    HEATS,
-    HOLDING,
-    LATCHED,
-    NO_LOADS,
-    SLOPES,
-    WRENCH,
     Constants,
-    State,
     StiffLoads,
     coordinates_of,
     mean_swing,
@@ -44,21 +38,10 @@ from .hinge_parts.state import (
     passage_of,
     rates_of,
 )
-from .hinge_parts.variables import inputs, observations, outputs, parameters
+from .hinge_parts.variables import NO_LOADS, OUTPUTS, Commands, Observations, Parameters, State
 from .numerics.laws import Law, Linear, Table
 from .numerics.mid_step import MidStep, MidStepSlope
-from .numerics.relative_motion import (
-    as_floats,
-    axis_frame,
-    dissipated_energies,
-    gives_end_point,
-    is_of_order_four,
-    pair,
-    port_moments,
-    port_motions,
-    relative_pose,
-    relative_rates,
-)
+from .numerics.relative_motion import axis_frame, pair, relative_pose, relative_rates
 from .numerics.stiff_coordinate import Memory, StepMotion, remembered
 from .numerics.workless_pair import remembered_path
 
@@ -68,7 +51,7 @@ _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 _REACHED = 1e-9  # distance (rad) from the latch angle that a solver may leave when it has found the event
 
 
-class Hinge(Component):
+class Hinge(Connection[Parameters, State, Commands]):
     """A hinge between an inboard and an outboard port.
 
     axis: direction of the hinge line in the axes of both ports when they coincide; the hinge angle grows
@@ -80,7 +63,12 @@ class Hinge(Component):
     because an explicit host cannot solve for a lock.
     """
 
-    kind = "hinge"
+    kind, own_outputs = "hinge", OUTPUTS
+    parameters, states = Record(Parameters), Record(State)
+    commands, observations = Record(Commands), Record(Observations)
+    scheme: ClassVar = {"REACHED": _REACHED, "FORCE_SMOOTHING": FORCE_SMOOTHING} | {
+        f"{kind.upper()}_LATCH": number for number, kind in enumerate(_LATCH_KINDS)
+    }
 
     def __init__(
         self,
@@ -94,149 +82,117 @@ class Hinge(Component):
     ) -> None:
         if latch not in _LATCH_KINDS:
             raise ComponentError(f"latch is {latch!r}; it must be none, spring, table or kinematic")
-        self._endpoint = gives_end_point(wrench_mode)
         self._axis_frame = axis_frame(axis, "the hinge line")
         self._harness: Law = Table(harness_angle, harness_torque) if len(harness_angle) else Linear(0.0)
         self._latch_table = Table(latch_deflection, [-t for t in latch_torque]) if latch == "table" else None
         self.latch = latch
-        self._locks = latch == "kinematic" and not self._endpoint
-        self._declare(
-            {
-                "axis": tuple(axis),
-                "harness_angle": tuple(harness_angle),
-                "harness_torque": tuple(harness_torque),
-                "latch": latch,
-                "latch_deflection": tuple(latch_deflection),
-                "latch_torque": tuple(latch_torque),
-                "wrench_mode": wrench_mode,
-            },
-            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("inboard", "outboard")],
-            parameters=parameters(),
-            inputs=inputs(),
-            outputs=outputs(),
-            observations=observations(),
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(HEAT, HEATS, indicators=int(latch != "none"))
+        self.indicator_count = int(latch != "none")
+        structure = {
+            "axis": tuple(axis),
+            "harness_angle": tuple(harness_angle),
+            "harness_torque": tuple(harness_torque),
+            "latch": latch,
+            "latch_deflection": tuple(latch_deflection),
+            "latch_torque": tuple(latch_torque),
+        }
+        super().__init__(structure, wrench_mode)
+        self._locks = latch == "kinematic" and not self.endpoint
 
     def prepare(self, p: Vector) -> Constants:
         """Constants of the given parameters."""
-        self.check_ranges(p)
-        value = {
-            q.name: as_floats(p[self.parameter_layout[q.name]]) for q in self.parameter_layout.quantities
-        }
-        one = {name: values[0] for name, values in value.items()}
-        three = {name: (v[0], v[1], v[2]) for name, v in value.items() if len(v) == 3}
-        stiffness, damping = one["latch_stiffness"], one["latch_damping"]
+        one = self._checked(p)
+        stiffness, damping = one.latch_stiffness, one.latch_damping
         if self._locks:
-            stiffness, damping = one["lock_stiffness"], 0.0
+            stiffness, damping = one.lock_stiffness, 0.0
         return Constants(
-            stiffness=(*three["translational_stiffness"], *three["rotational_stiffness"]),
-            damping=(*three["translational_damping"], *three["rotational_damping"]),
-            aligned_angle=one["aligned_angle"],
-            stowed_angle=one["stowed_angle"],
-            motor=Linear(one["motor_stiffness"], one["motor_wind_up"]),
+            p=one,
+            stiffness=one.stiffness,
+            damping=one.damping,
+            motor=Linear(one.motor_stiffness, one.motor_wind_up),
             harness=self._harness,
-            friction=one["friction_coefficient"],
-            static_ratio=one["static_friction_ratio"],
-            pin_radius=one["pin_radius"],
-            bending_arm=one["friction_bending_arm"],
-            friction_preload=one["friction_preload"],
-            stiction_velocity=one["stiction_velocity"],
             latches=self.latch != "none",
             locks=self._locks,
             latch=self._latch_table or Linear(stiffness),
-            latch_angle=one["latch_angle"],
             latch_stiffness=stiffness,
             latch_damping=damping,
-            latch_automatic=one["latch_automatic"] > 0.5,
-            lock_mass=one["lock_mass"],
-            lock_inertia=one["lock_inertia"],
-            hold_stiffness=one["hold_stiffness"],
-            end_weight=one["end_weight"],
-            paired=is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint,
+            paired=self._is_paired(one.order, one.end_weight),
         )
 
-    def initial(self, c: Constants, u: Vector) -> Vector:
+    def start(self, c: Constants, u: Inputs[Commands]) -> State:
         """Unlatched, at the pose of the inputs; the angle is the one nearest the stowed angle."""
-        values = as_floats(u)
-        pose = relative_pose(port_motions(values), self._axis_frame)
-        rates = relative_rates(port_motions(values), pose)
-        angle = nearest_turn(c.aligned_angle + pose.twist, c.stowed_angle)
+        pose = relative_pose(u.motions, self._axis_frame)
+        turning = relative_rates(u.motions, pose)
+        angle, rates = nearest_turn(c.p.aligned_angle + pose.twist, c.p.stowed_angle), rates_of(turning)
         return State(
-            pose.frame,
-            pose.gap,
-            coordinates_of(pose, angle),
-            *((rates_of(rates),) * 3),
-            (0.0,) * 12,
-            (0.0,) * 3,
-            MidStep.starting(rates.twist),
-            *((0.0,) * 6),
+            frame=pose.frame,
+            gap=pose.gap,
+            coordinates=coordinates_of(pose, angle),
+            rates=rates,
+            memories=tuple(Memory(rate, rate) for rate in rates),
+            slide=MidStep.starting(turning.twist),
+            friction_heat=0.0,
+            latch_heat=0.0,
+            damping_heat=0.0,
             hold_angle=angle,
-            numerical_dissipation=0.0,
-            sliding=MidStepSlope.starting(rates.twist),
-        ).pack()
+            sliding=MidStepSlope.starting(turning.twist),
+        )
 
-    def step(self, c: Constants, x: Vector, u: Vector, h: float) -> Vector:
+    def _moved(self, c: Constants, s: State, u: Inputs[Commands]) -> State:
+        """The state moved to the motion of the inputs."""
+        pose = relative_pose(u.motions, self._axis_frame)
+        rates = rates_of(relative_rates(u.motions, pose))
+        coordinates = coordinates_of(pose, nearest_turn(c.p.aligned_angle + pose.twist, s.angle))
+        return s._replace(frame=pose.frame, gap=pose.gap, coordinates=coordinates, rates=rates)
+
+    def advance(self, c: Constants, s: State, u: Inputs[Commands], h: float) -> State:
         """One step; the inputs are those of its end. Commands act from its start."""
-        values = as_floats(u)
-        old = State.unpack(x).commanded(values[26], values[28])
-        pose = relative_pose(port_motions(values), self._axis_frame)
-        end = coordinates_of(pose, nearest_turn(c.aligned_angle + pose.twist, old.angle))
-        rates = rates_of(relative_rates(port_motions(values), pose))
-        moved = old._replace(frame=pose.frame, gap=pose.gap, coordinates=end, rates=rates)
-        if self._endpoint:
-            return self._endpoint_step(c, old, moved, h).pack()
-        impulse = values[27] > 0.5
-        passage = passage_of(old, moved)
+        old = s.commanded(u.commands)
+        moved = self._moved(c, old, u)
+        if self.endpoint:
+            return self._endpoint_step(c, old, moved, h)
+        is_impulse, passage = u.commands.impulse > 0.5, passage_of(old, moved)
         moments = (0.0,) * 6
         if c.paired:
-            moments = rates_of(passage.rate_moments(port_moments(values[29:41]), mean_swing(old, moved)))
+            moments = rates_of(passage.rate_moments(u.moments, mean_swing(old, moved)))
         motions = motions_of(old, moved, moments, h)
-        lasting, sliding = NO_LOADS, MidStepSlope.starting(rates[3])
-        if impulse:
+        lasting, sliding = NO_LOADS, MidStepSlope.starting(moved.rate)
+        if is_impulse:
             loads = impulse_loads(c, old, moved, h)
         else:
             stiff = stiff_loads(c, old, motions)
             loads = mean_loads(c, old, moved, motions, stiff, h)
             if c.paired:
+                turn = motions[3]
                 lasting = self._loads(c, old, stiff, h)
-                sliding = old.sliding.after((moved.angle - old.angle) / h, 3.0 * moments[3] / h, h)
-        slopes: tuple[float, ...] = (0.0,) * 12
+                sliding = old.sliding.after((turn.end - turn.start) / h, 3.0 * turn.moment / h, h)
+        wrench, slopes = passage.wrench(loads.force, loads.torque), NO_PAIR
         if c.paired:
             wrench, slopes = passage.wrenches(
                 loads.force, loads.torque, loads.force_slope, loads.torque_slope
             )
-        else:
-            wrench = passage.wrench(loads.force, loads.torque)
-        memories = self._memories(c, motions, rates, impulse)
-        return moved._replace(
-            mean_rates=tuple(m.mean_rate for m in memories),
-            end_rates=tuple(m.end_rate for m in memories),
-            roughness=tuple(m.roughness for m in memories),
-            slide=MidStep.starting(rates[3]) if impulse else old.slide.after(memories[3].mean_rate, h),
-            latched_angle=moved.angle if impulse and self._locks else old.latched_angle,
+        memories = self._memories(c, motions, moved.rates, is_impulse)
+        slide = old.slide.after(memories[3].mean_rate, h)
+        return moved.heated(loads.heat)._replace(
+            memories=memories,
+            slide=MidStep.starting(moved.rate) if is_impulse else slide,
+            latched_angle=moved.angle if is_impulse and self._locks else old.latched_angle,
             wrench=wrench,
             slopes=slopes,
             loads=lasting,
             sliding=sliding,
-            friction_energy=old.friction_energy + loads.heat[0],
-            latch_energy=old.latch_energy + loads.heat[1],
-            damping_energy=old.damping_energy + loads.heat[2],
-            numerical_dissipation=old.numerical_dissipation + loads.numerical,
-        ).pack()
+            numerical=old.numerical + loads.numerical,
+        )
 
     @staticmethod
     def _memories(
-        c: Constants, motions: list[StepMotion], rates: tuple[float, ...], impulse: bool
-    ) -> list[Memory]:
+        c: Constants, motions: list[StepMotion], rates: tuple[float, ...], is_impulse: bool
+    ) -> tuple[Memory, ...]:
         """What the six coordinates remember of a step; after an impulse only the rates of its end are known."""
-        if impulse:
-            return [Memory(rate, rate) for rate in rates]
+        if is_impulse:
+            return tuple(Memory(rate, rate) for rate in rates)
         if c.paired:
-            return [remembered_path(m) for m in motions]
-        return [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
+            return tuple(remembered_path(m) for m in motions)
+        return tuple(remembered(m, rate) for m, rate in zip(motions, rates, strict=True))
 
     @staticmethod
     def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStep, ...]:
@@ -248,109 +204,99 @@ class Hinge(Component):
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
-        moved = self._latched(c, moved, c.latch_angle)
+        moved = self._latched(c, moved, c.p.latch_angle)
         power = endpoint_loads(c, moved).heat
-        added = [0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True)]
-        return moved._replace(
-            friction_energy=old.friction_energy + added[0],
-            latch_energy=old.latch_energy + added[1],
-            damping_energy=old.damping_energy + added[2],
-            power=power,
-        )
+        friction, latch, damping = (0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True))
+        return moved.heated((friction, latch, damping))._replace(power=power)
 
     def _awaits_latch(self, c: Constants, state: State) -> bool:
         """Whether the latch engages by itself and has not yet."""
-        return c.latch_automatic and not state.latched and self.latch != "none"
+        return c.p.latch_automatic > 0.5 and not state.latched and c.latches
 
     def _latched(self, c: Constants, state: State, reached: float) -> State:
         """The state with the latch engaged at its angle, if it awaits that and the angle `reached` is reached."""
         if not self._awaits_latch(c, state) or state.angle < reached:
             return state
-        return state._replace(latched=1.0, latched_angle=c.latch_angle)
+        return state._replace(latched=1.0, latched_angle=c.p.latch_angle)
 
-    def _now(self, c: Constants, x: Vector, u: Vector) -> State:
-        """The state moved to the motion of the present inputs."""
-        values = as_floats(u)
-        state = State.unpack(x)
-        pose = relative_pose(port_motions(values), self._axis_frame)
-        rates = relative_rates(port_motions(values), pose)
-        angle = nearest_turn(c.aligned_angle + pose.twist, state.angle)
-        return state._replace(
-            frame=pose.frame,
-            gap=pose.gap,
-            coordinates=coordinates_of(pose, angle),
-            rates=rates_of(rates),
-            holding=1.0 if values[28] > 0.5 else 0.0,
-        )
+    def _now(self, c: Constants, s: State, u: Inputs[Commands]) -> State:
+        """The state moved to the motion of the present inputs, under the present hold command."""
+        return self._moved(c, s, u)._replace(holding=float(u.commands.hold > 0.5))
 
     def outputs(self, c: Constants, x: Vector, u: Vector) -> Vector:
         """Wrenches on both ports, distance to the latch angle, latched or not, slopes of mean wrenches."""
-        if not self._endpoint:
-            return np.concatenate((x[WRENCH], (c.latch_angle - x[ANGLE], x[LATCHED]), x[SLOPES]))
-        s = self._now(c, x, u)
+        s = self.states.read(x)
+        if not self.endpoint:
+            return np.array((*s.wrench, c.p.latch_angle - s.angle, s.latched, *s.slopes))
+        s = self._now(c, s, self.inputs(u))
         loads = endpoint_loads(c, s)
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
-        return np.array((*wrench, c.latch_angle - s.angle, s.latched))
+        return np.array((*wrench, c.p.latch_angle - s.angle, s.latched))
 
-    def observe(self, c: Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: Constants, s: State, u: Inputs[Commands]) -> Observations:
         """Angles, torques and forces at the communication point, and energies.
 
         Loads follow from the end-point law, of order 4 corrected by what the last steps' loads were.
         """
-        s = self._now(c, x, u)
-        rate = s.rates[3]
-        if not self._endpoint:
+        now = self._now(c, s, u)
+        rate = now.rate
+        if not self.endpoint:
             # a command acts from the next step's start, which is this instant
-            old = State.unpack(x).commanded(float(u[26]), float(u[28]))
-            s = s._replace(latched=old.latched, latched_angle=old.latched_angle, hold_angle=old.hold_angle)
-            felt, slide = (s.end_rates, s.sliding) if c.paired else (s.mean_rates, s.slide)
-            s = s._replace(rates=(*felt[:3], slide.now(), *felt[4:]))
-        loads = instant_loads(c, s, recorded(c, s)) if c.paired else endpoint_loads(c, s)
-        heat = (s.friction_energy, s.latch_energy, s.damping_energy)
-        return np.array(
-            (
-                s.angle,
-                rate,
-                c.motor.value(s.angle),
-                c.harness.value(s.angle),
-                loads.friction_torque,
-                loads.latch_torque,
-                loads.force[0],
-                sqrt(loads.force[1] ** 2 + loads.force[2] ** 2),
-                sqrt(loads.torque[1] ** 2 + loads.torque[2] ** 2),
-                c.motor.potential(c.stowed_angle) - c.motor.potential(s.angle),
-                *heat,
-                stored_energy(c, s),
-                sum(heat),
-                s.numerical_dissipation,
+            old = s.commanded(u.commands)
+            x, y, z, _, *swing = (m.end_rate if c.paired else m.mean_rate for m in s.memories)
+            turning = s.sliding.now() if c.paired else s.slide.now()
+            now = now._replace(
+                latched=old.latched,
+                latched_angle=old.latched_angle,
+                hold_angle=old.hold_angle,
+                rates=(x, y, z, turning, swing[0], swing[1]),
             )
+        loads = instant_loads(c, now, recorded(c, now)) if c.paired else endpoint_loads(c, now)
+        along, *across = loads.force
+        _, *bending = loads.torque
+        return Observations(
+            angle=now.angle,
+            angular_rate=rate,
+            motor_torque=c.motor.value(now.angle),
+            harness_torque=c.harness.value(now.angle),
+            friction_torque=loads.friction_torque,
+            latch_torque=loads.latch_torque,
+            axial_force=along,
+            radial_force=hypot(*across),
+            bending_moment=hypot(*bending),
+            motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(now.angle),
+            friction_energy=s.friction_heat,
+            latch_energy=s.latch_heat,
+            damping_energy=s.damping_heat,
+            potential_energy=stored_energy(c, now),
+            dissipated_energy=sum(s.heat),
+            numerical_dissipation=s.numerical,
         )
 
-    def rates(self, c: Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Heat (W) of friction, latch and damping."""
-        return np.array(endpoint_loads(c, self._now(c, x, u)).heat)
+        return endpoint_loads(c, self._now(c, s, u)).heat
 
-    def indicators(self, c: Constants, x: Vector, u: Vector) -> Vector:
+    def indicate(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Angle left up to where the latch engages by itself; one where it does not."""
-        if self.latch == "none":
-            return np.zeros(0)
-        state = self._now(c, x, u)
-        return np.array((c.latch_angle - state.angle if self._awaits_latch(c, state) else 1.0,))
+        if not c.latches:
+            return ()
+        state = self._now(c, s, u)
+        return (c.p.latch_angle - state.angle if self._awaits_latch(c, state) else 1.0,)
 
-    def update(self, c: Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+    def follow(self, c: Constants, s: State, u: Inputs[Commands], at_event: bool) -> State:
         """Follow the angle; at an event commands act, and a latch that is reached engages at its angle."""
-        state = self._now(c, x, u)._replace(holding=float(x[HOLDING]))
+        state = self._moved(c, s, u)
         if at_event:
-            state = state.commanded(float(u[26]), float(u[28]))
-            state = self._latched(c, state, c.latch_angle - _REACHED)
-        return state.pack()
+            state = self._latched(c, state.commanded(u.commands), c.p.latch_angle - _REACHED)
+        return state
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Hinge line, kind of latch, mode and tables."""
         return {
+            **super().native_data(),
             "axis_frame": self._axis_frame,
             "latch_kind": _LATCH_KINDS.index(self.latch),
-            "endpoint": self._endpoint,
             "has_harness": isinstance(self._harness, Table),
             **(self._harness.native_data("harness") if isinstance(self._harness, Table) else {}),
             **(self._latch_table.native_data("latch") if self._latch_table else {}),

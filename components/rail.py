@@ -3,56 +3,91 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import sqrt
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, Port, Quantity, Vector
-from .contract.frames import conjugate, multiply, nearest_turn, rotate
+from .contract.connection import WRENCH, Connection, Impulse, Inputs
+from .contract.frames import Quaternion, Vector3, conjugate, multiply, nearest_turn, rotate
+from .contract.ports import WRENCH_SIZE, PortMotion
+from .contract.record import Record, integrated, kept, observed, tunable
+from .contract.roles import (
+    DISSIPATED_ENERGY,
+    DISSIPATION,
+    END_WEIGHT,
+    LOAD,
+    NUMERICAL_DISSIPATION,
+    POTENTIAL_ENERGY,
+)
 from .numerics.laws import stiction_factors
 from .numerics.mid_step import MidStep
-from .numerics.relative_motion import (
-    Pose,
-    as_floats,
-    axis_frame,
-    conjugate_torque,
-    dissipated_energies,
-    gives_end_point,
-    numerical_dissipation,
-    port_motions,
-    relative_pose,
-    relative_rates,
-)
+from .numerics.relative_motion import Pose, axis_frame, conjugate_torque, relative_pose, relative_rates
 from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
 
 Four = tuple[float, float, float, float]
 
-_OFFSET, _TWIST, _MEAN_RATES, _END_RATES = 7, 10, 13, 17
-_SLIDE, _FRICTION_HEAT, _DAMPING_HEAT, _WRENCH, _NUMERICAL = slice(21, 25), 25, 26, slice(27, 33), 33
+_AT_REST: Vector3 = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
-class _Constants:
-    """Stiffness and damping of the four stiff coordinates in order, and friction."""
+class _Parameters(NamedTuple):
+    normal_stiffness: Annotated[float, tunable("N/m", "Stiffness normal to the plane", 1e6, 0.0)]
+    normal_damping: Annotated[float, tunable("N.s/m", "Damping normal to the plane", 0.0, 0.0)]
+    rotational_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness against any rotation", 1e4, 0.0)]
+    rotational_damping: Annotated[float, tunable("N.m.s/rad", "Damping of any rotation", 0.0, 0.0)]
+    friction_force: Annotated[float, tunable("N", "Coulomb friction against sliding", 0.0, 0.0)]
+    stiction_velocity: Annotated[float, tunable("m/s", "Speed from which friction is full", 2e-2, 1e-9)]
+    end_weight: Annotated[float, END_WEIGHT]
 
-    stiffness: Four
-    damping: Four
-    friction_force: float
-    stiction_velocity: float
-    end_weight: float
+    @property
+    def stiffness(self) -> Four:
+        """Of the four stiff coordinates in order."""
+        return (self.normal_stiffness, *(self.rotational_stiffness,) * 3)
+
+    @property
+    def damping(self) -> Four:
+        """The same of damping."""
+        return (self.normal_damping, *(self.rotational_damping,) * 3)
 
     def friction(self, speed: float) -> float:
         """Friction force at a sliding speed."""
-        return self.friction_force * stiction_factors(abs(speed), self.stiction_velocity, 1.0)[1]
+        return self.friction_force * stiction_factors(abs(speed), self.stiction_velocity, 1.0).constant
 
     def resistance(self, speed: float) -> float:
         """Friction force over the sliding speed (N.s/m), finite at rest."""
         if speed == 0.0:
             return 1.5 * self.friction_force / self.stiction_velocity
         return self.friction(speed) / speed
+
+
+class _State(NamedTuple):
+    position: Annotated[Vector3, kept("m", "Place of the trolley at the start, world axes")]
+    orientation: Annotated[Quaternion, kept("1", "Its orientation at the start")]
+    offset: Annotated[Vector3, kept("m", "Offset from there, the first along the normal")]
+    turn: Annotated[Vector3, kept("rad", "Turn from there: twist about the normal, swing")]
+    memories: Annotated[tuple[Memory, ...], kept("1", "Memories of the stiff coordinates").sized(4)]
+    slide: Annotated[MidStep, kept("m/s", "Mean sliding speeds of two steps")]
+    friction_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
+    damping_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
+    numerical: Annotated[float, kept("J", "What inertial terms took away")]
+    wrench: Annotated[tuple[float, ...], WRENCH.sized(WRENCH_SIZE)] = (0.0,) * WRENCH_SIZE
+
+    @property
+    def stiff(self) -> Four:
+        """The four stiff coordinates."""
+        return (self.offset[0], *self.turn)
+
+
+class _Observations(NamedTuple):
+    normal_force: Annotated[float, observed("N", "Force on the trolley along the normal", LOAD)]
+    friction_force_magnitude: Annotated[
+        float, observed("N", "Friction force on the trolley, against its sliding")
+    ]
+    sliding_speed: Annotated[float, observed("m/s", "Speed of the trolley in the plane")]
+    friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
+    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the guidance")]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
+    numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]
 
 
 class _Instant(NamedTuple):
@@ -69,178 +104,142 @@ class _Instant(NamedTuple):
     @property
     def speed(self) -> float:
         """Sliding speed."""
-        return sqrt(self.velocity[0] * self.velocity[0] + self.velocity[1] * self.velocity[1])
+        return _length(*self.velocity)
 
 
-class Rail(Component):
+class Rail(Connection[_Parameters, _State, Impulse]):
     """Guides the trolley port in the plane through its place at the start, at its orientation there.
 
     normal: direction normal to the plane, world axes; the plane is fixed to the ground, so the rail has one port
     only. Stiffness and damping act along the normal and on all rotations; in the plane there is only friction.
     """
 
-    kind = "rail"
+    kind, port_names, order = "rail", ("trolley",), 2
+    parameters, states = Record(_Parameters), Record(_State)
+    commands, observations = Record(Impulse), Record(_Observations)
 
     def __init__(self, normal: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
-        self._endpoint = gives_end_point(wrench_mode)
         self._axes = axis_frame(normal, "the normal to the rail's plane", "normal")
-        self._declare(
-            {"normal": tuple(normal), "wrench_mode": wrench_mode},
-            ports=[Port("trolley", "connection")],
-            parameters=_parameters(),
-            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=_observations(),
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(_FRICTION_HEAT, ("friction_heat", "damping_heat"))
+        super().__init__({"normal": tuple(normal)}, wrench_mode)
 
-    def prepare(self, p: Vector) -> _Constants:
-        """Constants of the given parameters."""
-        self.check_ranges(p)
-        one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
-        turning, slowing = one["rotational_stiffness"], one["rotational_damping"]
-        return _Constants(
-            (one["normal_stiffness"], turning, turning, turning),
-            (one["normal_damping"], slowing, slowing, slowing),
-            one["friction_force"],
-            one["stiction_velocity"],
-            one["end_weight"],
-        )
-
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
         """The plane goes through the place of the inputs."""
-        inputs = as_floats(u)
-        now = self._instant(inputs[:7], inputs, 0.0)
+        (trolley,) = u.motions
+        now = self._instant(trolley.position, trolley.orientation, u, 0.0)
+        memories = tuple(Memory(rate, rate) for rate in now.rates)
         slide = MidStep.starting(now.speed)
-        memories = (*now.rates, *now.rates)
-        return np.array((*inputs[:7], *now.pose.offset, *now.stiff[1:], *memories, *slide, *(0.0,) * 9))
+        place = (trolley.position, trolley.orientation, now.pose.offset, now.stiff[1:])
+        return _State(*place, memories, slide, 0.0, 0.0, 0.0)
 
-    def _instant(self, start: list[float], u: list[float], reference: float) -> _Instant:
-        """The instant of the inputs; the twist is the one nearest the reference."""
-        axes = multiply(conjugate((start[3], start[4], start[5], start[6])), self._axes)
-        motions = [*start, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, *u[:13]]
-        pose = relative_pose(port_motions(motions), axes)
-        rates = relative_rates(port_motions(motions), pose)
+    def _instant(
+        self, position: Vector3, orientation: Quaternion, u: Inputs[Impulse], reference: float
+    ) -> _Instant:
+        """The instant of the inputs, seen from a place; the twist is the one nearest the reference."""
+        axes = multiply(conjugate(orientation), self._axes)
+        motions = (PortMotion(position, orientation, _AT_REST, _AT_REST), *u.motions)
+        pose = relative_pose(motions, axes)
+        rates = relative_rates(motions, pose)
         twist = nearest_turn(pose.twist, reference)
         return _Instant(
             pose,
             (pose.offset[0], twist, *pose.swing),
             (rates.offset[0], rates.twist, *rates.swing),
-            (rates.offset[1], rates.offset[2]),
+            rates.offset[1:],
         )
 
-    def _now(self, x: Vector, u: Vector) -> _Instant:
-        v = as_floats(x)
-        return self._instant(v[:7], as_floats(u), v[_TWIST])
+    def _now(self, s: _State, u: Inputs[Impulse]) -> _Instant:
+        return self._instant(s.position, s.orientation, u, s.turn[0])
 
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step: mean loads of the stiff coordinates, and friction against the mean sliding velocity."""
-        v, inputs = as_floats(x), as_floats(u)
-        now = self._instant(v[:7], inputs, v[_TWIST])
-        starts = (v[_OFFSET], v[_TWIST], v[_TWIST + 1], v[_TWIST + 2])
-        loads, mean_rates, end_rates = [], list(now.rates), list(now.rates)
-        for i in range(4):
-            mean_rate = (now.stiff[i] - starts[i]) / h
-            # inertial terms tame held wrenches, which an end-point wrench is not
-            memory = Memory(mean_rate, mean_rate)
-            if not self._endpoint:
-                memory = Memory(v[_MEAN_RATES + i], v[_END_RATES + i])
-            motion = StepMotion(starts[i], now.stiff[i], h, memory)
-            loads.append(bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight))
-            if inputs[-1] < 0.5:
-                mean_rates[i], end_rates[i], _ = remembered(motion, now.rates[i])
-        load, offset = [mean.force for mean in loads], now.pose.offset
-        slip_y, slip_z = (offset[1] - v[_OFFSET + 1]) / h, (offset[2] - v[_OFFSET + 2]) / h
-        speed = sqrt(slip_y * slip_y + slip_z * slip_z)
+    def advance(self, c: _Parameters, s: _State, u: Inputs[Impulse], h: float) -> _State:
+        """Mean loads of the stiff coordinates, and friction against the mean sliding velocity."""
+        now, is_impulse = self._now(s, u), u.commands.impulse > 0.5
+        motions = [
+            StepMotion(start, end, h, self._memory(memory, start, end, h))
+            for start, end, memory in zip(s.stiff, now.stiff, s.memories, strict=True)
+        ]
+        loads = [
+            bushing_load(k, d, motion, c.end_weight)
+            for k, d, motion in zip(c.stiffness, c.damping, motions, strict=True)
+        ]
+        slip_y, slip_z = ((a - b) / h for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))
+        speed = _length(slip_y, slip_z)
         resistance = c.resistance(speed)
-        force = (load[0], -resistance * slip_y, -resistance * slip_z)
-        swing = (0.5 * (starts[2] + now.stiff[2]), 0.5 * (starts[3] + now.stiff[3]))
-        torque = conjugate_torque(load[1], (load[2], load[3]), swing)
-        slide = MidStep(*v[_SLIDE]).after(speed, h) if inputs[-1] < 0.5 else MidStep.starting(now.speed)
-        heat, lost = sum(mean.heat for mean in loads), sum(mean.numerical for mean in loads)
-        energies = (v[_FRICTION_HEAT] + resistance * speed * speed * h, v[_DAMPING_HEAT] + heat)
-        wrench = (*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque))
-        memories = (*mean_rates, *end_rates)
-        moved = (*v[:7], *offset, *now.stiff[1:], *memories, *slide)
-        return np.array((*moved, *energies, *wrench, v[_NUMERICAL] + lost))
+        swing_y, swing_z = (0.5 * (a + b) for a, b in zip(s.stiff[2:], now.stiff[2:], strict=True))
+        wrench = _wrench(
+            now, [load.force for load in loads], resistance, (slip_y, slip_z), (swing_y, swing_z)
+        )
+        memories = tuple(
+            Memory(rate, rate) if is_impulse else remembered(motion, rate)
+            for motion, rate in zip(motions, now.rates, strict=True)
+        )
+        return s._replace(
+            offset=now.pose.offset,
+            turn=now.stiff[1:],
+            memories=memories,
+            slide=MidStep.starting(now.speed) if is_impulse else s.slide.after(speed, h),
+            friction_heat=s.friction_heat + resistance * speed * speed * h,
+            damping_heat=s.damping_heat + sum(load.heat for load in loads),
+            numerical=s.numerical + sum(load.numerical for load in loads),
+            wrench=wrench,
+        )
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrench on the trolley."""
-        if not self._endpoint:
-            return x[_WRENCH].copy()
-        now = self._now(x, u)
+    def _memory(self, memory: Memory, start: float, end: float, h: float) -> Memory:
+        """Inertial terms tame held wrenches, which an end-point wrench is not."""
+        return Memory((end - start) / h, (end - start) / h) if self.endpoint else memory
+
+    def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+        """On the trolley."""
+        now = self._now(s, u)
         load = [
             -k * q - d * w for k, d, q, w in zip(c.stiffness, c.damping, now.stiff, now.rates, strict=True)
         ]
-        resistance = c.resistance(now.speed)
-        force = (load[0], -resistance * now.velocity[0], -resistance * now.velocity[1])
-        torque = conjugate_torque(load[1], (load[2], load[3]), now.pose.swing)
-        return np.array((*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque)))
+        return _wrench(now, load, c.resistance(now.speed), now.velocity, now.pose.swing)
 
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> _Observations:
         """Forces at the communication point, and energies."""
-        now = self._now(x, u)
+        now = self._now(s, u)
         rate, speed = now.rates[0], now.speed
-        if not self._endpoint:
-            rate, speed = float(x[_MEAN_RATES]), MidStep(*as_floats(x[_SLIDE])).now()
-        friction_heat, damping_heat = float(x[_FRICTION_HEAT]), float(x[_DAMPING_HEAT])
-        return np.array(
-            (
-                -c.stiffness[0] * now.stiff[0] - c.damping[0] * rate,
-                c.friction(speed),
-                now.speed,
-                friction_heat,
-                sum(0.5 * k * q * q for k, q in zip(c.stiffness, now.stiff, strict=True)),
-                friction_heat + damping_heat,
-                float(x[_NUMERICAL]),
-            )
+        if not self.endpoint:
+            rate, speed = s.memories[0].mean_rate, s.slide.now()
+        return _Observations(
+            normal_force=-c.normal_stiffness * now.pose.offset[0] - c.normal_damping * rate,
+            friction_force_magnitude=c.friction(speed),
+            sliding_speed=now.speed,
+            friction_energy=s.friction_heat,
+            potential_energy=sum(0.5 * k * q * q for k, q in zip(c.stiffness, now.stiff, strict=True)),
+            dissipated_energy=s.friction_heat + s.damping_heat,
+            numerical_dissipation=s.numerical,
         )
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat (W) of friction and of damping."""
-        now = self._now(x, u)
+        now = self._now(s, u)
         damping = sum(d * w * w for d, w in zip(c.damping, now.rates, strict=True))
-        return np.array((c.resistance(now.speed) * now.speed * now.speed, damping))
+        return c.resistance(now.speed) * now.speed * now.speed, damping
 
-    def update(self, c: _Constants, x: Vector, u: Vector, at_event: bool) -> Vector:
+    def follow(self, c: _Parameters, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
         """Follow the trolley's turn."""
-        result = x.copy()
-        result[_TWIST] = self._now(x, u).stiff[1]
-        return result
+        twist = self._now(s, u).stiff[1]
+        return s._replace(turn=(twist, s.turn[1], s.turn[2]))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Axes of the plane, normal first, and mode."""
-        return {"axis_frame": self._axes, "endpoint": self._endpoint}
-
-    @classmethod
-    def example(cls) -> Rail:
-        """A horizontal plane."""
-        return cls()
+        return {**super().native_data(), "axis_frame": self._axes}
 
 
-def _parameters() -> list[Quantity]:
-    def tunable(name: str, unit: str, text: str, start: float = 0.0, minimum: float = 0.0) -> Quantity:
-        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
-
-    return [
-        tunable("normal_stiffness", "N/m", "Stiffness normal to the plane", 1e6),
-        tunable("normal_damping", "N.s/m", "Damping normal to the plane"),
-        tunable("rotational_stiffness", "N.m/rad", "Stiffness against rotation about any axis", 1e4),
-        tunable("rotational_damping", "N.m.s/rad", "Damping of rotation about any axis"),
-        tunable("friction_force", "N", "Coulomb friction against sliding"),
-        tunable("stiction_velocity", "m/s", "Speed up to which friction rises to its full force", 2e-2, 1e-9),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-    ]
+def _length(y: float, z: float) -> float:
+    return sqrt(y * y + z * z)
 
 
-def _observations() -> list[Quantity]:
-    return [
-        Quantity("normal_force", "N", "Force on the trolley along the normal"),
-        Quantity("friction_force_magnitude", "N", "Friction force on the trolley, against its sliding"),
-        Quantity("sliding_speed", "m/s", "Speed of the trolley in the plane"),
-        Quantity("friction_energy", "J", "Energy dissipated by friction"),
-        Quantity("potential_energy", "J", "Elastic energy of the guidance"),
-        Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-        numerical_dissipation(),
-    ]
+def _wrench(
+    now: _Instant,
+    load: Sequence[float],
+    resistance: float,
+    velocity: tuple[float, float],
+    swing: tuple[float, float],
+) -> tuple[float, ...]:
+    """Of the loads of the stiff coordinates and of friction against a velocity, world axes."""
+    normal, twist, bending_y, bending_z = load
+    force = (normal, -resistance * velocity[0], -resistance * velocity[1])
+    torque = conjugate_torque(twist, (bending_y, bending_z), swing)
+    return (*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque))

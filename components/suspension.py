@@ -2,48 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple
 
-import numpy as np
-from numpy.typing import ArrayLike
-
-from .contract.component import Component, ComponentError, Port, Quantity, Vector
+from .contract.component import ComponentError, Vector
+from .contract.connection import HEAT, NO_PAIR, SLOPES, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
+from .contract.record import Record, kept, observed, tunable
+from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, ORDER, POTENTIAL_ENERGY
 from .numerics.laws import SlackSpring, mean_force
 from .numerics.mid_step import MidStep
-from .numerics.relative_motion import (
-    Line,
-    as_floats,
-    dissipated_energies,
-    gives_end_point,
-    is_of_order_four,
-    order_parameter,
-)
+from .numerics.relative_motion import Line
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 from .numerics.workless_pair import workless_law
 
-_HEAT, _SLIDE, _WRENCH, _SLOPES = 3, slice(4, 8), slice(8, 20), slice(20, 32)
-_IMPULSE, _MOMENTS = 26, 27
+
+class _Parameters(NamedTuple):
+    stiffness: Annotated[float, tunable("N/m", "Stiffness along the line", 50.0, 1e-9)]
+    preload: Annotated[float, tunable("N", "Tension at the preload length", 10.0, 0.0)]
+    preload_length: Annotated[float, tunable("m", "Distance of the ports with the preload", 0.5, 0.0)]
+    damping: Annotated[float, tunable("N.s/m", "Damping along the line while the spring is taut", 0.0, 0.0)]
+    end_weight: Annotated[float, END_WEIGHT]
+    order: Annotated[float, ORDER]
 
 
-@dataclass(frozen=True, slots=True)
-class _Constants:
+class _State(NamedTuple):
+    span: Annotated[Vector3, kept("m", "Centre line from the upper to the lower port, world axes")]
+    heat: Annotated[float, HEAT]
+    slide: Annotated[MidStep, kept("m/s", "Mean rates of the length over two steps")]
+    wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
+    slopes: Annotated[tuple[float, ...], SLOPES] = NO_PAIR
+
+
+class _Observations(NamedTuple):
+    length: Annotated[float, observed("m", "Distance of the ports")]
+    tension: Annotated[float, observed("N", "Force that pulls the ports together", LOAD)]
+    potential_energy: Annotated[
+        float, POTENTIAL_ENERGY.saying("Elastic energy, zero where the spring is slack")
+    ]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
+
+
+class _Constants(NamedTuple):
+    p: _Parameters
     spring: SlackSpring
-    preload_length: float
-    damping: float
-    end_weight: float
-    paired: bool
+    is_paired: bool
 
     def elongation(self, length: float) -> float:
         """Elongation from the length of the preload."""
-        return length - self.preload_length
+        return length - self.p.preload_length
 
     def tension(self, elongation: float, rate: float) -> float:
         """Tension of an instant; damping never pushes, and a slack spring has none."""
         elastic = -self.spring.value(elongation)
-        return max(elastic + self.damping * rate, 0.0) if elastic > 0.0 else 0.0
+        return max(elastic + self.p.damping * rate, 0.0) if elastic > 0.0 else 0.0
 
 
 class _Instant(NamedTuple):
@@ -54,7 +66,7 @@ class _Instant(NamedTuple):
     rate: float
 
 
-class Suspension(Component):
+class Suspension(Connection[_Parameters, _State, Impulse]):
     """Hangs the lower port on the upper one: a force along the line between their origins, no torque.
 
     Its tension is the preload at the preload length, and grows with the stiffness. The mean force over a step
@@ -62,135 +74,89 @@ class Suspension(Component):
     T (d0 + d1) / (l0 + l1), whose work on d1 - d0 is T (l1 - l0).
     """
 
-    kind = "suspension"
+    kind, port_names = "suspension", ("upper", "lower")
+    parameters, states = Record(_Parameters), Record(_State)
+    commands, observations = Record(Impulse), Record(_Observations)
 
     def __init__(self, wrench_mode: str = "mean") -> None:
-        self._endpoint = gives_end_point(wrench_mode)
-        self._declare(
-            {"wrench_mode": wrench_mode},
-            ports=[Port(name, "connection", 2 if self._endpoint else 4) for name in ("upper", "lower")],
-            parameters=_parameters(),
-            inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=[
-                Quantity("length", "m", "Distance of the ports"),
-                Quantity("tension", "N", "Force that pulls the ports together"),
-                Quantity("potential_energy", "J", "Elastic energy, zero where the spring is slack"),
-                Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-            ],
-            feedthrough=self._endpoint,
-        )
-        if self._endpoint:
-            self.continuous = dissipated_energies(_HEAT)
+        super().__init__({}, wrench_mode)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
-        self.check_ranges(p)
-        one = {q.name: float(p[self.parameter_layout[q.name]][0]) for q in self.parameter_layout.quantities}
-        spring = SlackSpring(one["stiffness"], one["preload"])
-        paired = is_of_order_four(one["order"]) and one["end_weight"] == 0.5 and not self._endpoint
-        return _Constants(spring, one["preload_length"], one["damping"], one["end_weight"], paired)
+        one = self._checked(p)
+        return _Constants(
+            one, SlackSpring(one.stiffness, one.preload), self._is_paired(one.order, one.end_weight)
+        )
 
-    def initial(self, c: _Constants, u: Vector) -> Vector:
+    def start(self, c: _Constants, u: Inputs[Impulse]) -> _State:
         """At the place of the inputs."""
-        inputs = as_floats(u)
-        span = _span(inputs)
-        if norm(span) == 0.0:
+        if norm(_span(u)) == 0.0:
             raise ComponentError("the ports of the suspension are at one point; it hangs along no line")
-        rate = self._instant(inputs).rate
-        return np.array((*span, 0.0, *MidStep.starting(rate), *(0.0,) * 24))
+        now = self._instant(u)
+        return _State(now.span, 0.0, MidStep.starting(now.rate))
 
     @staticmethod
-    def _instant(u: list[float]) -> _Instant:
+    def _instant(u: Inputs[Impulse]) -> _Instant:
+        upper, lower = u.motions
         span = _span(u)
         length = norm(span)
-        velocity = (u[20] - u[7], u[21] - u[8], u[22] - u[9])
-        return _Instant(span, length, dot(velocity, span) / length)
+        return _Instant(span, length, dot(subtract(lower.velocity, upper.velocity), span) / length)
 
-    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
-        """One step: the mean tension of the lengths at both ends along the mean of the line."""
-        v, inputs = as_floats(x), as_floats(u)
-        old, now = (v[0], v[1], v[2]), self._instant(inputs)
-        length = norm(old)
+    def advance(self, c: _Constants, s: _State, u: Inputs[Impulse], h: float) -> _State:
+        """The mean tension of the lengths at both ends along the mean of the line."""
+        now, length, is_impulse = self._instant(u), norm(s.span), u.commands.impulse > 0.5
         before, after = c.elongation(length), c.elongation(now.length)
         rate = (now.length - length) / h
-        if c.paired and inputs[_IMPULSE] < 0.5:
-            line = Line(mean(old, now.span), subtract(now.span, old), 2.0 / (length + now.length))
-            a, b = (inputs[i : i + 3] for i in (_MOMENTS, _MOMENTS + 6))
-            moment = line.moment((b[0] - a[0], b[1] - a[1], b[2] - a[2]))
+        if c.is_paired and not is_impulse:
+            line = Line(mean(s.span, now.span), subtract(now.span, s.span), 2.0 / (length + now.length))
+            upper, lower = u.moments
+            moment = line.moment(subtract(lower.velocity, upper.velocity))
             load = self._pair(c, StepMotion(before, after, h, Memory(0.0, 0.0), moment))
             force, slope = line.forces(-load.force, -load.slope)
             slide = MidStep.starting(rate + 3.0 * moment / h)
-            return np.array((*now.span, v[_HEAT] + load.heat, *slide, *_wrenches(force), *_wrenches(slope)))
+            return _State(now.span, s.heat + load.heat, slide, _wrenches(force), _wrenches(slope))
         elastic = -mean_force(c.spring, before, after)
-        tension = -mean_force(c.spring, before, after, c.end_weight)
-        tension = max(tension + c.damping * c.spring.taut_share(before, after) * rate, 0.0)
-        heat = v[_HEAT] + (tension - elastic) * (now.length - length)
-        force = scaled(-tension / (length + now.length), add(old, now.span))
-        slide = MidStep(*v[_SLIDE]).after(rate, h)
-        if inputs[_IMPULSE] > 0.5:
-            slide = MidStep.starting(now.rate)
-        return np.array((*now.span, heat, *slide, *_wrenches(force), *(0.0,) * 12))
+        tension = -mean_force(c.spring, before, after, c.p.end_weight)
+        tension = max(tension + c.p.damping * c.spring.taut_share(before, after) * rate, 0.0)
+        heat = s.heat + (tension - elastic) * (now.length - length)
+        force = scaled(-tension / (length + now.length), add(s.span, now.span))
+        slide = MidStep.starting(now.rate) if is_impulse else s.slide.after(rate, h)
+        return _State(now.span, heat, slide, _wrenches(force))
 
     @staticmethod
     def _pair(c: _Constants, motion: StepMotion) -> MeanLoad:
         """Load on the length at order 4; damping never turns the mean tension into a push."""
         elastic, change = workless_law(c.spring, 0.0, motion), motion.end - motion.start
-        damping = c.damping * c.spring.taut_share(motion.start, motion.end)
+        damping = c.p.damping * c.spring.taut_share(motion.start, motion.end)
         if change < 0.0 and -elastic.force * motion.h < -damping * change:
             damping = max(-elastic.force, 0.0) * motion.h / -change
         return workless_law(c.spring, damping, motion)
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports, slopes of mean wrenches."""
-        if not self._endpoint:
-            return np.concatenate((x[_WRENCH], x[_SLOPES]))
-        now = self._instant(as_floats(u))
+    def wrenches(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+        """Of the present tension."""
+        now = self._instant(u)
         tension = c.tension(c.elongation(now.length), now.rate)
-        return np.array(_wrenches(scaled(-tension / now.length, now.span)))
+        return _wrenches(scaled(-tension / now.length, now.span))
 
-    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def record(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> _Observations:
         """Length and tension at the communication point, and energies."""
-        now = self._instant(as_floats(u))
+        now = self._instant(u)
         elongation = c.elongation(now.length)
-        rate = now.rate if self._endpoint else MidStep(*as_floats(x[_SLIDE])).now()
-        return np.array(
-            (now.length, c.tension(elongation, rate), c.spring.potential(elongation), float(x[_HEAT]))
-        )
+        tension = c.tension(elongation, now.rate if self.endpoint else s.slide.now())
+        return _Observations(now.length, tension, c.spring.potential(elongation), s.heat)
 
-    def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+    def powers(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat of the end-point tension (W)."""
-        now = self._instant(as_floats(u))
+        now = self._instant(u)
         elongation = c.elongation(now.length)
-        return np.array(((c.tension(elongation, now.rate) + c.spring.value(elongation)) * now.rate,))
-
-    def native_data(self) -> Mapping[str, ArrayLike]:
-        """Mode."""
-        return {"endpoint": self._endpoint}
-
-    @classmethod
-    def example(cls) -> Suspension:
-        """A taut spring."""
-        return cls()
+        return ((c.tension(elongation, now.rate) + c.spring.value(elongation)) * now.rate,)
 
 
-def _span(u: list[float]) -> Vector3:
-    return subtract((u[13], u[14], u[15]), (u[0], u[1], u[2]))
+def _span(u: Inputs[Impulse]) -> Vector3:
+    upper, lower = u.motions
+    return subtract(lower.position, upper.position)
 
 
 def _wrenches(force: Vector3) -> tuple[float, ...]:
     """Wrenches on both ports from the force on the lower one."""
     return (*scaled(-1.0, force), 0.0, 0.0, 0.0, *force, 0.0, 0.0, 0.0)
-
-
-def _parameters() -> list[Quantity]:
-    def tunable(name: str, unit: str, text: str, start: float, minimum: float) -> Quantity:
-        return Quantity(name, unit, text, 1, start, minimum, variability="tunable")
-
-    return [
-        tunable("stiffness", "N/m", "Stiffness along the line", 50.0, 1e-9),
-        tunable("preload", "N", "Tension at the preload length", 10.0, 0.0),
-        tunable("preload_length", "m", "Distance of the ports at which the tension is the preload", 0.5, 0.0),
-        tunable("damping", "N.s/m", "Damping along the line while the spring is taut", 0.0, 0.0),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-        order_parameter(),
-    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -45,6 +45,18 @@ class Quantity:
     nominal: float | tuple[float, ...] = 1.0
     quadrature: bool = False
     resized: bool = False
+
+    def saying(self, description: str) -> Quantity:
+        """The same with a description of its own."""
+        return replace(self, description=description)
+
+    def called(self, name: str, size: int = 1) -> Quantity:
+        """The same under a name, of that size."""
+        return replace(self, name=name, size=size)
+
+    def sized(self, size: int) -> Quantity:
+        """The same of another size."""
+        return replace(self, size=size)
 
     def scalar_names(self) -> tuple[str, ...]:
         """Names of the scalars, `name` itself when there is one, else `name[1]`, ..."""

@@ -9,15 +9,16 @@ from ..numerics.laws import Law, mean_force, stiction_factors
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
 from ..numerics.workless_pair import workless_law, workless_spring
-from .state import Constants, Held, Loads, State, StiffLoads, mean_swing, shifted
+from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
+from .variables import State
 
-_FORCE_SMOOTHING = 1.0
+FORCE_SMOOTHING = 1.0
 
 
 def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoads:
     """Mean loads of bushing and latch."""
     bushing = tuple(
-        _stiff_load(c, i, shifted(motion, c.aligned_angle) if i == 3 else motion)
+        _stiff_load(c, i, shifted(motion, c.p.aligned_angle) if i == 3 else motion)
         for i, motion in enumerate(motions)
     )
     return StiffLoads(bushing, mean_latch_load(c, old, motions[3]))
@@ -37,8 +38,8 @@ def mean_loads(
     motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
     twist = elastic[3] + motor.force + harness.force + friction + latch.force
     if old.holding:
-        twist -= c.hold_stiffness * (new.angle - old.hold_angle)
-        numerical += 0.5 * c.hold_stiffness * change * change
+        twist -= c.p.hold_stiffness * (new.angle - old.hold_angle)
+        numerical += 0.5 * c.p.hold_stiffness * change * change
     swing = mean_swing(old, new)
     torque = conjugate_torque(twist, (elastic[4], elastic[5]), swing)
     if not c.paired:
@@ -52,27 +53,27 @@ def _stiff_load(c: Constants, i: int, motion: StepMotion) -> MeanLoad:
     """Load of the bushing in a coordinate."""
     if c.paired:
         return workless_spring(c.stiffness[i], c.damping[i], motion)
-    return bushing_load(c.stiffness[i], c.damping[i], motion, c.end_weight)
+    return bushing_load(c.stiffness[i], c.damping[i], motion, c.p.end_weight)
 
 
 def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:
     """Load of a law that drives or brakes the hinge angle, too soft to need numerical damping."""
     if c.paired:
         return workless_law(law, 0.0, motion)
-    return MeanLoad(mean_force(law, motion.start, motion.end, c.end_weight), 0.0, 0.0)
+    return MeanLoad(mean_force(law, motion.start, motion.end, c.p.end_weight), 0.0, 0.0)
 
 
 def friction_torque(
     c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
 ) -> float:
     """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
-    preload = 0.0 if latched else c.friction_preload
+    preload = 0.0 if latched else c.p.friction_preload
     square = force[1] * force[1] + force[2] * force[2]
-    normal = square / sqrt(square + _FORCE_SMOOTHING**2)
-    if c.bending_arm > 0.0:
-        normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.bending_arm
-    sliding, constant = stiction_factors(rate, c.stiction_velocity, c.static_ratio)
-    return -(c.friction * c.pin_radius * normal * sliding + preload * constant)
+    normal = square / sqrt(square + FORCE_SMOOTHING**2)
+    if c.p.friction_bending_arm > 0.0:
+        normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.p.friction_bending_arm
+    sliding, constant = stiction_factors(rate, c.p.stiction_velocity, c.p.static_friction_ratio)
+    return -(c.p.friction_coefficient * c.p.pin_radius * normal * sliding + preload * constant)
 
 
 def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
@@ -83,7 +84,7 @@ def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
     if c.paired:
         return workless_law(c.latch, c.latch_damping, deflection, motion.memory.roughness)
     elastic = mean_force(c.latch, deflection.start, deflection.end)
-    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.end_weight)
+    return damped_load(elastic, c.latch_stiffness, c.latch_damping, deflection, c.p.end_weight)
 
 
 def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
@@ -96,7 +97,7 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
     locked = old.latched > 0.5 and c.locks
     stiff = [k > 0.0 for k in c.stiffness]
     load = [
-        -(c.lock_mass if i < 3 else c.lock_inertia) / h * new.rates[i]
+        -(c.p.lock_mass if i < 3 else c.p.lock_inertia) / h * new.rates[i]
         if stiff[i] or (i == 3 and locked)
         else 0.0
         for i in range(6)
@@ -116,7 +117,7 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
 def held_at(c: Constants, s: State) -> Held:
     """What bushing and latch exert at one instant, by their laws from coordinates and rates."""
     q, w = list(s.coordinates), s.rates
-    q[3] -= c.aligned_angle
+    q[3] -= c.p.aligned_angle
     latch = 0.0
     if s.latched and c.latches:
         latch = c.latch.value(s.angle - s.latched_angle) + -c.latch_damping * w[3]
@@ -126,10 +127,10 @@ def held_at(c: Constants, s: State) -> Held:
 def recorded(c: Constants, s: State) -> Held:
     """What bushing and latch exert at a communication point of order 4, from what they did over the last steps."""
     at_end, (*bushing, latch) = held_at(c, s), s.loads
-    by_coordinate = zip(bushing, at_end.bushing, s.roughness, strict=True)
+    by_coordinate = zip(bushing, at_end.bushing, s.memories, strict=True)
     return Held(
-        tuple(load.load_now(law, roughness) for load, law, roughness in by_coordinate),
-        latch.load_now(at_end.latch, s.roughness[3]),
+        tuple(load.load_now(law, memory.roughness) for load, law, memory in by_coordinate),
+        latch.load_now(at_end.latch, s.memories[3].roughness),
     )
 
 
@@ -147,7 +148,7 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
     viscous = -c.latch_damping * rate if s.latched and c.latches else 0.0
     twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
     if s.holding:
-        twist -= c.hold_stiffness * (s.angle - s.hold_angle)
+        twist -= c.p.hold_stiffness * (s.angle - s.hold_angle)
     damping = sum(d * v * v for d, v in zip(c.damping, w, strict=True))
     return Loads(
         force,
@@ -162,11 +163,11 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
 def stored_energy(c: Constants, s: State) -> float:
     """Energy in bushing, motor, harness, latch and hold."""
     q = list(s.coordinates)
-    q[3] -= c.aligned_angle
+    q[3] -= c.p.aligned_angle
     energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
     energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
     if s.latched and c.latches:
         energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
     if s.holding:
-        energy += 0.5 * c.hold_stiffness * (s.angle - s.hold_angle) ** 2
+        energy += 0.5 * c.p.hold_stiffness * (s.angle - s.hold_angle) ** 2
     return energy

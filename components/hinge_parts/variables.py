@@ -2,101 +2,186 @@
 
 from __future__ import annotations
 
-from ..contract.component import Quantity
-from ..numerics.relative_motion import numerical_dissipation, order_parameter
+from typing import Annotated, NamedTuple
+
+from ..contract.connection import NO_PAIR, SLOPES, WRENCH
+from ..contract.frames import Quaternion, Vector3
+from ..contract.record import integrated, kept, observed, tunable
+from ..contract.roles import (
+    DISSIPATED_ENERGY,
+    DISSIPATION,
+    END_WEIGHT,
+    HOLD,
+    IMPULSE,
+    LATCH_COMMAND,
+    LATCH_DISTANCE,
+    LATCHED,
+    LOAD,
+    NUMERICAL_DISSIPATION,
+    ORDER,
+    POTENTIAL_ENERGY,
+)
+from ..numerics.mid_step import MidStep, MidStepSlope
+from ..numerics.stiff_coordinate import Memory
+
+Six = tuple[float, float, float, float, float, float]
+NO_LOADS: tuple[MidStep, ...] = (MidStep.starting(0.0),) * 7
+OUTPUTS = (LATCH_DISTANCE, LATCHED)
+"""What a master watches, beside the wrenches on both ports."""
 
 
-def parameters() -> list[Quantity]:
-    """Parameters, all tunable but the order."""
+class Parameters(NamedTuple):
+    """All tunable but the order; stiffness and damping along and about the hinge line, then the two cross axes."""
 
-    def tunable(
-        name: str, unit: str, text: str, start: float = 0.0, minimum: float | None = 0.0, size: int = 1
-    ) -> Quantity:
-        return Quantity(name, unit, text, size, start, minimum, variability="tunable")
-
-    return [
-        tunable(
-            "translational_stiffness",
-            "N/m",
-            "Stiffness along hinge line and the two radial directions",
-            size=3,
-        ),
-        tunable(
-            "translational_damping", "N.s/m", "Damping along hinge line and the two radial directions", size=3
-        ),
-        tunable(
-            "rotational_stiffness", "N.m/rad", "Stiffness about hinge line and the two cross axes", size=3
-        ),
-        tunable("rotational_damping", "N.m.s/rad", "Damping about hinge line and the two cross axes", size=3),
-        tunable("aligned_angle", "rad", "Hinge angle where the axes of both ports coincide", minimum=None),
-        tunable("stowed_angle", "rad", "Hinge angle of the stowed configuration", minimum=None),
-        tunable("motor_stiffness", "N.m/rad", "Rate of the motorisation spring"),
-        tunable(
-            "motor_wind_up", "rad", "Hinge angle at which the motorisation spring is relaxed", minimum=None
-        ),
-        tunable("friction_coefficient", "1", "Coulomb friction coefficient of the hinge pin, sliding"),
-        tunable("static_friction_ratio", "1", "Static over sliding friction coefficient", 1.2, 1.0),
-        tunable("pin_radius", "m", "Radius of the hinge pin", 0.006),
-        tunable(
-            "friction_bending_arm", "m", "Arm that turns bending moment into pin force; 0 switches it off"
-        ),
-        tunable("friction_preload", "N.m", "Constant friction torque; 0 from latch-up on"),
-        tunable("stiction_velocity", "rad/s", "Stiction transition velocity as a hinge rate", 0.0167, 1e-9),
-        tunable("latch_angle", "rad", "Hinge angle where the latch engages", minimum=None),
-        tunable("latch_stiffness", "N.m/rad", "Stiffness of a spring latch"),
-        tunable("latch_damping", "N.m.s/rad", "Damping of a spring or table latch"),
-        tunable("latch_automatic", "1", "1: latch at the latch angle without command (endpoint mode)", 1.0),
-        tunable(
-            "lock_mass", "kg", "Numerical: mass that an ideal joint sets against residual velocity", 1e6, 1.0
-        ),
-        tunable(
-            "lock_inertia", "kg.m2", "Numerical: inertia that a lock sets against residual rate", 1e6, 1.0
-        ),
-        tunable("lock_stiffness", "N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0),
-        tunable("hold_stiffness", "N.m/rad", "Stiffness that holds the angle while hold is 1", 1e7),
-        Quantity("end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"),
-        order_parameter(),
+    translational_stiffness: Annotated[
+        Vector3, tunable("N/m", "Stiffness along hinge line and cross axes", 0.0, 0.0)
     ]
-
-
-def inputs() -> list[Quantity]:
-    """Commands, beside the motions of both ports."""
-    return [
-        Quantity(
-            "latch_command", "1", "1: the latch engages at the start of the next step", variability="discrete"
-        ),
-        Quantity(
-            "impulse", "1", "1: the next step is an impulse through ideal joints", variability="discrete"
-        ),
-        Quantity("hold", "1", "1: the angle is held", variability="discrete"),
+    translational_damping: Annotated[
+        Vector3, tunable("N.s/m", "Damping along hinge line and cross axes", 0.0, 0.0)
     ]
-
-
-def outputs() -> list[Quantity]:
-    """What a master watches, beside the wrenches on both ports."""
-    return [
-        Quantity("latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"),
-        Quantity("latched", "1", "1 from latch-up on"),
+    rotational_stiffness: Annotated[Vector3, tunable("N.m/rad", "Stiffness about the same axes", 0.0, 0.0)]
+    rotational_damping: Annotated[Vector3, tunable("N.m.s/rad", "Damping about the same axes", 0.0, 0.0)]
+    aligned_angle: Annotated[float, tunable("rad", "Hinge angle where the axes of both ports coincide")]
+    stowed_angle: Annotated[float, tunable("rad", "Hinge angle of the stowed configuration")]
+    motor_stiffness: Annotated[float, tunable("N.m/rad", "Rate of the motorisation spring", 0.0, 0.0)]
+    motor_wind_up: Annotated[float, tunable("rad", "Hinge angle at which the motorisation spring is relaxed")]
+    friction_coefficient: Annotated[
+        float, tunable("1", "Coulomb friction of the hinge pin, sliding", 0.0, 0.0)
     ]
+    static_friction_ratio: Annotated[
+        float, tunable("1", "Static over sliding friction coefficient", 1.2, 1.0)
+    ]
+    pin_radius: Annotated[float, tunable("m", "Radius of the hinge pin", 0.006, 0.0)]
+    friction_bending_arm: Annotated[
+        float, tunable("m", "Arm of bending moment to pin force; 0: none", 0.0, 0.0)
+    ]
+    friction_preload: Annotated[
+        float, tunable("N.m", "Constant friction torque; 0 from latch-up on", 0.0, 0.0)
+    ]
+    stiction_velocity: Annotated[
+        float, tunable("rad/s", "Stiction transition velocity as a hinge rate", 0.0167, 1e-9)
+    ]
+    latch_angle: Annotated[float, tunable("rad", "Hinge angle where the latch engages")]
+    latch_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness of a spring latch", 0.0, 0.0)]
+    latch_damping: Annotated[float, tunable("N.m.s/rad", "Damping of a spring or table latch", 0.0, 0.0)]
+    latch_automatic: Annotated[float, tunable("1", "1: latch without command (endpoint mode)", 1.0, 0.0)]
+    lock_mass: Annotated[float, tunable("kg", "Numerical: mass of an ideal joint in impulses", 1e6, 1.0)]
+    lock_inertia: Annotated[float, tunable("kg.m2", "Numerical: inertia of a lock in impulses", 1e6, 1.0)]
+    lock_stiffness: Annotated[
+        float, tunable("N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0)
+    ]
+    hold_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness that holds the angle on hold", 1e7, 0.0)]
+    end_weight: Annotated[float, END_WEIGHT]
+    order: Annotated[float, ORDER]
+
+    @property
+    def stiffness(self) -> Six:
+        """Of the six coordinates in order."""
+        return (*self.translational_stiffness, *self.rotational_stiffness)
+
+    @property
+    def damping(self) -> Six:
+        """The same of damping."""
+        return (*self.translational_damping, *self.rotational_damping)
 
 
-def observations() -> list[Quantity]:
+class Commands(NamedTuple):
+    """Beside the motions of both ports."""
+
+    latch_command: Annotated[float, LATCH_COMMAND]
+    impulse: Annotated[float, IMPULSE]
+    hold: Annotated[float, HOLD.saying("1: the angle is held")]
+
+
+class State(NamedTuple):
+    """Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes).
+
+    Of order 4, `loads` are those of the bushing in the six coordinates and of the latch over the last steps, and
+    `sliding` is the hinge rate, of which `slide` knows means only.
+    """
+
+    frame: Annotated[Quaternion, kept("1", "Hinge frame on the inboard port")]
+    gap: Annotated[Vector3, kept("m", "From the inboard to the outboard port, world axes")]
+    coordinates: Annotated[Six, kept("1", "The six coordinates (m, rad)")]
+    rates: Annotated[Six, kept("1/s", "Their rates")]
+    memories: Annotated[tuple[Memory, ...], kept("1/s", "What they remember of the last step").sized(6)]
+    slide: Annotated[MidStep, kept("rad/s", "Mean hinge rates of two steps")]
+    friction_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
+    latch_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
+    damping_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
+    hold_angle: Annotated[float, kept("rad", "Angle that is held")]
+    latched: Annotated[float, kept("1", "1 from latch-up on")] = 0.0
+    latched_angle: Annotated[float, kept("rad", "Angle where the latch engaged")] = 0.0
+    holding: Annotated[float, kept("1", "1 while the angle is held")] = 0.0
+    numerical: Annotated[float, kept("J", "What the scheme took away")] = 0.0
+    power: Annotated[Vector3, kept("W", "Of the three heats at the last end-point step")] = (0.0, 0.0, 0.0)
+    wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
+    slopes: Annotated[tuple[float, ...], SLOPES] = NO_PAIR
+    loads: Annotated[tuple[MidStep, ...], kept("1", "Loads over two steps (N, N.m)").sized(7)] = NO_LOADS
+    sliding: Annotated[MidStepSlope, kept("rad/s", "The same of the rate, with slopes")] = (
+        MidStepSlope.starting(0.0)
+    )
+
+    @property
+    def angle(self) -> float:
+        """Hinge angle, unwrapped."""
+        return self.coordinates[3]
+
+    @property
+    def rate(self) -> float:
+        """Hinge rate."""
+        return self.rates[3]
+
+    @property
+    def swing(self) -> tuple[float, float]:
+        """Tilt of the outboard hinge line."""
+        *_, y, z = self.coordinates
+        return y, z
+
+    @property
+    def heat(self) -> Vector3:
+        """Of friction, latch and damping."""
+        return self.friction_heat, self.latch_heat, self.damping_heat
+
+    def heated(self, added: Vector3) -> State:
+        """With more heat of friction, latch and damping."""
+        friction, latch, damping = (a + b for a, b in zip(self.heat, added, strict=True))
+        return self._replace(friction_heat=friction, latch_heat=latch, damping_heat=damping)
+
+    def commanded(self, commands: Commands) -> State:
+        """Latched or held at the angle where the command arrives."""
+        state, is_held = self, commands.hold > 0.5
+        if commands.latch_command > 0.5 and not state.latched:
+            state = state._replace(latched=1.0, latched_angle=state.angle)
+        if is_held and not state.holding:
+            state = state._replace(hold_angle=state.angle)
+        return state._replace(holding=float(is_held))
+
+
+class Observations(NamedTuple):
     """What is recorded for people."""
-    return [
-        Quantity("angle", "rad", "Hinge angle, unwrapped"),
-        Quantity("angular_rate", "rad/s", "Hinge rate, of the ports at this instant"),
-        Quantity("motor_torque", "N.m", "Torque of the motorisation spring, positive opening"),
-        Quantity("harness_torque", "N.m", "Torque of the harness, positive opening"),
-        Quantity("friction_torque", "N.m", "Friction torque, positive opening"),
-        Quantity("latch_torque", "N.m", "Torque of the latch about the hinge line, positive opening"),
-        Quantity("axial_force", "N", "Force on the outboard side along the hinge line"),
-        Quantity("radial_force", "N", "Magnitude of the force normal to the hinge line"),
-        Quantity("bending_moment", "N.m", "Magnitude of the moment normal to the hinge line"),
-        Quantity("motor_energy", "J", "Energy released by the motorisation spring since the stowed angle"),
-        Quantity("friction_energy", "J", "Energy dissipated by friction"),
-        Quantity("latch_energy", "J", "Energy dissipated by the latch, its impulse included"),
-        Quantity("damping_energy", "J", "Energy dissipated by the damping of the joint"),
-        Quantity("potential_energy", "J", "Energy in bushing, motorisation spring, harness and latch"),
-        Quantity("dissipated_energy", "J", "Energy dissipated since the start"),
-        numerical_dissipation(),
+
+    angle: Annotated[float, observed("rad", "Hinge angle, unwrapped")]
+    angular_rate: Annotated[float, observed("rad/s", "Hinge rate, of the ports at this instant")]
+    motor_torque: Annotated[float, observed("N.m", "Torque of the motorisation spring, positive opening")]
+    harness_torque: Annotated[float, observed("N.m", "Torque of the harness, positive opening")]
+    friction_torque: Annotated[float, observed("N.m", "Friction torque, positive opening")]
+    latch_torque: Annotated[
+        float, observed("N.m", "Latch torque about the hinge line, positive opening", LOAD)
     ]
+    axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line", LOAD)]
+    radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line", LOAD)]
+    bending_moment: Annotated[
+        float, observed("N.m", "Magnitude of the moment normal to the hinge line", LOAD)
+    ]
+    motor_energy: Annotated[float, observed("J", "Energy released by the motorisation spring since stowed")]
+    friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
+    latch_energy: Annotated[
+        float, observed("J", "Energy dissipated by the latch, its impulse included", DISSIPATION)
+    ]
+    damping_energy: Annotated[
+        float, observed("J", "Energy dissipated by the damping of the joint", DISSIPATION)
+    ]
+    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Energy of bushing, motor, harness and latch")]
+    dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
+    numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]

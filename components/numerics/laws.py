@@ -9,15 +9,14 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator, PPoly
 
 from ..contract.component import ComponentError
-
-_TINY = 1e-5
+from .scheme import LEAST_CHANGE
 
 
 class Law(Protocol):
@@ -42,7 +41,9 @@ def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float
     """
     change = s1 - s0
     middle = 0.5 * (s0 + s1)
-    force = (law.potential(s0) - law.potential(s1)) / change if abs(change) > _TINY else law.value(middle)
+    force = (
+        (law.potential(s0) - law.potential(s1)) / change if abs(change) > LEAST_CHANGE else law.value(middle)
+    )
     if end_weight != 0.5:
         force += (end_weight - 0.5) * (law.value(s1) - law.value(s0))
     return force
@@ -159,7 +160,7 @@ class Table:
     def tangent(self, s0: float, s1: float) -> float:
         """Minus the mean slope of the force between both; of one piece without a difference of forces."""
         (i, t0), (j, t1) = self._piece(s0), self._piece(s1)
-        if i != j and abs(s1 - s0) > _TINY:
+        if i != j and abs(s1 - s0) > LEAST_CHANGE:
             return (self.value(s0) - self.value(s1)) / (s1 - s0)
         if i != j:
             i, t0 = self._piece(0.5 * (s0 + s1))
@@ -168,8 +169,15 @@ class Table:
         return -(a * (t0 * t0 + t0 * t1 + t1 * t1) + b * (t0 + t1) + c)
 
 
-def stiction_factors(rate: float, transition: float, static_ratio: float) -> tuple[float, float]:
-    """Signed factors on dynamic Coulomb friction and on a constant friction torque at a sliding rate.
+class StictionFactors(NamedTuple):
+    """Signed factors on dynamic Coulomb friction and on a constant friction."""
+
+    dynamic: float
+    constant: float
+
+
+def stiction_factors(rate: float, transition: float, static_ratio: float) -> StictionFactors:
+    """Factors at a sliding rate.
 
     Rises smoothly to the static value at the stiction transition velocity, falls to the dynamic one between
     1 and 1.5 times it; the second factor stays at 1 beyond the transition. Both are odd in the rate.
@@ -183,4 +191,4 @@ def stiction_factors(rate: float, transition: float, static_ratio: float) -> tup
         dynamic, constant = static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t), 1.0
     else:
         dynamic = constant = 1.0
-    return (dynamic, constant) if rate >= 0.0 else (-dynamic, -constant)
+    return StictionFactors(dynamic, constant) if rate >= 0.0 else StictionFactors(-dynamic, -constant)

@@ -11,12 +11,9 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 
 from ..contract.component import Vector
+from .scheme import ROUGH
 
 T = TypeVar("T", float, Vector)
-
-_ROUGH = (
-    1e-2  # roughness of a motion (see `workless_pair`) from which on means tell its load better than its end
-)
 
 
 class StepMean(NamedTuple, Generic[T]):
@@ -78,7 +75,7 @@ class MidStep(NamedTuple):
         if self.h <= 0.0:
             return at_end
         square = roughness * roughness
-        return at_end + square / (square + _ROUGH * _ROUGH) * (self.now() - at_end)
+        return at_end + square / (square + ROUGH * ROUGH) * (self.now() - at_end)
 
 
 class MidStepSlope(NamedTuple):

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from math import isfinite, sin, sqrt, tan
 from typing import NamedTuple
 
-from ..contract import roles
-from ..contract.component import ComponentError, ContinuousStates, Quantity, Vector
+from ..contract.component import ComponentError
 from ..contract.frames import (
     Quaternion,
     Vector3,
@@ -48,44 +47,6 @@ class Rates(NamedTuple):
     offset: Vector3
     twist: float
     swing: tuple[float, float]
-
-
-def gives_end_point(wrench_mode: str) -> bool:
-    """Whether a connection returns end-point wrenches ("endpoint") and not means ("mean"); ComponentError else."""
-    if wrench_mode not in ("mean", "endpoint"):
-        raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
-    return wrench_mode == "endpoint"
-
-
-def dissipated_energies(
-    first: int, names: Sequence[str] = ("heat",), indicators: int = 0
-) -> ContinuousStates:
-    """The continuous states of an end-point connection: energies that its state array holds from `first` on."""
-    return ContinuousStates(
-        tuple(Quantity(name, "J", "Energy dissipated since the start") for name in names),
-        ("W",) * len(names),
-        (1.0,) * len(names),
-        tuple(range(first, first + len(names))),
-        tuple(names),
-        indicators,
-    )
-
-
-def order_parameter() -> Quantity:
-    """The order in time of a connection's mean wrenches."""
-    return roles.ORDER
-
-
-def is_of_order_four(order: float) -> bool:
-    """Whether the parameter `order` is 4 and not 2; ComponentError where it is neither."""
-    if order not in (2.0, 4.0):
-        raise ComponentError(f"order = {order:g}; it must be 2 or 4")
-    return order == 4.0
-
-
-def numerical_dissipation() -> Quantity:
-    """The observation of what the scheme took away in a connection's stiff coordinates (J)."""
-    return roles.NUMERICAL_DISSIPATION
 
 
 def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:
@@ -263,18 +224,3 @@ def pair(force: Vector3, torque: Vector3, gap: Vector3) -> tuple[float, ...]:
     """
     reaction = scaled(-1.0, add(torque, cross(gap, force)))
     return (*scaled(-1.0, force), *reaction, *force, *torque)
-
-
-def port_motions(u: Sequence[float]) -> list[PortMotion]:
-    """Motions of two ports."""
-    return [PortMotion.read(u[:13]), PortMotion.read(u[13:26])]
-
-
-def port_moments(u: Sequence[float]) -> list[PortMoments]:
-    """First moments of two ports."""
-    return [PortMoments.read(u[:6]), PortMoments.read(u[6:12])]
-
-
-def as_floats(u: Vector) -> list[float]:
-    """The array as plain floats, for scalar code."""
-    return u.tolist()  # type: ignore[no-any-return]

@@ -21,8 +21,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-_OF_INCREMENTS = 0.20
-_OF_RATES = 0.05
+from .scheme import OF_INCREMENTS, OF_RATES
 
 
 class Memory(NamedTuple):
@@ -65,7 +64,7 @@ def inertial_force(stiffness: float, m: StepMotion) -> float:
     """The two inertial terms."""
     change = m.end - m.start
     from_mean, from_end = change - m.h * m.memory.mean_rate, change - m.h * m.memory.end_rate
-    return -stiffness * (_OF_INCREMENTS * from_mean + 2.0 * _OF_RATES * from_end)
+    return -stiffness * (OF_INCREMENTS * from_mean + 2.0 * OF_RATES * from_end)
 
 
 def remembered(m: StepMotion, end_rate: float) -> Memory:

@@ -29,10 +29,8 @@ from collections.abc import Callable
 from math import sqrt
 
 from .laws import Law, mean_force
+from .scheme import LEAST_RATE, NUMERICAL_DAMPING
 from .stiff_coordinate import MeanLoad, Memory, StepMotion
-
-_NUMERICAL_DAMPING = 0.1
-_TINY = 1e-30
 
 
 def workless_load(
@@ -40,7 +38,7 @@ def workless_load(
 ) -> MeanLoad:
     """Load of a discrete gradient `elastic` (N, N.m), a tangent of its law and a damper over a step."""
     change = m.end - m.start
-    numerical = _NUMERICAL_DAMPING * max(tangent, 0.0) * m.h * roughness
+    numerical = NUMERICAL_DAMPING * max(tangent, 0.0) * m.h * roughness
     mean, slope = change / m.h, 3.0 * m.moment / m.h
     square = mean * change + slope * m.moment
     return MeanLoad(
@@ -79,5 +77,5 @@ def remembered_path(m: StepMotion) -> Memory:
     """Memory after a step of order 4."""
     change, bend = m.end - m.start, 3.0 * m.moment
     begin, end, before = (change - bend) / m.h, (change + bend) / m.h, m.memory.end_rate
-    jump = (begin - before) / (abs(begin) + abs(end) + abs(before) + _TINY)
+    jump = (begin - before) / (abs(begin) + abs(end) + abs(before) + LEAST_RATE)
     return Memory(change / m.h, end, jump * jump)

@@ -7,15 +7,16 @@ the digest in it with that of the data, so that a kernel never reads one variabl
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from hashlib import sha256
 from pathlib import Path
 from textwrap import fill
 
 from components import REGISTRY, Component, Quantity, port_layout
+from components.numerics import scheme
 
 FOLDER = Path(__file__).parent / "kernels" / "layouts"
-_TEXT = """/* Where the variables of a component lie: parameters P_, state X_, own inputs U_ and outputs Y_, observations Z_.
+_TEXT = """/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
    Written by python -m fmus.native from its declarations. */
 
 #ifndef FANFOLD_{guard}_LAYOUT_H
@@ -24,6 +25,16 @@ _TEXT = """/* Where the variables of a component lie: parameters P_, state X_, o
 #define KIND "{kind}"
 #define LAYOUT_DIGEST "{digest}"
 {declarations}
+#endif
+"""
+
+_SCHEME = """/* Numbers of the scheme: components/numerics/scheme.py, written by python -m fmus.native. */
+
+#ifndef FANFOLD_SCHEME_H
+#define FANFOLD_SCHEME_H
+
+{numbers}
+
 #endif
 """
 
@@ -59,7 +70,7 @@ def _declarations(component: Component) -> str:
         ("Z", "OBSERVATIONS", 0, component.observation_layout.quantities),
     )
     enums = [list(_places(prefix, end, first, quantities)) for prefix, end, first, quantities in groups]
-    constants = [f"#define {name} {value!r}" for name, value in component.scheme.items()]
+    constants = _defined(component.scheme)
     if not component.ports_vary:
         moments = 6 * len(component.ports) * (component.order == 4)
         constants.append(f"#define MOMENTS {moments}")
@@ -67,10 +78,8 @@ def _declarations(component: Component) -> str:
     if integrated and not any(q.resized for q in integrated):
         places = [f"X_{_name(q)} + {i}" if i else f"X_{_name(q)}" for q in integrated for i in range(q.size)]
         constants.append(f"#define CONTINUOUS_PLACES {{{', '.join(places)}}}")
-    wrapped = [
-        fill(f"enum {{ {', '.join(enum)} }};", 116, subsequent_indent="       ") for enum in enums if enum
-    ]
-    return "\n".join((*constants, "", *wrapped, ""))
+    wrapped = [fill(f"enum {{ {', '.join(enum)} }};", 116, subsequent_indent="       ") for enum in enums]
+    return "\n".join((*constants, "", *wrapped, "")).replace("=", " = ")
 
 
 def _port_sizes(component: Component) -> tuple[int, int]:
@@ -83,19 +92,30 @@ def _port_sizes(component: Component) -> tuple[int, int]:
 def _places(prefix: str, end: str, position: int, quantities: Iterable[Quantity]) -> Iterator[str]:
     """Enumerators of a group; none behind a quantity whose size follows from the structure."""
     for quantity in quantities:
-        yield f"{prefix}_{_name(quantity)} = {position}"
+        yield f"{prefix}_{_name(quantity)}={position}"
         if quantity.resized:
             return
         position += quantity.size
-    yield f"{end} = {position}"
+    yield f"{end}={position}"
 
 
 def _name(quantity: Quantity) -> str:
     return quantity.name.replace(".", "_").upper()
 
 
+def scheme_header() -> str:
+    """The numbers that all kernels share."""
+    numbers = {name: value for name, value in vars(scheme).items() if name.isupper()}
+    return _SCHEME.format(numbers="\n".join(_defined(numbers)))
+
+
+def _defined(constants: Mapping[str, float]) -> list[str]:
+    return [f"#define {name} {value!r}" for name, value in constants.items()]
+
+
 def headers() -> dict[str, str]:
-    """Headers of all kernels by file name."""
+    """All written headers by file name."""
     components = [kind.example() for kind in REGISTRY.values()]
     native = [c for c in components if c.native_data() is not None and c.state_layout.quantities]
-    return {f"{kernel_name(c)}_layout.h": layout_header(c) for c in native}
+    layouts = {f"{kernel_name(c)}_layout.h": layout_header(c) for c in native}
+    return {**layouts, "scheme.h": scheme_header()}

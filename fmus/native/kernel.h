@@ -46,7 +46,6 @@ typedef struct {
    `self` is what `create` returned; `step` and `outputs` exist for both number types. */
 typedef struct {
     const char *kind;
-    const char *layout; /* digest of the declared layout that the kernel was written for */
     /* Reads the data and allocates all that is ever needed; sets the number of states. NULL and a sentence
        when the data are unusable: nothing in them may be trusted. */
     void *(*create)(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why);
@@ -79,6 +78,7 @@ typedef struct {
     size_t (*indicators)(void *self, const double *x, const double *u, double *indicators);
     /* What the state remembers of an accepted step of the solver and, at an event, what happens; NULL for nothing. */
     void (*update)(void *self, const double *x, const double *u, int at_event, double *x_next);
+    const char *layout; /* digest of the declared layout that the kernel was written for */
 } Kernel;
 
 /* Every component of this binary; the build writes the list, and declares it, from the equations files there are. */

@@ -16,7 +16,7 @@ import numpy as np
 
 from components.contract.component import Vector
 from components.contract.frames import exponential, multiply, rotate
-from components.hinge_parts.state import State
+from components.hinge import Hinge
 
 from ..scene import CheckedScene, SceneError
 from ..scene.locked_groups import joined
@@ -200,8 +200,8 @@ def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) ->
         moved.orientation = multiply(turn, moved.orientation)
     for hinge in line.hinges:
         connection = mechanism.connections[hinge.name]
-        state = State.unpack(connection.state)
-        connection.state = state._replace(hold_angle=state.hold_angle + angle).pack()
+        state = Hinge.states.read(connection.state)
+        connection.state = Hinge.states.write(state._replace(hold_angle=state.hold_angle + angle))
     mechanism.follow()
     for drive, angle_before in zip(drives, before, strict=True):
         for end in ("start_angle", "end_angle"):
@@ -242,7 +242,7 @@ def _reach(mechanism: Mechanism) -> float:
 def _holding_torque(mechanism: Mechanism, hinge: str) -> float:
     """Torque (N.m) of the spring that holds a hinge, positive opening."""
     connection = mechanism.connections[hinge]
-    state = State.unpack(connection.state)
+    state = Hinge.states.read(connection.state)
     return -connection.parameter("hold_stiffness") * (state.angle - state.hold_angle)
 
 

@@ -1,22 +1,14 @@
 /* Closed-cable-loop synchroniser: two preloaded strands between two pulleys: the twin of components/ccl.py. */
 
-#include "relative.h"
+#include "ccl_layout.h"
+#include "connection.h"
 #include "workless.h"
 
-/* State: angles of both pulleys, what they work on, centre line, angles and strand length of the preload, heat,
-   wrenches of the two or three ports, orientations of both pulleys, slopes of the wrenches. */
-enum { ANGLES = 0, WORKS = 2, SPAN = 8, START = 11, HEAT = 14, WRENCH = 15, FRAMES_SIZE = 8 };
-
-enum { RADIUS_1, RADIUS_2, PRELOAD, STRAND_STIFFNESS, STRAND_DAMPING, END_WEIGHT, ORDER, PARAMETERS };
-
-enum { OBSERVATIONS = 9 };
-
 typedef struct Loop {
+    Connection base;
     double axis_frame[4];
-    int guided, endpoint;
-    int paired; /* tensions are of order 4; those of static solutions are not */
-    size_t ports, hold, moments, frames, slopes, places[PARAMETERS];
-    double radius_1, radius_2, damping, end_weight;
+    int guided;
+    size_t ports, slopes; /* number of ports, and where the slopes of wrenches begin in the state */
     Law strand;
 } Loop;
 
@@ -72,13 +64,14 @@ static inline Geometry loop_geometry(const Loop *loop, const real *u, real refer
 /* Strand length between the pulleys, the wrap that changes with the distance included. */
 static inline real strand_length(const Loop *loop, real distance) {
     if (loop->guided) return distance;
-    double difference = loop->radius_1 - loop->radius_2;
+    double difference = loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2];
     return real_sqrt(distance * distance - difference * difference) + difference * real_asin(difference / distance);
 }
 
 /* Elongations from the start: length change of the loop plus and minus r1 d1 - r2 d2. */
-static inline Strands elongations(const Loop *loop, const Geometry *g, real start_1, real start_2, real start_length) {
-    real turn = loop->radius_1 * (g->angle_1 - start_1) - loop->radius_2 * (g->angle_2 - start_2);
+static inline Strands elongations(const Loop *loop, const Geometry *g, const real *x) {
+    const real start_1 = x[X_PRELOAD_ANGLES], start_2 = x[X_PRELOAD_ANGLES + 1], start_length = x[X_PRELOAD_LENGTH];
+    real turn = loop->base.p[P_RADIUS_1] * (g->angle_1 - start_1) - loop->base.p[P_RADIUS_2] * (g->angle_2 - start_2);
     real stretch = strand_length(loop, vector_norm(g->span)) - start_length;
     return (Strands){stretch + turn, stretch - turn};
 }
@@ -88,8 +81,8 @@ static inline void store_wrenches(const Loop *loop, const Geometry *g, Strands t
     real distance = vector_norm(g->span);
     Vector3 direction = vector_scaled(1.0 / distance, g->span);
     real difference = tension.a - tension.b;
-    Vector3 works_1 = vector_scaled(loop->radius_1 * difference, g->works_1);
-    Vector3 works_2 = vector_scaled(-loop->radius_2 * difference, g->works_2);
+    Vector3 works_1 = vector_scaled(loop->base.p[P_RADIUS_1] * difference, g->works_1);
+    Vector3 works_2 = vector_scaled(-loop->base.p[P_RADIUS_2] * difference, g->works_2);
     Vector3 force_2, torque_1, torque_2;
     if (loop->guided) {
         force_2 = vector_scaled(-(tension.a + tension.b), direction);
@@ -99,7 +92,7 @@ static inline void store_wrenches(const Loop *loop, const Geometry *g, Strands t
         vector_store((Vector3){0.0, 0.0, 0.0}, wrench + 12);
         vector_store(vector_scaled(-1.0, moments), wrench + 15);
     } else {
-        double step = loop->radius_1 - loop->radius_2;
+        double step = loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2];
         real axial = (tension.a + tension.b) * real_sqrt(distance * distance - step * step) / distance;
         force_2 = vector_subtract(vector_scaled(-axial, direction), vector_add(works_1, works_2));
         torque_1 = vector_cross(g->span, works_1);
@@ -111,31 +104,34 @@ static inline void store_wrenches(const Loop *loop, const Geometry *g, Strands t
     vector_store(torque_2, wrench + 9);
 }
 
+/* Where the own inputs begin, after which come the first moments. */
+static inline const real *own_inputs(const Loop *loop, const real *u) { return u + MOTION_SIZE * loop->ports; }
+
+static inline int is_held(const Loop *loop, const real *u) { return commanded(own_inputs(loop, u), U_HOLD); }
+
 static inline void store_geometry(const Geometry *g, real *x) {
-    x[ANGLES] = g->angle_1;
-    x[ANGLES + 1] = g->angle_2;
-    vector_store(g->works_1, x + WORKS);
-    vector_store(g->works_2, x + WORKS + 3);
-    vector_store(g->span, x + SPAN);
+    x[X_ANGLES] = g->angle_1;
+    x[X_ANGLES + 1] = g->angle_2;
+    vector_store(g->works_1, x + X_WORKS_1);
+    vector_store(g->works_2, x + X_WORKS_2);
+    vector_store(g->span, x + X_SPAN);
 }
 
 /* Takes a geometry as the one where both strands are at their preload. */
 static inline void store_start(const Loop *loop, const Geometry *g, real *x) {
-    x[START] = g->angle_1;
-    x[START + 1] = g->angle_2;
-    x[START + 2] = strand_length(loop, vector_norm(g->span));
+    x[X_PRELOAD_ANGLES] = g->angle_1;
+    x[X_PRELOAD_ANGLES + 1] = g->angle_2;
+    x[X_PRELOAD_LENGTH] = strand_length(loop, vector_norm(g->span));
 }
 
-static inline void store_frames(const Loop *loop, const real *u, real *x) {
-    for (size_t i = 0; i < 4; i++) {
-        x[loop->frames + i] = u[3 + i];
-        x[loop->frames + 4 + i] = u[MOTION_SIZE + 3 + i];
-    }
+static inline void store_frames(const real *u, real *x) {
+    quaternion_store(quaternion_of(u + 3), x + X_FRAMES);
+    quaternion_store(quaternion_of(u + MOTION_SIZE + 3), x + X_FRAMES + 4);
 }
 
 /* Force along the centre line for a tension of one: free strands cross it. */
 static inline real axial_share(const Loop *loop, real distance) {
-    double step = loop->guided ? 0.0 : loop->radius_1 - loop->radius_2;
+    double step = loop->guided ? 0.0 : loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2];
     return real_sqrt(distance * distance - step * step) / distance;
 }
 
@@ -145,7 +141,7 @@ static inline Strands rates_of_strands(const Loop *loop, const Geometry *g, Vect
     real rate_1 = vector_dot(relative_1, g->works_1), rate_2 = vector_dot(relative_2, g->works_2);
     real stretch = along;
     if (!loop->guided) stretch = along * axial_share(loop, vector_norm(g->span));
-    real turn = loop->radius_1 * rate_1 - loop->radius_2 * rate_2;
+    real turn = loop->base.p[P_RADIUS_1] * rate_1 - loop->base.p[P_RADIUS_2] * rate_2;
     return (Strands){stretch + turn, stretch - turn};
 }
 
@@ -160,14 +156,14 @@ static inline Vector3 moment_against(const Geometry *g, const Line *line, Vector
 /* Moments of both elongations' rates; the adjoint of store_pairs. */
 static inline Strands strand_moments(const Loop *loop, const double *x, const real *u, const Geometry *g,
                                      const Line *line) {
-    const real *first = u + loop->moments, *second = first + WRENCH_SIZE;
+    const real *first = own_inputs(loop, u) + OWN_INPUTS, *second = first + WRENCH_SIZE;
     Vector3 apart = vector_subtract(vector_of(second), vector_of(first)), relative_1, relative_2;
     if (loop->guided) {
         Vector3 guide = vector_of(second + WRENCH_SIZE + 3);
         relative_1 = vector_subtract(guide, vector_of(first + 3));
         relative_2 = vector_subtract(guide, vector_of(second + 3));
     } else {
-        const double *frames = x + loop->frames;
+        const double *frames = x + X_FRAMES;
         relative_1 = moment_against(g, line, apart, first, frames, u + 3);
         relative_2 = moment_against(g, line, apart, second, frames + 4, u + MOTION_SIZE + 3);
     }
@@ -188,49 +184,47 @@ static inline void store_pairs(const Loop *loop, const Geometry *g, const Line *
     add_to(force, wrench + WRENCH_SIZE);
     if (loop->guided) return;
     Vector3 change = vector_scaled((slope.a - slope.b) / 6.0, line->change);
-    add_to(vector_scaled(loop->radius_1, vector_cross(change, g->works_1)), wrench + 3);
-    add_to(vector_scaled(-loop->radius_2, vector_cross(change, g->works_2)), wrench + WRENCH_SIZE + 3);
+    add_to(vector_scaled(loop->base.p[P_RADIUS_1], vector_cross(change, g->works_1)), wrench + 3);
+    add_to(vector_scaled(-loop->base.p[P_RADIUS_2], vector_cross(change, g->works_2)), wrench + WRENCH_SIZE + 3);
 }
 
 /* Load of one strand at order 4. */
 static inline MeanLoad strand_load(const Loop *loop, real before, real after, real moment, double h) {
     StepMotion motion = {before, after, h, 0.0, 0.0, 0.0, moment};
-    return workless_law(&loop->strand, loop->damping, &motion, 0.0);
+    return workless_law(&loop->strand, loop->base.p[P_STRAND_DAMPING], &motion, 0.0);
 }
 
 /* Mean tension of one strand over a step; adds to the heat. */
 static inline real mean_tension(const Loop *loop, real before, real after, double h, real *heat) {
     real rate = (after - before) / h;
     real plain = law_mean_force(&loop->strand, before, after);
-    real force = plain + law_end_force(&loop->strand, before, after, loop->end_weight);
-    *heat += loop->damping * h * (rate * rate) - (force - plain) * (after - before);
-    return -force + loop->damping * rate;
+    real force = plain + law_end_force(&loop->strand, before, after, loop->base.p[P_END_WEIGHT]);
+    *heat += loop->base.p[P_STRAND_DAMPING] * h * (rate * rate) - (force - plain) * (after - before);
+    return -force + loop->base.p[P_STRAND_DAMPING] * rate;
 }
 
 /* One step; mean tensions from the strands' elongations at both ends. */
 int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Loop *loop = self;
     (void)why;
-    Geometry new = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
-    store_geometry(&new, x_next);
-    store_frames(loop, u, x_next);
+    Geometry new = loop_geometry(loop, u, x[X_ANGLES], x[X_ANGLES + 1]);
+    real start[X_HEAT];
+    for (int i = 0; i < X_HEAT; i++) start[i] = x_next[i] = x[i];
     for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x_next[loop->slopes + i] = 0.0;
-    if (value_of(u[loop->hold]) > 0.5) {
+    x_next[X_HEAT] = x[X_HEAT];
+    store_geometry(&new, x_next);
+    store_frames(u, x_next);
+    if (is_held(loop, u)) {
         real preload = -law_value(&loop->strand, 0.0);
         store_start(loop, &new, x_next);
-        x_next[HEAT] = x[HEAT];
-        store_wrenches(loop, &new, (Strands){preload, preload}, x_next + WRENCH);
+        store_wrenches(loop, &new, (Strands){preload, preload}, x_next + X_WRENCH);
         return 1;
     }
     Geometry old = {
-        x[ANGLES],
-        x[ANGLES + 1],
-        {x[WORKS], x[WORKS + 1], x[WORKS + 2]},
-        {x[WORKS + 3], x[WORKS + 4], x[WORKS + 5]},
-        {x[SPAN], x[SPAN + 1], x[SPAN + 2]},
+        start[X_ANGLES], start[X_ANGLES + 1], vector_of(start + X_WORKS_1), vector_of(start + X_WORKS_2),
+        vector_of(start + X_SPAN),
     };
-    Strands before = elongations(loop, &old, x[START], x[START + 1], x[START + 2]);
-    Strands after = elongations(loop, &new, x[START], x[START + 1], x[START + 2]);
+    Strands before = elongations(loop, &old, start), after = elongations(loop, &new, start);
     Geometry middle = {
         new.angle_1,
         new.angle_2,
@@ -238,23 +232,22 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
         vector_mean(old.works_2, new.works_2),
         vector_mean(old.span, new.span),
     };
-    for (int i = 0; i < 3; i++) x_next[START + i] = x[START + i];
-    if (loop->paired) {
+    if (loop->base.paired) {
         Line line = line_between(old.span, new.span, 1.0 / vector_norm(middle.span));
         Strands moment = strand_moments(loop, x, u, &middle, &line);
         MeanLoad a = strand_load(loop, before.a, after.a, moment.a, h);
         MeanLoad b = strand_load(loop, before.b, after.b, moment.b, h);
-        x_next[HEAT] = x[HEAT] + (a.heat + b.heat);
+        x_next[X_HEAT] = x[X_HEAT] + (a.heat + b.heat);
         store_pairs(loop, &middle, &line, (Strands){-a.force, -b.force}, (Strands){-a.slope, -b.slope},
-                    x_next + WRENCH, x_next + loop->slopes);
+                    x_next + X_WRENCH, x_next + loop->slopes);
         return 1;
     }
     real heat = 0.0;
     Strands tension;
     tension.a = mean_tension(loop, before.a, after.a, h, &heat);
     tension.b = mean_tension(loop, before.b, after.b, h, &heat);
-    x_next[HEAT] = x[HEAT] + heat;
-    store_wrenches(loop, &middle, tension, x_next + WRENCH);
+    x_next[X_HEAT] = x[X_HEAT] + heat;
+    store_wrenches(loop, &middle, tension, x_next + X_WRENCH);
     return 1;
 }
 
@@ -282,25 +275,21 @@ typedef struct Instant {
 
 /* Of this instant; strands that are being adjusted are at their preload. */
 static inline Instant loop_now(const Loop *loop, const real *x, const real *u) {
-    Instant now = {.geometry = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1])};
-    if (!(loop->endpoint && value_of(u[loop->hold]) > 0.5)) {
-        now.elongation = elongations(loop, &now.geometry, x[START], x[START + 1], x[START + 2]);
-        if (loop->damping > 0.0) now.rate = elongation_rates(loop, u, &now.geometry);
+    Instant now = {.geometry = loop_geometry(loop, u, x[X_ANGLES], x[X_ANGLES + 1])};
+    if (!(loop->base.endpoint && is_held(loop, u))) {
+        now.elongation = elongations(loop, &now.geometry, x);
+        if (loop->base.p[P_STRAND_DAMPING] > 0.0) now.rate = elongation_rates(loop, u, &now.geometry);
     }
-    now.tension.a = -law_value(&loop->strand, now.elongation.a) + loop->damping * now.rate.a;
-    now.tension.b = -law_value(&loop->strand, now.elongation.b) + loop->damping * now.rate.b;
+    now.tension.a = -law_value(&loop->strand, now.elongation.a) + loop->base.p[P_STRAND_DAMPING] * now.rate.a;
+    now.tension.b = -law_value(&loop->strand, now.elongation.b) + loop->base.p[P_STRAND_DAMPING] * now.rate.b;
     return now;
 }
 
 /* Wrenches on all ports, slopes of mean wrenches. */
 void NAME(loop_outputs)(void *self, const real *x, const real *u, real *y) {
     const Loop *loop = self;
-    if (!loop->endpoint) {
-        size_t size = WRENCH_SIZE * loop->ports;
-        for (size_t i = 0; i < size; i++) {
-            y[i] = x[WRENCH + i];
-            y[size + i] = x[loop->slopes + i];
-        }
+    if (!loop->base.endpoint) {
+        for (size_t i = 0; i < 2 * WRENCH_SIZE * loop->ports; i++) y[i] = x[X_WRENCH + i];
         return;
     }
     Instant now = loop_now(loop, x, u);
@@ -312,27 +301,13 @@ int NAME(loop_rates)(void *self, const real *raw, const real *x, const real *u, 
     const Loop *loop = self;
     (void)raw, (void)why;
     Strands rate = loop_now(loop, x, u).rate;
-    rates[0] = loop->damping * (rate.a * rate.a + rate.b * rate.b);
+    rates[0] = loop->base.p[P_STRAND_DAMPING] * (rate.a * rate.a + rate.b * rate.b);
     return 1;
 }
 
 #ifndef FANFOLD_COMPLEX
 
-int loop_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
-                       double complex *rates, Reason *why);
-int loop_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
-                      Reason *why);
-void loop_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
-
-static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
-    [RADIUS_1] = {"radius_1", 1},
-    [RADIUS_2] = {"radius_2", 1},
-    [PRELOAD] = {"preload", 1},
-    [STRAND_STIFFNESS] = {"strand_stiffness", 1},
-    [STRAND_DAMPING] = {"strand_damping", 1},
-    [END_WEIGHT] = {"end_weight", 1},
-    [ORDER] = {"order", 1},
-};
+DECLARE_COMPLEX(loop)
 
 static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
     Loop *loop = allocate(memory, sizeof *loop);
@@ -341,33 +316,21 @@ static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, s
         return NULL;
     }
     if (!read_choice(data, "guided", 1, &loop->guided, why)) return NULL;
-    if (!read_choice(data, "endpoint", 1, &loop->endpoint, why)) return NULL;
+    if (!read_choice(data, "endpoint", 1, &loop->base.endpoint, why)) return NULL;
     loop->ports = loop->guided ? 3 : 2;
-    size_t wrenches = WRENCH_SIZE * loop->ports, pairs = loop->endpoint ? 0 : wrenches;
-    loop->frames = WRENCH + wrenches;
-    loop->slopes = loop->frames + FRAMES_SIZE;
+    size_t wrenches = WRENCH_SIZE * loop->ports, moments = loop->base.endpoint ? 0 : wrenches;
+    loop->slopes = X_WRENCH + wrenches;
     *states = loop->slopes + wrenches;
-    int usable =
-        check_sizes("cable loop", sizes, MOTION_SIZE * loop->ports + 1 + pairs, wrenches + pairs, OBSERVATIONS, why) &&
-        read_axis_frame(data, loop->axis_frame, why) &&
-        find_moments(data, "pulley_1.velocity_moment", loop->endpoint ? 0 : loop->ports, sizes, &loop->moments, why) &&
-        find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, loop->places, why) &&
-        find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &loop->hold, why);
-    return usable ? loop : NULL;
+    const Sizes own = {
+        PARAMETERS, MOTION_SIZE * loop->ports + OWN_INPUTS + moments, wrenches + OWN_OUTPUTS + moments, OBSERVATIONS,
+    };
+    return check_sizes(KIND, sizes, &own, why) && read_axis_frame(data, loop->axis_frame, why) ? loop : NULL;
 }
 
 static int loop_prepare(void *self, const double *p, Reason *why) {
     Loop *loop = self;
-    const size_t *place = loop->places;
-    int fourth = 0;
-    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
-    loop->radius_1 = p[place[RADIUS_1]];
-    loop->radius_2 = p[place[RADIUS_2]];
-    loop->damping = p[place[STRAND_DAMPING]];
-    loop->end_weight = p[place[END_WEIGHT]];
-    loop->paired = fourth && loop->end_weight == 0.5 && !loop->endpoint;
-    loop->strand = strand_law(p[place[STRAND_STIFFNESS]], p[place[PRELOAD]]);
-    return 1;
+    loop->strand = strand_law(p[P_STRAND_STIFFNESS], p[P_PRELOAD]);
+    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
 /* Both strands at their preload in the pose of the inputs. */
@@ -375,14 +338,13 @@ static int loop_initial(void *self, const double *u, double *x, Reason *why) {
     const Loop *loop = self;
     Geometry g = loop_geometry(loop, u, 0.0, 0.0);
     double distance = vector_norm(g.span);
-    if (distance <= fabs(loop->radius_1 - loop->radius_2))
+    if (distance <= fabs(loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2]))
         return refuse(why, "the pulleys are %g m apart, less than the difference of their radii; check the ports",
                       distance);
+    memset(x, 0, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof *x);
     store_geometry(&g, x);
     store_start(loop, &g, x);
-    store_frames(loop, u, x);
-    x[HEAT] = 0.0;
-    for (size_t i = 0; i < WRENCH_SIZE * loop->ports; i++) x[WRENCH + i] = x[loop->slopes + i] = 0.0;
+    store_frames(u, x);
     return 1;
 }
 
@@ -392,43 +354,30 @@ static void loop_observe(void *self, const double *x, const double *u, double *z
     const Instant now = loop_now(loop, x, u);
     Strands elongation = now.elongation, tension = now.tension;
     double distance = vector_norm(now.geometry.span);
-    double step = loop->guided ? 0.0 : loop->radius_1 - loop->radius_2;
+    double step = loop->guided ? 0.0 : loop->base.p[P_RADIUS_1] - loop->base.p[P_RADIUS_2];
     double difference = tension.a - tension.b;
-    z[0] = tension.a;
-    z[1] = tension.b;
-    z[2] = loop->radius_1 * difference;
-    z[3] = -loop->radius_2 * difference;
-    z[4] = (tension.a + tension.b) * sqrt(distance * distance - step * step) / distance;
-    z[5] = -difference * step / distance;
-    z[6] = 0.5 * (elongation.a - elongation.b);
-    z[7] = law_potential(&loop->strand, elongation.a) + law_potential(&loop->strand, elongation.b);
-    z[8] = x[HEAT];
-}
-
-static size_t loop_continuous(const void *self, size_t *places) {
-    (void)self;
-    if (places) places[0] = HEAT;
-    return 1;
+    z[Z_TENSION_A] = tension.a;
+    z[Z_TENSION_B] = tension.b;
+    z[Z_TORQUE_1] = loop->base.p[P_RADIUS_1] * difference;
+    z[Z_TORQUE_2] = -loop->base.p[P_RADIUS_2] * difference;
+    z[Z_AXIAL_FORCE] = (tension.a + tension.b) * sqrt(distance * distance - step * step) / distance;
+    z[Z_LATERAL_FORCE] = -difference * step / distance;
+    z[Z_SYNCHRONIZATION_ERROR] = 0.5 * (elongation.a - elongation.b);
+    z[Z_POTENTIAL_ENERGY] = law_potential(&loop->strand, elongation.a) + law_potential(&loop->strand, elongation.b);
+    z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
 }
 
 /* Follows the angles; while strands are adjusted, the present geometry is the one of their preload. */
 static void loop_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
     const Loop *loop = self;
     (void)at_event;
-    Geometry now = loop_geometry(loop, u, x[ANGLES], x[ANGLES + 1]);
-    memcpy(x_next, x, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof(double));
-    x_next[ANGLES] = now.angle_1;
-    x_next[ANGLES + 1] = now.angle_2;
-    if (u[loop->hold] > 0.5) store_start(loop, &now, x_next);
+    Geometry now = loop_geometry(loop, u, x[X_ANGLES], x[X_ANGLES + 1]);
+    memcpy(x_next, x, (loop->slopes + WRENCH_SIZE * loop->ports) * sizeof *x);
+    x_next[X_ANGLES] = now.angle_1;
+    x_next[X_ANGLES + 1] = now.angle_2;
+    if (is_held(loop, u)) store_start(loop, &now, x_next);
 }
 
-const Kernel ccl_kernel = {
-    "ccl",       loop_create,  loop_prepare,      loop_initial,         loop_step_real, loop_outputs_real,
-    loop_observe, loop_step_complex, loop_outputs_complex, NULL, NULL,
-    .continuous = loop_continuous,
-    .rates = loop_rates_real,
-    .rates_complex = loop_rates_complex,
-    .update = loop_update,
-};
+const Kernel ccl_kernel = {CONNECTION_FUNCTIONS(loop, loop), .update = loop_update};
 
 #endif

@@ -1,16 +1,11 @@
 /* Aerodynamic drag of a flat rectangular plate by strips, on one port: the twin of components/drag.py. */
 
-#include "relative.h"
-
-/* State: position, orientation, heat, wrench, and the means of two steps of the rates along the normal and about y. */
-enum { POSITION = 0, ORIENTATION = 3, HEAT = 7, WRENCH = 8, NORMAL_SLIDE = 14, TURN_SLIDE = 18, STATES = 22 };
-
-enum { START, END, WIDTH, AIR_DENSITY, DRAG_COEFFICIENT, PARAMETERS };
+#include "drag_layout.h"
+#include "connection.h"
 
 typedef struct Drag {
-    int endpoint;
-    size_t impulse, places[PARAMETERS];
-    double start, end, pressure; /* force per length of the plate and square of the velocity */
+    Connection base;
+    double pressure; /* force per length of the plate and square of the velocity */
 } Drag;
 
 /* Velocity of the port along the plate's normal, and its rate about the plate's y axis. */
@@ -40,12 +35,12 @@ static inline void mean_squares(real first, real last, real *mean, real *moment)
 
 /* The strip at x has the velocity of the port minus x times its turn rate. */
 static inline PlateLoads plate_loads(const Drag *drag, PlateRates rates) {
-    const double length = drag->end - drag->start;
+    const double start = drag->base.p[P_START], end = drag->base.p[P_END], length = end - start;
     real mean, moment;
-    mean_squares(rates.velocity - drag->start * rates.turn, rates.velocity - drag->end * rates.turn, &mean, &moment);
+    mean_squares(rates.velocity - start * rates.turn, rates.velocity - end * rates.turn, &mean, &moment);
     return (PlateLoads){
         -drag->pressure * length * mean,
-        drag->pressure * length * (drag->start * mean + length * moment),
+        drag->pressure * length * (start * mean + length * moment),
     };
 }
 
@@ -63,6 +58,12 @@ static inline PlateRates plate_rates(const real *u) {
         vector_dot(plate_normal(orientation), vector_of(u + 7)),
         vector_dot(turn_axis(orientation), vector_of(u + 10)),
     };
+}
+
+/* Rates to go on from: those of an instant. */
+static inline void store_plate_rates(PlateRates rates, real *x) {
+    store_mid_step_start(rates.velocity, x + X_NORMAL_RATE);
+    store_mid_step_start(rates.turn, x + X_TURN_RATE);
 }
 
 /* In world axes. */
@@ -92,32 +93,26 @@ static inline real turned_about_y(Quaternion before, Quaternion after) {
 int NAME(drag_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Drag *drag = self;
     (void)why;
-    Quaternion before = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
+    const double *place = x + X_POSITION, *q = x + X_ORIENTATION;
+    Quaternion before = {q[0], q[1], q[2], q[3]};
     Quaternion after = quaternion_of(u + 3), middle = halfway(before, after);
-    Vector3 moved = vector_subtract(vector_of(u), (Vector3){x[POSITION], x[POSITION + 1], x[POSITION + 2]});
+    Vector3 moved = vector_subtract(vector_of(u), (Vector3){place[0], place[1], place[2]});
     PlateRates rates = {vector_dot(plate_normal(middle), moved) / h, turned_about_y(before, after) / h};
     PlateLoads loads = plate_loads(drag, rates);
-    for (int i = 0; i < 7; i++) x_next[i] = u[i];
-    x_next[HEAT] = x[HEAT] - (loads.force * rates.velocity + loads.torque * rates.turn) * h;
-    store_wrench(middle, loads, x_next + WRENCH);
-    if (value_of(u[drag->impulse]) < 0.5) {
-        store_mid_step_after(x + NORMAL_SLIDE, rates.velocity, h, x_next + NORMAL_SLIDE);
-        store_mid_step_after(x + TURN_SLIDE, rates.turn, h, x_next + TURN_SLIDE);
-    } else {
-        PlateRates end = plate_rates(u);
-        store_mid_step_start(end.velocity, x_next + NORMAL_SLIDE);
-        store_mid_step_start(end.turn, x_next + TURN_SLIDE);
-    }
+    vector_store(vector_of(u), x_next + X_POSITION);
+    quaternion_store(after, x_next + X_ORIENTATION);
+    x_next[X_HEAT] = x[X_HEAT] - (loads.force * rates.velocity + loads.torque * rates.turn) * h;
+    store_wrench(middle, loads, x_next + X_WRENCH);
+    store_mid_step_after(x + X_NORMAL_RATE, rates.velocity, h, x_next + X_NORMAL_RATE);
+    store_mid_step_after(x + X_TURN_RATE, rates.turn, h, x_next + X_TURN_RATE);
+    if (commanded(u, U_IMPULSE)) store_plate_rates(plate_rates(u), x_next);
     return 1;
 }
 
 /* Wrench on the port. */
 void NAME(drag_outputs)(void *self, const real *x, const real *u, real *y) {
     const Drag *drag = self;
-    if (drag->endpoint)
-        store_wrench(quaternion_of(u + 3), plate_loads(drag, plate_rates(u)), y);
-    else
-        for (int i = 0; i < WRENCH_SIZE; i++) y[i] = x[WRENCH + i];
+    if (!gives_means(&drag->base, x, y)) store_wrench(quaternion_of(u + 3), plate_loads(drag, plate_rates(u)), y);
 }
 
 /* Heat of the end-point wrench. */
@@ -132,79 +127,42 @@ int NAME(drag_rates)(void *self, const real *raw, const real *x, const real *u, 
 
 #ifndef FANFOLD_COMPLEX
 
-int drag_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
-                       double complex *rates, Reason *why);
-int drag_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
-                      Reason *why);
-void drag_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
-
-static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
-    [START] = {"start", 1},
-    [END] = {"end", 1},
-    [WIDTH] = {"width", 1},
-    [AIR_DENSITY] = {"air_density", 1},
-    [DRAG_COEFFICIENT] = {"drag_coefficient", 1},
-};
+DECLARE_COMPLEX(drag)
 
 static void *drag_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Drag *drag = allocate(memory, sizeof *drag);
-    if (!drag) {
-        refuse(why, "there is no memory for a drag plate");
-        return NULL;
-    }
-    *states = STATES;
-    int usable = check_sizes("drag plate", sizes, MOTION_SIZE + 1, WRENCH_SIZE, 4, why) &&
-                 read_choice(data, "endpoint", 1, &drag->endpoint, why) &&
-                 find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, drag->places, why) &&
-                 find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &drag->impulse, why);
-    return usable ? drag : NULL;
+    return create_connection(data, sizes, memory, sizeof(Drag), states, why);
 }
 
 static int drag_prepare(void *self, const double *p, Reason *why) {
     Drag *drag = self;
-    const size_t *place = drag->places;
-    drag->start = p[place[START]];
-    drag->end = p[place[END]];
-    drag->pressure = 0.5 * p[place[AIR_DENSITY]] * p[place[DRAG_COEFFICIENT]] * p[place[WIDTH]];
-    if (drag->end <= drag->start)
-        return refuse(why, "the plate ends at %g m; it must end beyond its start at %g m", drag->end, drag->start);
-    return 1;
+    drag->pressure = 0.5 * p[P_AIR_DENSITY] * p[P_DRAG_COEFFICIENT] * p[P_WIDTH];
+    if (p[P_END] <= p[P_START])
+        return refuse(why, "the plate ends at %g m; it must end beyond its start at %g m", p[P_END], p[P_START]);
+    return prepare_connection(self, p, 2.0, 0.5, why);
 }
 
 /* At the pose of the inputs. */
 static int drag_initial(void *self, const double *u, double *x, Reason *why) {
     (void)self, (void)why;
-    for (int i = 0; i < STATES; i++) x[i] = i < 7 ? u[i] : 0.0;
-    PlateRates now = plate_rates(u);
-    store_mid_step_start(now.velocity, x + NORMAL_SLIDE);
-    store_mid_step_start(now.turn, x + TURN_SLIDE);
+    memset(x, 0, STATES * sizeof *x);
+    vector_store(vector_of(u), x + X_POSITION);
+    quaternion_store(quaternion_of(u + 3), x + X_ORIENTATION);
+    store_plate_rates(plate_rates(u), x);
     return 1;
 }
 
 /* Force, torque and velocity at the communication point, energy dissipated. */
 static void drag_observe(void *self, const double *x, const double *u, double *z) {
     const Drag *drag = self;
-    PlateRates now = {mid_step_now(x + NORMAL_SLIDE), mid_step_now(x + TURN_SLIDE)};
-    if (drag->endpoint) now = plate_rates(u);
+    PlateRates now = {mid_step_now(x + X_NORMAL_RATE), mid_step_now(x + X_TURN_RATE)};
+    if (drag->base.endpoint) now = plate_rates(u);
     PlateLoads loads = plate_loads(drag, now);
-    z[0] = loads.force;
-    z[1] = loads.torque;
-    z[2] = now.velocity - 0.5 * (drag->start + drag->end) * now.turn;
-    z[3] = x[HEAT];
+    z[Z_DRAG_FORCE] = loads.force;
+    z[Z_DRAG_TORQUE] = loads.torque;
+    z[Z_NORMAL_VELOCITY] = now.velocity - 0.5 * (drag->base.p[P_START] + drag->base.p[P_END]) * now.turn;
+    z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
 }
 
-static size_t drag_continuous(const void *self, size_t *places) {
-    (void)self;
-    if (places) places[0] = HEAT;
-    return 1;
-}
-
-const Kernel drag_kernel = {
-    "drag",       drag_create,       drag_prepare,         drag_initial, drag_step_real, drag_outputs_real,
-    drag_observe, drag_step_complex, drag_outputs_complex, NULL,         NULL,
-    .continuous = drag_continuous,
-    .rates = drag_rates_real,
-    .rates_complex = drag_rates_complex,
-};
+const Kernel drag_kernel = {CONNECTION_FUNCTIONS(drag, drag)};
 
 #endif

@@ -1,60 +1,25 @@
 /* Drive about an axis: a commanded angle that follows a motion profile, behind the compliance of a gearbox: the
    twin of components/drive.py. */
 
-#include "relative.h"
-#include "workless.h"
-
-/* State: unwrapped angle, frame, swing, remembered rates of the deflection, clock, heat, work of the motor, mean
-   rates of two steps, wrenches of both ports, what the scheme took away, roughness, slopes of the wrenches. */
-enum {
-    ANGLE = 0,
-    FRAME = 1,
-    SWING = 5,
-    MEMORY = 7,
-    CLOCK = 9,
-    HEAT = 10,
-    WORK = 11,
-    SLIDE = 12,
-    WRENCH = 16,
-    NUMERICAL = 28,
-    ROUGHNESS = 29,
-    SLOPES = 30,
-    LOAD = 42, /* of order 4, over the last steps */
-    STATES = 46
-};
-
-enum {
-    STIFFNESS,
-    DAMPING,
-    ALIGNED_ANGLE,
-    START_ANGLE,
-    END_ANGLE,
-    START_TIME,
-    DURATION,
-    END_WEIGHT,
-    ORDER,
-    PARAMETERS
-};
-
-enum { CONTINUOUS = 3, OBSERVATIONS = 9, PAIR_SIZE = 2 * WRENCH_SIZE };
+#include "drive_layout.h"
+#include "axial.h"
 
 typedef struct Drive {
-    double axis_frame[4];
-    int quintic, endpoint;
-    int paired; /* torques are of order 4; those of static solutions are not */
-    size_t impulse, hold, moments, places[PARAMETERS];
-    double stiffness, damping, aligned_angle, start_angle, change, start_time, duration, end_weight;
+    Axial axial;
+    int quintic;
+    double change; /* of the commanded angle */
 } Drive;
 
 /* The instant of some inputs: what is commanded, and what the gearbox takes up. */
 typedef struct Instant {
-    Pose pose;
-    real angle, rate, commanded, commanded_rate, deflection, deflection_rate;
+    Turn turn;
+    real commanded, commanded_rate, deflection, deflection_rate;
 } Instant;
 
 /* Share of the duration that has passed. */
 static inline real passed_share(const Drive *drive, real time) {
-    real share = (time - drive->start_time) / drive->duration;
+    const double *p = drive->axial.base.p;
+    real share = (time - p[P_START_TIME]) / p[P_DURATION];
     if (value_of(share) <= 0.0) return 0.0;
     if (value_of(share) >= 1.0) return 1.0;
     return share;
@@ -63,13 +28,13 @@ static inline real passed_share(const Drive *drive, real time) {
 static inline real profile_angle(const Drive *drive, real time) {
     real s = passed_share(drive, time);
     real rise = drive->quintic ? s * s * s * (10.0 + s * (6.0 * s - 15.0)) : s * s * (3.0 - 2.0 * s);
-    return drive->start_angle + drive->change * rise;
+    return drive->axial.base.p[P_START_ANGLE] + drive->change * rise;
 }
 
 static inline real profile_rate(const Drive *drive, real time) {
     real s = passed_share(drive, time);
     real rest = s * (1.0 - s);
-    return drive->change / drive->duration * (drive->quintic ? 30.0 * rest * rest : 6.0 * rest);
+    return drive->change / drive->axial.base.p[P_DURATION] * (drive->quintic ? 30.0 * rest * rest : 6.0 * rest);
 }
 
 /* First moment of the rate between two times, by Gauss' rule: exact but where the motion begins or ends. */
@@ -79,227 +44,135 @@ static inline double profile_moment(const Drive *drive, double start, double end
     return 5.0 / 9.0 * gauss * half * value_of(change);
 }
 
-static inline int is_held(const Drive *drive, const real *u) { return value_of(u[drive->hold]) > 0.5; }
-
 /* The angle is the one nearest the reference. */
 static inline Instant drive_instant(const Drive *drive, const real *u, real clock, real reference) {
     Instant now;
-    now.pose = relative_pose(u, drive->axis_frame);
-    now.angle = nearest_turn(drive->aligned_angle + now.pose.twist, reference);
-    now.rate = relative_rates(u, &now.pose).twist;
+    now.turn = turn_of(&drive->axial, u, reference, drive->axial.base.p[P_ALIGNED_ANGLE]);
     now.commanded = profile_angle(drive, clock);
     now.commanded_rate = 0.0;
-    if (!is_held(drive, u)) now.commanded_rate = profile_rate(drive, clock);
-    now.deflection = now.angle - now.commanded;
-    now.deflection_rate = now.rate - now.commanded_rate;
+    if (!commanded(u, U_HOLD)) now.commanded_rate = profile_rate(drive, clock);
+    now.deflection = now.turn.angle - now.commanded;
+    now.deflection_rate = now.turn.rate - now.commanded_rate;
     return now;
 }
 
 /* Torque of an instant. */
 static inline real drive_torque(const Drive *drive, real deflection, real rate) {
-    return -drive->stiffness * deflection - drive->damping * rate;
-}
-
-static inline void drive_store_pose(const Instant *now, real *x) {
-    x[ANGLE] = now->angle;
-    quaternion_store(now->pose.frame, x + FRAME);
-    x[SWING] = now->pose.swing.y;
-    x[SWING + 1] = now->pose.swing.z;
-}
-
-static inline void drive_store_torque(Vector3 torque, real *wrench) {
-    Vector3 zero = {0.0, 0.0, 0.0};
-    store_pair(zero, torque, zero, wrench);
-}
-
-/* Stores the wrenches of a torque about the axis, the mean over a step. */
-static inline void store_mean_torque(const Passage *passage, real torque, Transverse swing, real *wrench) {
-    Vector3 conjugate = conjugate_torque(torque, (Transverse){0.0, 0.0}, swing);
-    drive_store_torque(mean_direction(passage->frame0, passage->frame1, conjugate), wrench);
+    return -drive->axial.base.p[P_STIFFNESS] * deflection - drive->axial.base.p[P_DAMPING] * rate;
 }
 
 /* One step: the mean torque of the deflections at both ends, and the motor's work. */
 int NAME(drive_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Drive *drive = self;
+    const Connection *base = &drive->axial.base;
     (void)why;
-    double clock = is_held(drive, u) ? x[CLOCK] : x[CLOCK] + h;
-    Instant now = drive_instant(drive, u, clock, x[ANGLE]);
-    real commanded = profile_angle(drive, x[CLOCK]);
-    real start = x[ANGLE] - commanded;
-    real mean_rate = (now.deflection - start) / h;
-    StepMotion motion = {start, now.deflection, h, x[MEMORY], x[MEMORY + 1], x[ROUGHNESS], 0.0};
+    const int impulse = commanded(u, U_IMPULSE), paired = base->paired && !impulse;
+    const double clock = commanded(u, U_HOLD) ? x[X_CLOCK] : x[X_CLOCK] + h;
+    Instant now = drive_instant(drive, u, clock, x[X_ANGLE]);
+    real before = profile_angle(drive, x[X_CLOCK]);
+    Arc arc = arc_to(&now.turn, x, u, paired);
+    StepMotion motion = step_motion(x + X_MEMORY, x[X_ANGLE] - before, now.deflection, h);
+    real mean_rate = (motion.end - motion.start) / h;
     /* inertial terms tame held torques, which an end-point torque is not */
-    if (drive->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
-    int impulse = value_of(u[drive->impulse]) > 0.5, fourth = drive->paired && !impulse;
-    Transverse swing = {0.5 * (x[SWING] + now.pose.swing.y), 0.5 * (x[SWING + 1] + now.pose.swing.z)};
-    Passage passage = {
-        {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, now.pose.frame, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0},
-    };
-    double driven = 0.0;
+    if (base->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
+    double driven = paired ? profile_moment(drive, x[X_CLOCK], clock) : 0.0;
+    motion.moment = arc.moment - driven;
+    for (int i = 0; i < MID_STEP_SIZE; i++) x_next[X_LOAD + i] = 0.0;
+    store_mid_step_start(now.deflection_rate, x_next + X_SLIDE);
     MeanLoad load;
-    if (fourth) {
-        driven = profile_moment(drive, x[CLOCK], clock);
-        motion.moment = rate_moments(&passage, u + drive->moments, swing).twist - driven;
-        load = workless_spring(drive->stiffness, drive->damping, &motion);
+    if (paired) {
+        load = workless_spring(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion);
+        store_path(&motion, x_next + X_MEMORY);
+        store_mid_step_start(x_next[X_MEMORY + END_RATE], x_next + X_SLIDE);
+        store_mid_step_after(x + X_LOAD, load.force, h, x_next + X_LOAD);
     } else {
-        load = bushing_load(drive->stiffness, drive->damping, &motion, drive->end_weight);
+        load = bushing_load(base->p[P_STIFFNESS], base->p[P_DAMPING], &motion, base->p[P_END_WEIGHT]);
+        store_memory(&motion, now.deflection_rate, x_next + X_MEMORY);
+        if (!impulse) store_mid_step_after(x + X_SLIDE, mean_rate, h, x_next + X_SLIDE);
+        if (impulse) store_rate(now.deflection_rate, x_next + X_MEMORY);
     }
-    drive_store_pose(&now, x_next);
-    x_next[CLOCK] = clock;
-    x_next[HEAT] = x[HEAT] + load.heat;
-    x_next[NUMERICAL] = x[NUMERICAL] + load.numerical;
-    x_next[WORK] = x[WORK] + load.force * (now.commanded - commanded) + load.slope * driven;
-    store_mean_torque(&passage, load.force, swing, x_next + WRENCH);
-    for (int i = ROUGHNESS; i < STATES; i++) x_next[i] = 0.0;
-    if (fourth) {
-        store_mean_torque(&passage, load.slope, swing, x_next + SLOPES);
-        store_mid_step_after(x + LOAD, load.force, h, x_next + LOAD);
-        remember_path(&motion, x_next + MEMORY, x_next + MEMORY + 1, x_next + ROUGHNESS);
-        store_mid_step_start(x_next[MEMORY + 1], x_next + SLIDE);
-    } else if (impulse) {
-        x_next[MEMORY] = x_next[MEMORY + 1] = now.deflection_rate;
-        store_mid_step_start(now.deflection_rate, x_next + SLIDE);
-    } else {
-        remember_rates(&motion, now.deflection_rate, x_next + MEMORY, x_next + MEMORY + 1);
-        store_mid_step_after(x + SLIDE, mean_rate, h, x_next + SLIDE);
-    }
+    store_turn(&now.turn, x_next);
+    store_load(&arc, &load, paired, x_next);
+    x_next[X_CLOCK] = clock;
+    x_next[X_HEAT] = x[X_HEAT] + load.heat;
+    x_next[X_NUMERICAL] = x[X_NUMERICAL] + load.numerical;
+    x_next[X_WORK] = x[X_WORK] + load.force * (now.commanded - before) + load.slope * driven;
     return 1;
 }
 
-/* Wrenches on both ports, slopes of mean wrenches. */
 void NAME(drive_outputs)(void *self, const real *x, const real *u, real *y) {
     const Drive *drive = self;
-    if (!drive->endpoint) {
-        for (int i = 0; i < PAIR_SIZE; i++) {
-            y[i] = x[WRENCH + i];
-            y[PAIR_SIZE + i] = x[SLOPES + i];
-        }
-        return;
-    }
-    Instant now = drive_instant(drive, u, x[CLOCK], x[ANGLE]);
-    real torque = drive_torque(drive, now.deflection, now.deflection_rate);
-    Vector3 conjugate = conjugate_torque(torque, (Transverse){0.0, 0.0}, now.pose.swing);
-    drive_store_torque(quaternion_rotate(now.pose.frame, conjugate), y);
+    if (gives_means(self, x, y)) return;
+    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    store_torque(&now.turn, drive_torque(drive, now.deflection, now.deflection_rate), y);
 }
 
 /* Rate of the clock, heat of the end-point torque and power of the motor. */
 int NAME(drive_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const Drive *drive = self;
     (void)raw, (void)why;
-    Instant now = drive_instant(drive, u, x[CLOCK], x[ANGLE]);
-    rates[0] = is_held(drive, u) ? 0.0 : 1.0;
-    rates[1] = drive->damping * now.deflection_rate * now.deflection_rate;
+    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    rates[0] = commanded(u, U_HOLD) ? 0.0 : 1.0;
+    rates[1] = drive->axial.base.p[P_DAMPING] * now.deflection_rate * now.deflection_rate;
     rates[2] = drive_torque(drive, now.deflection, now.deflection_rate) * now.commanded_rate;
     return 1;
 }
 
 #ifndef FANFOLD_COMPLEX
 
-int drive_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
-                        double complex *rates, Reason *why);
-int drive_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
-                       Reason *why);
-void drive_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
-
-static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
-    [STIFFNESS] = {"stiffness", 1},     [DAMPING] = {"damping", 1},         [ALIGNED_ANGLE] = {"aligned_angle", 1},
-    [START_ANGLE] = {"start_angle", 1}, [END_ANGLE] = {"end_angle", 1},     [START_TIME] = {"start_time", 1},
-    [DURATION] = {"duration", 1},       [END_WEIGHT] = {"end_weight", 1},   [ORDER] = {"order", 1},
-};
+DECLARE_COMPLEX(drive)
 
 static void *drive_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Drive *drive = allocate(memory, sizeof *drive);
-    if (!drive) {
-        refuse(why, "there is no memory for a drive");
-        return NULL;
-    }
-    *states = STATES;
-    if (!read_choice(data, "endpoint", 1, &drive->endpoint, why)) return NULL;
-    size_t pairs = drive->endpoint ? 0 : PAIR_SIZE;
-    int usable = check_sizes("drive", sizes, 2 * MOTION_SIZE + 2 + pairs, PAIR_SIZE + pairs, OBSERVATIONS, why) &&
-                 find_moments(data, "inboard.velocity_moment", drive->endpoint ? 0 : 2, sizes, &drive->moments, why) &&
-                 read_axis_frame(data, drive->axis_frame, why) &&
-                 read_choice(data, "quintic", 1, &drive->quintic, why) &&
-                 find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, drive->places, why) &&
-                 find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &drive->impulse, why) &&
-                 find_place(data, "input", (VariableName){"hold", 1}, sizes->inputs, &drive->hold, why);
-    return usable ? drive : NULL;
+    Drive *drive = create_connection(data, sizes, memory, sizeof *drive, states, why);
+    return drive && read_axis_frame(data, drive->axial.axis_frame, why) &&
+                   read_choice(data, "quintic", 1, &drive->quintic, why)
+               ? drive
+               : NULL;
 }
 
 static int drive_prepare(void *self, const double *p, Reason *why) {
     Drive *drive = self;
-    const size_t *place = drive->places;
-    int fourth = 0;
-    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
-    drive->stiffness = p[place[STIFFNESS]];
-    drive->damping = p[place[DAMPING]];
-    drive->aligned_angle = p[place[ALIGNED_ANGLE]];
-    drive->start_angle = p[place[START_ANGLE]];
-    drive->change = p[place[END_ANGLE]] - drive->start_angle;
-    drive->start_time = p[place[START_TIME]];
-    drive->duration = p[place[DURATION]];
-    drive->end_weight = p[place[END_WEIGHT]];
-    drive->paired = fourth && drive->end_weight == 0.5 && !drive->endpoint;
-    return 1;
+    drive->change = p[P_END_ANGLE] - p[P_START_ANGLE];
+    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
 /* At the pose of the inputs; the angle is the one nearest the start angle. */
 static int drive_initial(void *self, const double *u, double *x, Reason *why) {
     const Drive *drive = self;
     (void)why;
-    Instant now = drive_instant(drive, u, 0.0, drive->start_angle);
-    for (int i = 0; i < STATES; i++) x[i] = 0.0;
-    drive_store_pose(&now, x);
-    x[MEMORY] = x[MEMORY + 1] = now.deflection_rate;
-    store_mid_step_start(now.deflection_rate, x + SLIDE);
+    Instant now = drive_instant(drive, u, 0.0, drive->axial.base.p[P_START_ANGLE]);
+    memset(x, 0, STATES * sizeof *x);
+    store_turn(&now.turn, x);
+    store_rate(now.deflection_rate, x + X_MEMORY);
+    store_mid_step_start(now.deflection_rate, x + X_SLIDE);
     return 1;
 }
 
-/* Angles, rates and torque at the communication point, and energies. At order 4 the torque comes from what the last
-   steps' loads were. */
+/* At the communication point; at order 4 the torque comes from what the last steps' loads were. */
 static void drive_observe(void *self, const double *x, const double *u, double *z) {
     const Drive *drive = self;
-    Instant now = drive_instant(drive, u, x[CLOCK], x[ANGLE]);
-    z[0] = now.angle;
-    z[1] = now.rate;
-    z[2] = now.commanded;
-    z[3] = now.commanded_rate;
-    z[4] = drive_torque(drive, now.deflection, drive->endpoint ? now.deflection_rate : mid_step_now(x + SLIDE));
-    if (drive->paired) z[4] = load_now(x + LOAD, z[4], x[ROUGHNESS]);
-    z[5] = x[WORK];
-    z[6] = 0.5 * drive->stiffness * now.deflection * now.deflection;
-    z[7] = x[HEAT];
-    z[8] = x[NUMERICAL];
-}
-
-static size_t drive_continuous(const void *self, size_t *places) {
-    (void)self;
-    for (size_t i = 0; places && i < CONTINUOUS; i++) places[i] = CLOCK + i;
-    return CONTINUOUS;
+    const Connection *base = &drive->axial.base;
+    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    double felt = base->endpoint ? now.deflection_rate : mid_step_now(x + X_SLIDE);
+    double torque = drive_torque(drive, now.deflection, felt);
+    z[Z_ANGLE] = now.turn.angle;
+    z[Z_ANGULAR_RATE] = now.turn.rate;
+    z[Z_COMMANDED_ANGLE] = now.commanded;
+    z[Z_COMMANDED_RATE] = now.commanded_rate;
+    z[Z_DRIVE_TORQUE] = base->paired ? load_now(x + X_LOAD, torque, x[X_MEMORY + ROUGHNESS]) : torque;
+    z[Z_SUPPLIED_ENERGY] = x[X_WORK];
+    z[Z_POTENTIAL_ENERGY] = 0.5 * base->p[P_STIFFNESS] * now.deflection * now.deflection;
+    z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
+    z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
 }
 
 /* Follows the angle. */
 static void drive_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
-    const Drive *drive = self;
     (void)at_event;
-    memcpy(x_next, x, STATES * sizeof(double));
-    x_next[ANGLE] = drive_instant(drive, u, x[CLOCK], x[ANGLE]).angle;
+    memcpy(x_next, x, STATES * sizeof *x);
+    x_next[X_ANGLE] = drive_instant(self, u, x[X_CLOCK], x[X_ANGLE]).turn.angle;
 }
 
-const Kernel drive_kernel = {
-    .kind = "drive",
-    .create = drive_create,
-    .prepare = drive_prepare,
-    .initial = drive_initial,
-    .step = drive_step_real,
-    .outputs = drive_outputs_real,
-    .observe = drive_observe,
-    .step_complex = drive_step_complex,
-    .outputs_complex = drive_outputs_complex,
-    .continuous = drive_continuous,
-    .rates = drive_rates_real,
-    .rates_complex = drive_rates_complex,
-    .update = drive_update,
-};
+const Kernel drive_kernel = {CONNECTION_FUNCTIONS(drive, drive), .update = drive_update};
 
 #endif

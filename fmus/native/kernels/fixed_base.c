@@ -1,39 +1,31 @@
 /* Fixed base: ports that never move, whatever slopes their wrenches have, and the loads they carry; the equations of
-   components/fixed_base.py.
+   components/fixed_base.py */
 
-   State: of the last step and of the one before the mean load (force, torque about the reference), its slope, and the
-   size of the step, 0 where there is none yet and STOPPED after an impulse. */
-
+#include "fixed_base_layout.h"
 #include "frames.h"
 #include "kernel.h"
 #include "mid_step.h"
+#include "relative.h"
 
-#define LOAD 6
-#define STEP (2 * LOAD + 1)
-#define STATES (2 * STEP)
-#define STOPPED -1.0
-#define WRENCH 6
-#define MOTION 13
-#define MOMENTS 6
+enum { LOAD_SIZE = WRENCH_SIZE };
 
 typedef struct {
-    size_t ports, impulse;
+    size_t ports;
     double *positions; /* 3 a port, world axes */
     double *arms;      /* the same from the reference point */
     double *orientations; /* 4 a port */
 } FixedBase;
 
-int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);
-void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y);
+static inline const real *own_inputs(const FixedBase *base, const real *u) { return u + WRENCH_SIZE * base->ports; }
 
 /* Sum of the wrenches of all ports about the reference. */
 static inline void store_sum(const FixedBase *base, const real *u, real *x) {
     Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < base->ports; k++) {
         const double *arm = base->arms + 3 * k;
-        Vector3 pull = vector_of(u + WRENCH * k);
+        Vector3 pull = vector_of(u + WRENCH_SIZE * k);
         force = vector_add(force, pull);
-        torque = vector_add(torque, vector_of(u + WRENCH * k + 3));
+        torque = vector_add(torque, vector_of(u + WRENCH_SIZE * k + 3));
         torque = vector_add(torque, vector_cross((Vector3){arm[0], arm[1], arm[2]}, pull));
     }
     vector_store(force, x);
@@ -44,27 +36,28 @@ static inline void store_sum(const FixedBase *base, const real *u, real *x) {
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const FixedBase *base = self;
     (void)why;
-    for (size_t i = 0; i < STATES; i++) x_next[i] = 0.0;
-    if (value_of(u[base->impulse]) > 0.5) {
-        x_next[STEP - 1] = STOPPED;
+    const real *own = own_inputs(base, u);
+    for (int i = 0; i < STATES; i++) x_next[i] = 0.0;
+    if (value_of(own[U_IMPULSE]) > 0.5) {
+        x_next[X_H] = STOPPED;
         return 1;
     }
-    store_sum(base, u, x_next);
-    store_sum(base, u + base->impulse + 1, x_next + LOAD);
-    x_next[STEP - 1] = h;
-    for (size_t i = 0; i < STEP; i++) x_next[STEP + i] = x[i];
+    store_sum(base, u, x_next + X_LOAD);
+    store_sum(base, own + OWN_INPUTS, x_next + X_SLOPE);
+    x_next[X_H] = h;
+    for (int i = 0; i < X_PREVIOUS_LOAD; i++) x_next[X_PREVIOUS_LOAD + i] = x[i];
     return 1;
 }
 
 void NAME(fixed_base_outputs)(void *self, const real *x, const real *u, real *y) {
     const FixedBase *base = self;
     (void)x, (void)u;
-    for (size_t k = 0; k < base->ports; k++, y += MOTION) {
+    for (size_t k = 0; k < base->ports; k++, y += MOTION_SIZE) {
         for (size_t i = 0; i < 3; i++) y[i] = base->positions[3 * k + i];
         for (size_t i = 0; i < 4; i++) y[3 + i] = base->orientations[4 * k + i];
-        for (size_t i = 7; i < MOTION; i++) y[i] = 0.0;
+        for (size_t i = 7; i < MOTION_SIZE; i++) y[i] = 0.0;
     }
-    for (size_t i = 0; i < MOMENTS * base->ports; i++) y[i] = 0.0;
+    for (size_t i = 0; i < WRENCH_SIZE * base->ports; i++) y[i] = 0.0;
 }
 
 /* There are no continuous states. */
@@ -120,14 +113,9 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
         return NULL;
     }
     if (!read_ports(base, data, memory, why)) return NULL;
-    long impulse = data_offset(data, "input", "impulse", 1, why);
-    if (impulse < 0) return NULL;
-    base->impulse = (size_t)impulse;
-    if (base->impulse < WRENCH * base->ports || sizes->inputs < base->impulse + 1 + WRENCH * base->ports ||
-        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != LOAD) {
-        refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
-        return NULL;
-    }
+    const size_t wrenches = WRENCH_SIZE * base->ports, motions = MOTION_SIZE * base->ports;
+    const Sizes own = {PARAMETERS, wrenches + OWN_INPUTS + wrenches, motions + OWN_OUTPUTS + wrenches, OBSERVATIONS};
+    if (!check_sizes("fixed base", sizes, &own, why)) return NULL;
     *states = STATES;
     return base;
 }
@@ -140,20 +128,22 @@ static int prepare(void *self, const double *p, Reason *why) {
 /* Last two mean loads and their step sizes, none yet. */
 static int initial(void *self, const double *u, double *x, Reason *why) {
     (void)self, (void)u, (void)why;
-    for (size_t i = 0; i < STATES; i++) x[i] = 0.0;
+    for (int i = 0; i < STATES; i++) x[i] = 0.0;
     return 1;
 }
-
-static StepMean step_mean(const double *step, size_t i) { return (StepMean){step[i], step[LOAD + i], step[STEP - 1]}; }
 
 /* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
    step before, as at the start and in model exchange, those of the present inputs. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    if (x[STEP - 1] == 0.0) {
-        store_sum(self, u, z);
+    if (x[X_H] == 0.0) {
+        store_sum(self, u, z + Z_INTERFACE_FORCE);
         return;
     }
-    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(step_mean(x, i), step_mean(x + STEP, i));
+    for (int i = 0; i < LOAD_SIZE; i++) {
+        StepMean last = {x[X_LOAD + i], x[X_SLOPE + i], x[X_H]};
+        StepMean previous = {x[X_PREVIOUS_LOAD + i], x[X_PREVIOUS_SLOPE + i], x[X_PREVIOUS_H]};
+        z[Z_INTERFACE_FORCE + i] = extrapolated(last, previous);
+    }
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {
@@ -162,7 +152,7 @@ static size_t no_continuous_states(const void *self, size_t *places) {
 }
 
 const Kernel fixed_base_kernel = {
-    "fixed_base",
+    KIND,
     create,
     prepare,
     initial,
@@ -176,6 +166,7 @@ const Kernel fixed_base_kernel = {
     .continuous = no_continuous_states,
     .rates = fixed_base_rates_real,
     .rates_complex = fixed_base_rates_complex,
+    .layout = LAYOUT_DIGEST,
 };
 
 #endif

@@ -3,45 +3,16 @@
 
    Stiff coordinates: normal displacement, twist about the normal, swing y, z. */
 
+#include "rail_layout.h"
 #include "bushing.h"
+#include "connection.h"
 #include "laws.h"
-#include "relative.h"
 
-enum { STIFF_COUNT = 4, CONTINUOUS = 2, OBSERVATIONS = 7 };
-
-/* State: place and orientation at the start, offset and turn from there, remembered mean and end rates of the stiff
-   coordinates, mean sliding speeds of two steps, heat of friction and of damping, wrench, what inertial terms took
-   away. */
-enum {
-    START = 0,
-    OFFSET = 7,
-    TWIST = 10,
-    MEAN_RATES = 13,
-    END_RATES = 17,
-    SLIDE = 21,
-    HEAT = 25,
-    WRENCH = 27,
-    NUMERICAL = 33,
-    STATES = 34
-};
-
-enum {
-    NORMAL_STIFFNESS,
-    NORMAL_DAMPING,
-    ROTATIONAL_STIFFNESS,
-    ROTATIONAL_DAMPING,
-    FRICTION_FORCE,
-    STICTION_VELOCITY,
-    END_WEIGHT,
-    PARAMETERS
-};
+enum { STIFF_COUNT = 4, PLACE_SIZE = 7 };
 
 typedef struct Rail {
-    double axis_frame[4];
-    int endpoint;
-    size_t impulse, places[PARAMETERS];
-    double stiffness[STIFF_COUNT], damping[STIFF_COUNT];
-    double friction_force, stiction_velocity, end_weight;
+    Connection base;
+    double axis_frame[4], stiffness[STIFF_COUNT], damping[STIFF_COUNT];
 } Rail;
 
 /* Pose against the start in axes with x along the normal, stiff coordinates and their rates, sliding velocity. */
@@ -56,7 +27,7 @@ static inline Trolley trolley_of(const Rail *rail, const real *start, const real
     real motions[2 * MOTION_SIZE];
     for (int i = 0; i < MOTION_SIZE; i++) {
         motions[i] = 0.0;
-        if (i < OFFSET) motions[i] = start[i];
+        if (i < PLACE_SIZE) motions[i] = start[i];
         motions[MOTION_SIZE + i] = u[i];
     }
     /* the turn at the start is a constant of the run */
@@ -84,24 +55,24 @@ static inline real speed_of(Transverse velocity) {
 
 /* Friction force at a sliding speed. */
 static inline real sliding_friction(const Rail *rail, real speed) {
-    return rail->friction_force * stiction_factors(real_abs(speed), rail->stiction_velocity, 1.0).constant;
+    return rail->base.p[P_FRICTION_FORCE] * stiction_factors(real_abs(speed), rail->base.p[P_STICTION_VELOCITY], 1.0).constant;
 }
 
 /* Friction force over the sliding speed, finite at rest. */
 static inline real sliding_resistance(const Rail *rail, real speed) {
-    if (value_of(speed) == 0.0) return 1.5 * rail->friction_force / rail->stiction_velocity;
+    if (value_of(speed) == 0.0) return 1.5 * rail->base.p[P_FRICTION_FORCE] / rail->base.p[P_STICTION_VELOCITY];
     return sliding_friction(rail, speed) / speed;
 }
 
 static inline void trolley_store(const Trolley *trolley, real *x) {
-    vector_store(trolley->pose.offset, x + OFFSET);
-    for (int i = 1; i < STIFF_COUNT; i++) x[TWIST + i - 1] = trolley->stiff[i];
+    vector_store(trolley->pose.offset, x + X_OFFSET);
+    for (int i = 1; i < STIFF_COUNT; i++) x[X_TURN + i - 1] = trolley->stiff[i];
 }
 
 /* Rates to go on from: those of this instant. */
 static inline void store_instant_rates(const Trolley *now, real *x) {
-    for (int i = 0; i < STIFF_COUNT; i++) x[MEAN_RATES + i] = x[END_RATES + i] = now->rates[i];
-    store_mid_step_start(speed_of(now->velocity), x + SLIDE);
+    for (int i = 0; i < STIFF_COUNT; i++) store_rate(now->rates[i], x + X_MEMORIES + MEMORY_SIZE * i);
+    store_mid_step_start(speed_of(now->velocity), x + X_SLIDE);
 }
 
 /* Wrench on the trolley from the loads of the stiff coordinates, friction over speed, and the sliding velocity. */
@@ -117,44 +88,39 @@ static inline void rail_store_wrench(const Trolley *now, const real *load, real 
 int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Rail *rail = self;
     (void)why;
-    real start[OFFSET], load[STIFF_COUNT], heat = 0.0, numerical = 0.0;
-    for (int i = 0; i < OFFSET; i++) start[i] = x_next[START + i] = x[START + i];
-    Trolley now = trolley_of(rail, start, u, x[TWIST]);
-    int impulse = value_of(u[rail->impulse]) > 0.5;
-    Transverse slip = {(now.pose.offset.y - x[OFFSET + 1]) / h, (now.pose.offset.z - x[OFFSET + 2]) / h};
+    real start[PLACE_SIZE], load[STIFF_COUNT], heat = 0.0, numerical = 0.0;
+    for (int i = 0; i < PLACE_SIZE; i++) start[i] = x_next[X_POSITION + i] = x[X_POSITION + i];
+    Trolley now = trolley_of(rail, start, u, x[X_TURN]);
+    Transverse slip = {(now.pose.offset.y - x[X_OFFSET + 1]) / h, (now.pose.offset.z - x[X_OFFSET + 2]) / h};
     real speed = speed_of(slip);
     for (int i = 0; i < STIFF_COUNT; i++) {
-        double before = i == 0 ? x[OFFSET] : x[TWIST + i - 1];
-        real mean_rate = (now.stiff[i] - before) / h;
-        StepMotion motion = {before, now.stiff[i], h, x[MEAN_RATES + i], x[END_RATES + i], 0.0, 0.0};
+        const int memory = X_MEMORIES + MEMORY_SIZE * i;
+        StepMotion motion = step_motion(x + memory, i == 0 ? x[X_OFFSET] : x[X_TURN + i - 1], now.stiff[i], h);
         /* inertial terms tame held wrenches, which an end-point wrench is not */
-        if (rail->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
-        MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->end_weight);
+        if (rail->base.endpoint) motion.mean_rate = motion.end_rate = value_of(motion.end - motion.start) / h;
+        MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->base.p[P_END_WEIGHT]);
         load[i] = mean.force;
         heat += mean.heat;
         numerical += mean.numerical;
-        remember_rates(&motion, now.rates[i], x_next + MEAN_RATES + i, x_next + END_RATES + i);
+        store_memory(&motion, now.rates[i], x_next + memory);
     }
-    store_mid_step_after(x + SLIDE, speed, h, x_next + SLIDE);
-    if (impulse) store_instant_rates(&now, x_next);
+    store_mid_step_after(x + X_SLIDE, speed, h, x_next + X_SLIDE);
+    if (commanded(u, U_IMPULSE)) store_instant_rates(&now, x_next);
     trolley_store(&now, x_next);
     real resistance = sliding_resistance(rail, speed);
-    x_next[HEAT] = x[HEAT] + resistance * speed * speed * h;
-    x_next[HEAT + 1] = x[HEAT + 1] + heat;
-    x_next[NUMERICAL] = x[NUMERICAL] + numerical;
-    Transverse swing = {0.5 * (x[TWIST + 1] + now.stiff[2]), 0.5 * (x[TWIST + 2] + now.stiff[3])};
-    rail_store_wrench(&now, load, resistance, slip, swing, x_next + WRENCH);
+    x_next[X_FRICTION_HEAT] = x[X_FRICTION_HEAT] + resistance * speed * speed * h;
+    x_next[X_DAMPING_HEAT] = x[X_DAMPING_HEAT] + heat;
+    x_next[X_NUMERICAL] = x[X_NUMERICAL] + numerical;
+    Transverse swing = {0.5 * (x[X_TURN + 1] + now.stiff[2]), 0.5 * (x[X_TURN + 2] + now.stiff[3])};
+    rail_store_wrench(&now, load, resistance, slip, swing, x_next + X_WRENCH);
     return 1;
 }
 
 /* Wrench on the trolley. */
 void NAME(rail_outputs)(void *self, const real *x, const real *u, real *y) {
     const Rail *rail = self;
-    if (!rail->endpoint) {
-        for (int i = 0; i < WRENCH_SIZE; i++) y[i] = x[WRENCH + i];
-        return;
-    }
-    Trolley now = trolley_of(rail, x + START, u, x[TWIST]);
+    if (gives_means(&rail->base, x, y)) return;
+    Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
     real load[STIFF_COUNT];
     for (int i = 0; i < STIFF_COUNT; i++)
         load[i] = -rail->stiffness[i] * now.stiff[i] - rail->damping[i] * now.rates[i];
@@ -165,7 +131,7 @@ void NAME(rail_outputs)(void *self, const real *x, const real *u, real *y) {
 int NAME(rail_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const Rail *rail = self;
     (void)raw, (void)why;
-    Trolley now = trolley_of(rail, x + START, u, x[TWIST]);
+    Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
     real speed = speed_of(now.velocity);
     rates[0] = sliding_resistance(rail, speed) * speed * speed;
     rates[1] = 0.0;
@@ -175,49 +141,20 @@ int NAME(rail_rates)(void *self, const real *raw, const real *x, const real *u, 
 
 #ifndef FANFOLD_COMPLEX
 
-int rail_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
-                       double complex *rates, Reason *why);
-int rail_step_complex(void *self, const double *x, const double complex *u, double h, double complex *x_next,
-                      Reason *why);
-void rail_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
-
-static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
-    [NORMAL_STIFFNESS] = {"normal_stiffness", 1},
-    [NORMAL_DAMPING] = {"normal_damping", 1},
-    [ROTATIONAL_STIFFNESS] = {"rotational_stiffness", 1},
-    [ROTATIONAL_DAMPING] = {"rotational_damping", 1},
-    [FRICTION_FORCE] = {"friction_force", 1},
-    [STICTION_VELOCITY] = {"stiction_velocity", 1},
-    [END_WEIGHT] = {"end_weight", 1},
-};
+DECLARE_COMPLEX(rail)
 
 static void *rail_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Rail *rail = allocate(memory, sizeof *rail);
-    if (!rail) {
-        refuse(why, "there is no memory for a rail");
-        return NULL;
-    }
-    *states = STATES;
-    int usable = check_sizes("rail", sizes, MOTION_SIZE + 1, WRENCH_SIZE, OBSERVATIONS, why) &&
-                 read_axis_frame(data, rail->axis_frame, why) &&
-                 read_choice(data, "endpoint", 1, &rail->endpoint, why) &&
-                 find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, rail->places, why) &&
-                 find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &rail->impulse, why);
-    return usable ? rail : NULL;
+    Rail *rail = create_connection(data, sizes, memory, sizeof *rail, states, why);
+    return rail && read_axis_frame(data, rail->axis_frame, why) ? rail : NULL;
 }
 
 static int rail_prepare(void *self, const double *p, Reason *why) {
     Rail *rail = self;
-    const size_t *place = rail->places;
-    (void)why;
     for (int i = 0; i < STIFF_COUNT; i++) {
-        rail->stiffness[i] = p[place[i == 0 ? NORMAL_STIFFNESS : ROTATIONAL_STIFFNESS]];
-        rail->damping[i] = p[place[i == 0 ? NORMAL_DAMPING : ROTATIONAL_DAMPING]];
+        rail->stiffness[i] = p[i == 0 ? P_NORMAL_STIFFNESS : P_ROTATIONAL_STIFFNESS];
+        rail->damping[i] = p[i == 0 ? P_NORMAL_DAMPING : P_ROTATIONAL_DAMPING];
     }
-    rail->friction_force = p[place[FRICTION_FORCE]];
-    rail->stiction_velocity = p[place[STICTION_VELOCITY]];
-    rail->end_weight = p[place[END_WEIGHT]];
-    return 1;
+    return prepare_connection(self, p, 2.0, p[P_END_WEIGHT], why);
 }
 
 /* The plane goes through the place of the inputs. */
@@ -225,7 +162,8 @@ static int rail_initial(void *self, const double *u, double *x, Reason *why) {
     const Rail *rail = self;
     (void)why;
     Trolley now = trolley_of(rail, u, u, 0.0);
-    for (int i = 0; i < STATES; i++) x[i] = i < OFFSET ? u[i] : 0.0;
+    memset(x, 0, STATES * sizeof *x);
+    memcpy(x + X_POSITION, u, PLACE_SIZE * sizeof *x);
     trolley_store(&now, x);
     store_instant_rates(&now, x);
     return 1;
@@ -234,46 +172,30 @@ static int rail_initial(void *self, const double *u, double *x, Reason *why) {
 /* Forces at the communication point, and energies. */
 static void rail_observe(void *self, const double *x, const double *u, double *z) {
     const Rail *rail = self;
-    Trolley now = trolley_of(rail, x + START, u, x[TWIST]);
+    Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
     double speed = speed_of(now.velocity), energy = 0.0;
     for (int i = 0; i < STIFF_COUNT; i++) energy += 0.5 * rail->stiffness[i] * now.stiff[i] * now.stiff[i];
-    z[0] = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * (rail->endpoint ? now.rates[0] : x[MEAN_RATES]);
-    z[1] = sliding_friction(rail, rail->endpoint ? speed : mid_step_now(x + SLIDE));
-    z[2] = speed;
-    z[3] = x[HEAT];
-    z[4] = energy;
-    z[5] = x[HEAT] + x[HEAT + 1];
-    z[6] = x[NUMERICAL];
-}
-
-static size_t rail_continuous(const void *self, size_t *places) {
-    (void)self;
-    for (size_t i = 0; places && i < CONTINUOUS; i++) places[i] = HEAT + i;
-    return CONTINUOUS;
+    double rate = now.rates[0], felt = speed;
+    if (!rail->base.endpoint) {
+        rate = x[X_MEMORIES + MEAN_RATE];
+        felt = mid_step_now(x + X_SLIDE);
+    }
+    z[Z_NORMAL_FORCE] = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * rate;
+    z[Z_FRICTION_FORCE_MAGNITUDE] = sliding_friction(rail, felt);
+    z[Z_SLIDING_SPEED] = speed;
+    z[Z_FRICTION_ENERGY] = x[X_FRICTION_HEAT];
+    z[Z_POTENTIAL_ENERGY] = energy;
+    z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_DAMPING_HEAT];
+    z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
 }
 
 /* Follows the trolley's turn. */
 static void rail_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
-    const Rail *rail = self;
     (void)at_event;
-    memcpy(x_next, x, STATES * sizeof(double));
-    x_next[TWIST] = trolley_of(rail, x + START, u, x[TWIST]).stiff[1];
+    memcpy(x_next, x, STATES * sizeof *x);
+    x_next[X_TURN] = trolley_of(self, x + X_POSITION, u, x[X_TURN]).stiff[1];
 }
 
-const Kernel rail_kernel = {
-    .kind = "rail",
-    .create = rail_create,
-    .prepare = rail_prepare,
-    .initial = rail_initial,
-    .step = rail_step_real,
-    .outputs = rail_outputs_real,
-    .observe = rail_observe,
-    .step_complex = rail_step_complex,
-    .outputs_complex = rail_outputs_complex,
-    .continuous = rail_continuous,
-    .rates = rail_rates_real,
-    .rates_complex = rail_rates_complex,
-    .update = rail_update,
-};
+const Kernel rail_kernel = {CONNECTION_FUNCTIONS(rail, rail), .update = rail_update};
 
 #endif

@@ -1,20 +1,11 @@
 /* Suspension: a spring that only pulls, along the line between two points: the twin of components/suspension.py. */
 
-#include "relative.h"
+#include "suspension_layout.h"
+#include "connection.h"
 #include "workless.h"
 
-/* State: centre line from the upper to the lower port, heat, mean rates of two steps, wrenches of both ports and their
-   slopes. */
-enum { SPAN = 0, HEAT = 3, SLIDE = 4, WRENCH = 8, SLOPES = 20, STATES = 32 };
-
-enum { STIFFNESS, PRELOAD, PRELOAD_LENGTH, DAMPING, END_WEIGHT, ORDER, PARAMETERS };
-
-enum { OBSERVATIONS = 4, PAIR_SIZE = 2 * WRENCH_SIZE };
-
 typedef struct Suspension {
-    int endpoint, paired; /* paired: forces are of order 4; those of static solutions are not */
-    size_t impulse, moments, places[PARAMETERS];
-    double preload_length, damping, end_weight;
+    Connection base;
     Law spring;
 } Suspension;
 
@@ -36,7 +27,7 @@ static inline Instant suspension_instant(const real *u) {
 static inline real tension_of(const Suspension *suspension, real elongation, real rate) {
     real elastic = -law_value(&suspension->spring, elongation);
     if (!(value_of(elastic) > 0.0)) return 0.0;
-    return above(elastic + suspension->damping * rate, 0.0);
+    return above(elastic + suspension->base.p[P_DAMPING] * rate, 0.0);
 }
 
 /* Wrenches on both ports from the force on the lower one. */
@@ -50,11 +41,11 @@ static inline void store_force(Vector3 force, real *wrench) {
 static inline Vector3 mean_force(const Suspension *suspension, Vector3 old, const Instant *now, double h, real *heat) {
     const Law *spring = &suspension->spring;
     real length = vector_norm(old);
-    real before = length - suspension->preload_length, after = now->length - suspension->preload_length;
+    real before = length - suspension->base.p[P_PRELOAD_LENGTH], after = now->length - suspension->base.p[P_PRELOAD_LENGTH];
     real rate = (now->length - length) / h;
     real plain = law_mean_force(spring, before, after);
-    real elastic = -(plain + law_end_force(spring, before, after, suspension->end_weight));
-    real tension = above(elastic + suspension->damping * taut_share(spring, before, after) * rate, 0.0);
+    real elastic = -(plain + law_end_force(spring, before, after, suspension->base.p[P_END_WEIGHT]));
+    real tension = above(elastic + suspension->base.p[P_DAMPING] * taut_share(spring, before, after) * rate, 0.0);
     *heat += (tension + plain) * (now->length - length);
     return vector_scaled(-tension / (length + now->length), vector_add(old, now->span));
 }
@@ -63,7 +54,7 @@ static inline Vector3 mean_force(const Suspension *suspension, Vector3 old, cons
 static inline MeanLoad length_load(const Suspension *suspension, const StepMotion *m) {
     const Law *spring = &suspension->spring;
     real elastic = -workless_law(spring, 0.0, m, 0.0).force, change = m->end - m->start;
-    real damping = suspension->damping * taut_share(spring, m->start, m->end);
+    real damping = suspension->base.p[P_DAMPING] * taut_share(spring, m->start, m->end);
     if (value_of(change) < 0.0 && value_of(elastic * m->h) < value_of(-damping * change))
         damping = above(elastic, 0.0) * m->h / -change;
     return workless_law(spring, damping, m, 0.0);
@@ -74,12 +65,12 @@ int NAME(suspension_step)(void *self, const double *x, const real *u, double h, 
     const Suspension *suspension = self;
     (void)why;
     Instant now = suspension_instant(u);
-    Vector3 old = {x[SPAN], x[SPAN + 1], x[SPAN + 2]}, force, slope = {0.0, 0.0, 0.0};
+    Vector3 old = {x[X_SPAN], x[X_SPAN + 1], x[X_SPAN + 2]}, force, slope = {0.0, 0.0, 0.0};
     real length = vector_norm(old), rate = (now.length - length) / h, heat = 0.0;
-    int impulse = !(value_of(u[suspension->impulse]) < 0.5);
-    if (suspension->paired && !impulse) {
-        const real *moments = u + suspension->moments;
-        double preload = suspension->preload_length;
+    const int impulse = commanded(u, U_IMPULSE);
+    if (suspension->base.paired && !impulse) {
+        const real *moments = u + INPUTS;
+        double preload = suspension->base.p[P_PRELOAD_LENGTH];
         Line line = line_between(old, now.span, 2.0 / (length + now.length));
         real moment = line_moment(&line, vector_subtract(vector_of(moments + WRENCH_SIZE), vector_of(moments)));
         StepMotion motion = {length - preload, now.length - preload, h, 0.0, 0.0, 0.0, moment};
@@ -87,33 +78,27 @@ int NAME(suspension_step)(void *self, const double *x, const real *u, double h, 
         force = line_force(&line, -load.force, -load.slope);
         slope = vector_scaled(load.slope * line.scale, line.mean);
         heat = load.heat;
-        store_mid_step_start(rate + 3.0 * moment / h, x_next + SLIDE);
+        store_mid_step_start(rate + 3.0 * moment / h, x_next + X_SLIDE);
     } else {
         force = mean_force(suspension, old, &now, h, &heat);
         if (impulse)
-            store_mid_step_start(now.rate, x_next + SLIDE);
+            store_mid_step_start(now.rate, x_next + X_SLIDE);
         else
-            store_mid_step_after(x + SLIDE, rate, h, x_next + SLIDE);
+            store_mid_step_after(x + X_SLIDE, rate, h, x_next + X_SLIDE);
     }
-    vector_store(now.span, x_next + SPAN);
-    x_next[HEAT] = x[HEAT] + heat;
-    store_force(force, x_next + WRENCH);
-    store_force(slope, x_next + SLOPES);
+    vector_store(now.span, x_next + X_SPAN);
+    x_next[X_HEAT] = x[X_HEAT] + heat;
+    store_force(force, x_next + X_WRENCH);
+    store_force(slope, x_next + X_SLOPES);
     return 1;
 }
 
 /* Wrenches on both ports, slopes of mean wrenches. */
 void NAME(suspension_outputs)(void *self, const real *x, const real *u, real *y) {
     const Suspension *suspension = self;
-    if (!suspension->endpoint) {
-        for (int i = 0; i < PAIR_SIZE; i++) {
-            y[i] = x[WRENCH + i];
-            y[PAIR_SIZE + i] = x[SLOPES + i];
-        }
-        return;
-    }
+    if (gives_means(&suspension->base, x, y)) return;
     Instant now = suspension_instant(u);
-    real tension = tension_of(suspension, now.length - suspension->preload_length, now.rate);
+    real tension = tension_of(suspension, now.length - suspension->base.p[P_PRELOAD_LENGTH], now.rate);
     store_force(vector_scaled(-tension / now.length, now.span), y);
 }
 
@@ -122,7 +107,7 @@ int NAME(suspension_rates)(void *self, const real *raw, const real *x, const rea
     const Suspension *suspension = self;
     (void)raw, (void)x, (void)why;
     Instant now = suspension_instant(u);
-    real elongation = now.length - suspension->preload_length;
+    real elongation = now.length - suspension->base.p[P_PRELOAD_LENGTH];
     real damping = tension_of(suspension, elongation, now.rate) + law_value(&suspension->spring, elongation);
     rates[0] = damping * now.rate;
     return 1;
@@ -130,45 +115,16 @@ int NAME(suspension_rates)(void *self, const real *raw, const real *x, const rea
 
 #ifndef FANFOLD_COMPLEX
 
-int suspension_rates_complex(void *self, const double complex *raw, const double complex *x,
-                             const double complex *u, double complex *rates, Reason *why);
-int suspension_step_complex(void *self, const double *x, const double complex *u, double h,
-                            double complex *x_next, Reason *why);
-void suspension_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
-
-static const VariableName PARAMETER_VARIABLES[PARAMETERS] = {
-    [STIFFNESS] = {"stiffness", 1}, [PRELOAD] = {"preload", 1},       [PRELOAD_LENGTH] = {"preload_length", 1},
-    [DAMPING] = {"damping", 1},     [END_WEIGHT] = {"end_weight", 1}, [ORDER] = {"order", 1},
-};
+DECLARE_COMPLEX(suspension)
 
 static void *suspension_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
-    Suspension *suspension = allocate(memory, sizeof *suspension);
-    if (!suspension) {
-        refuse(why, "there is no memory for a suspension");
-        return NULL;
-    }
-    *states = STATES;
-    if (!read_choice(data, "endpoint", 1, &suspension->endpoint, why)) return NULL;
-    size_t pairs = suspension->endpoint ? 0 : PAIR_SIZE;
-    int usable = check_sizes("suspension", sizes, 2 * MOTION_SIZE + 1 + pairs, PAIR_SIZE + pairs, OBSERVATIONS, why) &&
-                 find_moments(data, "upper.velocity_moment", suspension->endpoint ? 0 : 2, sizes,
-                              &suspension->moments, why) &&
-                 find_parameters(data, PARAMETER_VARIABLES, PARAMETERS, sizes, suspension->places, why) &&
-                 find_place(data, "input", (VariableName){"impulse", 1}, sizes->inputs, &suspension->impulse, why);
-    return usable ? suspension : NULL;
+    return create_connection(data, sizes, memory, sizeof(Suspension), states, why);
 }
 
 static int suspension_prepare(void *self, const double *p, Reason *why) {
     Suspension *suspension = self;
-    const size_t *place = suspension->places;
-    int fourth = 0;
-    if (!read_order(p[place[ORDER]], &fourth, why)) return 0;
-    suspension->spring = strand_law(p[place[STIFFNESS]], p[place[PRELOAD]]);
-    suspension->preload_length = p[place[PRELOAD_LENGTH]];
-    suspension->damping = p[place[DAMPING]];
-    suspension->end_weight = p[place[END_WEIGHT]];
-    suspension->paired = fourth && suspension->end_weight == 0.5 && !suspension->endpoint;
-    return 1;
+    suspension->spring = strand_law(p[P_STIFFNESS], p[P_PRELOAD]);
+    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
 /* At the place of the inputs. */
@@ -177,9 +133,9 @@ static int suspension_initial(void *self, const double *u, double *x, Reason *wh
     Instant now = suspension_instant(u);
     if (now.length == 0.0)
         return refuse(why, "the ports of the suspension are at one point; it hangs along no line");
-    for (int i = 0; i < STATES; i++) x[i] = 0.0;
-    vector_store(now.span, x + SPAN);
-    store_mid_step_start(now.rate, x + SLIDE);
+    memset(x, 0, STATES * sizeof *x);
+    vector_store(now.span, x + X_SPAN);
+    store_mid_step_start(now.rate, x + X_SLIDE);
     return 1;
 }
 
@@ -187,32 +143,13 @@ static int suspension_initial(void *self, const double *u, double *x, Reason *wh
 static void suspension_observe(void *self, const double *x, const double *u, double *z) {
     const Suspension *suspension = self;
     Instant now = suspension_instant(u);
-    double elongation = now.length - suspension->preload_length;
-    z[0] = now.length;
-    z[1] = tension_of(suspension, elongation, suspension->endpoint ? now.rate : mid_step_now(x + SLIDE));
-    z[2] = law_potential(&suspension->spring, elongation);
-    z[3] = x[HEAT];
+    double elongation = now.length - suspension->base.p[P_PRELOAD_LENGTH];
+    z[Z_LENGTH] = now.length;
+    z[Z_TENSION] = tension_of(suspension, elongation, suspension->base.endpoint ? now.rate : mid_step_now(x + X_SLIDE));
+    z[Z_POTENTIAL_ENERGY] = law_potential(&suspension->spring, elongation);
+    z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
 }
 
-static size_t suspension_continuous(const void *self, size_t *places) {
-    (void)self;
-    if (places) places[0] = HEAT;
-    return 1;
-}
-
-const Kernel suspension_kernel = {
-    .kind = "suspension",
-    .create = suspension_create,
-    .prepare = suspension_prepare,
-    .initial = suspension_initial,
-    .step = suspension_step_real,
-    .outputs = suspension_outputs_real,
-    .observe = suspension_observe,
-    .step_complex = suspension_step_complex,
-    .outputs_complex = suspension_outputs_complex,
-    .continuous = suspension_continuous,
-    .rates = suspension_rates_real,
-    .rates_complex = suspension_rates_complex,
-};
+const Kernel suspension_kernel = {CONNECTION_FUNCTIONS(suspension, suspension)};
 
 #endif

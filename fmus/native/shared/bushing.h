@@ -6,6 +6,7 @@
 #define FANFOLD_BUSHING_H
 
 #include "real.h"
+#include "scheme.h"
 
 /* Motion of one coordinate over a step of size h, and what it remembers of the step before: its mean rate and
    its end rate as a held force on a rigid body gives it, or at order 4 as its path has it, and how rough it went.
@@ -29,20 +30,35 @@ static inline StepMotion shifted_motion(StepMotion motion, real origin) {
     return motion;
 }
 
+/* What a coordinate keeps of the step before in the state of its component. */
+enum { MEAN_RATE, END_RATE, ROUGHNESS, MEMORY_SIZE };
+
+/* Motion from one coordinate to another, after the step that `memory` tells of. */
+static inline StepMotion step_motion(const double *memory, real start, real end, double h) {
+    return (StepMotion){start, end, h, memory[MEAN_RATE], memory[END_RATE], memory[ROUGHNESS], 0.0};
+}
+
+/* After an impulse only the rate of its end is known. */
+static inline void store_rate(real rate, real *memory) {
+    memory[MEAN_RATE] = memory[END_RATE] = rate;
+    memory[ROUGHNESS] = 0.0;
+}
+
 /* The two inertial terms. */
 static inline real inertial_force(double stiffness, const StepMotion *m) {
     real change = m->end - m->start;
     real from_mean = change - m->h * m->mean_rate, from_end = change - m->h * m->end_rate;
-    return -stiffness * (0.20 * from_mean + 0.10 * from_end);
+    return -stiffness * (OF_INCREMENTS * from_mean + 2.0 * OF_RATES * from_end);
 }
 
-/* What a coordinate remembers of a step; `end_rate` is the true rate at its end. */
-static inline void remember_rates(const StepMotion *m, real end_rate, real *mean_rate, real *remembered) {
+/* Keeps what a coordinate remembers of a step at order 2; `end_rate` is the true rate at its end. */
+static inline void store_memory(const StepMotion *m, real end_rate, real *memory) {
     real mean = (m->end - m->start) / m->h;
     real rigid = 2.0 * mean - m->end_rate, ahead = 1.5 * mean - 0.5 * m->mean_rate;
     real bound = fabs(value_of(end_rate)) < fabs(value_of(ahead)) ? ahead : end_rate;
-    *mean_rate = mean;
-    *remembered = fabs(value_of(bound)) < fabs(value_of(rigid)) ? bound : rigid;
+    memory[MEAN_RATE] = mean;
+    memory[END_RATE] = fabs(value_of(bound)) < fabs(value_of(rigid)) ? bound : rigid;
+    memory[ROUGHNESS] = 0.0;
 }
 
 /* Mean load with a damper and inertial terms beside the mean elastic force. An end weight above one half (static

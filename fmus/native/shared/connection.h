@@ -16,6 +16,8 @@ typedef struct Connection {
 
 static inline int commanded(const real *u, int input) { return value_of(u[input]) > 0.5; }
 
+#ifdef MOMENTS /* not where the number of ports varies */
+
 /* Gives the mean wrenches of all ports and, at order 4, their slopes; 0 in end-point mode, which has none. */
 static inline int gives_means(const Connection *connection, const real *x, real *y) {
     if (connection->endpoint) return 0;
@@ -26,7 +28,11 @@ static inline int gives_means(const Connection *connection, const real *x, real 
     return 1;
 }
 
+#endif
+
 #ifndef FANFOLD_COMPLEX
+
+#ifdef MOMENTS
 
 /* A connection of `bytes`, with what all read from their data; NULL and a sentence where there is none. */
 static inline void *create_connection(const Data *data, const Sizes *sizes, Memory *memory, size_t bytes,
@@ -39,12 +45,11 @@ static inline void *create_connection(const Data *data, const Sizes *sizes, Memo
     }
     if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
     size_t moments = connection->endpoint ? 0 : MOMENTS;
-    if (sizes->parameters == PARAMETERS && sizes->inputs == INPUTS + moments && sizes->outputs == OUTPUTS + moments &&
-        sizes->observations == OBSERVATIONS)
-        return connection;
-    refuse(why, "the numbers of variables in the data are not those of " KIND);
-    return NULL;
+    const Sizes own = {PARAMETERS, INPUTS + moments, OUTPUTS + moments, OBSERVATIONS};
+    return check_sizes(KIND, sizes, &own, why) ? connection : NULL;
 }
+
+#endif
 
 /* Takes the parameters over. Static solutions, with an end weight above one half, are of order 2. */
 static inline int prepare_connection(void *self, const double *p, double order, double end_weight, Reason *why) {

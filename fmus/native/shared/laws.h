@@ -10,6 +10,7 @@
 
 #include "kernel.h"
 #include "real.h"
+#include "scheme.h"
 
 typedef enum { SPRING_LAW, STRAND_LAW, TABLE_LAW } LawKind;
 
@@ -79,7 +80,7 @@ static inline int law_is_cubic_between(const Law *law, double s0, double s1) {
    where the difference is too small to divide by. */
 static inline real law_mean_force(const Law *law, real s0, real s1) {
     real change = s1 - s0;
-    if (!(fabs(value_of(change)) > 1e-5)) return law_value(law, 0.5 * (s0 + s1));
+    if (!(fabs(value_of(change)) > LEAST_CHANGE)) return law_value(law, 0.5 * (s0 + s1));
 #ifdef FANFOLD_COMPLEX
     /* the quotient loses digits, and its slope twice as many; Simpson's rule is the same mean of a cubic */
     if (law_is_cubic_between(law, value_of(s0), value_of(s1)))
@@ -113,7 +114,7 @@ static inline real taut_share(const Law *strand, real s0, real s1) {
 static inline real table_tangent(const Law *table, real s0, real s1) {
     size_t piece = table_piece(table, value_of(s0));
     if (piece != table_piece(table, value_of(s1))) {
-        if (fabs(value_of(s1 - s0)) > 1e-5) return (law_value(table, s0) - law_value(table, s1)) / (s1 - s0);
+        if (fabs(value_of(s1 - s0)) > LEAST_CHANGE) return (law_value(table, s0) - law_value(table, s1)) / (s1 - s0);
         s0 = s1 = 0.5 * (s0 + s1);
         piece = table_piece(table, value_of(s0));
     }

@@ -5,6 +5,7 @@
 #define FANFOLD_MID_STEP_H
 
 #include "real.h"
+#include "scheme.h"
 
 /* Mean over a step, its slope, half the change over the step as far as it is known, and the size of the step. */
 typedef struct StepMean {
@@ -49,9 +50,6 @@ static inline void store_mid_step_after(const double *old, real mean, double h, 
     means[2] = h;
     means[3] = old[2];
 }
-
-/* Roughness of a motion from which on means tell its load better than its end. */
-#define ROUGH 1e-2
 
 /* Load of a stiff coordinate at the communication point, from that of its law at the end of the last step. */
 static inline double load_now(const double means[MID_STEP_SIZE], double at_end, double roughness) {

@@ -193,47 +193,12 @@ static inline void store_slope_pair(const Passage *passage, Vector3 force, Vecto
 
 #ifndef FANFOLD_COMPLEX
 
-/* A variable and its number of scalars. */
-typedef struct VariableName {
-    const char *name;
-    size_t size;
-} VariableName;
-
-/* Where a variable begins in its flat array of `total` scalars. */
-static inline int find_place(const Data *data, const char *group, VariableName variable, size_t total, size_t *place,
-                             Reason *why) {
-    long offset = data_offset(data, group, variable.name, variable.size, why);
-    if (offset < 0) return 0;
-    if ((size_t)offset > total || variable.size > total - (size_t)offset)
-        return refuse(why, "the %s %s lies outside its array", group, variable.name);
-    *place = (size_t)offset;
-    return 1;
-}
-
-/* Where the first moments of the velocities of `ports` ports begin, the last inputs; none for no port. `first` is the
-   first port's. */
-static inline int find_moments(const Data *data, const char *first, size_t ports, const Sizes *sizes, size_t *place,
-                               Reason *why) {
-    *place = 0;
-    if (ports == 0) return 1;
-    if (!find_place(data, "input", (VariableName){first, 3}, sizes->inputs, place, why)) return 0;
-    if (*place + WRENCH_SIZE * ports == sizes->inputs) return 1;
-    return refuse(why, "the first moments of the ports are not the last inputs");
-}
-
-static inline int find_parameters(const Data *data, const VariableName *variables, size_t count, const Sizes *sizes,
-                                  size_t *places, Reason *why) {
-    for (size_t i = 0; i < count; i++)
-        if (!find_place(data, "parameter", variables[i], sizes->parameters, &places[i], why)) return 0;
-    return 1;
-}
-
 /* Whether the flat arrays have the sizes that the equations write and read. */
-static inline int check_sizes(const char *kind, const Sizes *sizes, size_t inputs, size_t outputs,
-                              size_t observations, Reason *why) {
-    if (sizes->inputs == inputs && sizes->outputs == outputs && sizes->observations == observations) return 1;
-    return refuse(why, "a %s has %zu inputs, %zu outputs and %zu observations; the data give %zu, %zu and %zu",
-                  kind, inputs, outputs, observations, sizes->inputs, sizes->outputs, sizes->observations);
+static inline int check_sizes(const char *kind, const Sizes *sizes, const Sizes *own, Reason *why) {
+    if (sizes->parameters == own->parameters && sizes->inputs == own->inputs && sizes->outputs == own->outputs &&
+        sizes->observations == own->observations)
+        return 1;
+    return refuse(why, "the numbers of variables in the data are not those of this %s", kind);
 }
 
 /* A whole number from 0 to `largest`. */
@@ -246,23 +211,25 @@ static inline int read_choice(const Data *data, const char *name, int largest, i
     return 1;
 }
 
-/* Whether the parameter `order` says 4 and not 2. */
-static inline int read_order(double order, int *fourth, Reason *why) {
-    *fourth = order == 4.0;
-    if (order == 2.0 || order == 4.0) return 1;
-    return refuse(why, "order = %g; it must be 2 or 4", order);
+/* `count` numbers whose squares sum to one. */
+static inline int read_unit(const Data *data, const char *name, size_t count, double *unit, Reason *why) {
+    const double *value = data_array(data, name, count, why);
+    if (!value) return 0;
+    double square = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        unit[i] = value[i];
+        square += value[i] * value[i];
+    }
+    if (!(fabs(square - 1.0) < 1e-9)) return refuse(why, "%s is not of unit length", name);
+    return 1;
+}
+
+static inline int read_direction(const Data *data, const char *name, double direction[3], Reason *why) {
+    return read_unit(data, name, 3, direction, why);
 }
 
 static inline int read_axis_frame(const Data *data, double frame[4], Reason *why) {
-    const double *value = data_array(data, "axis_frame", 4, why);
-    if (!value) return 0;
-    double square = 0.0;
-    for (int i = 0; i < 4; i++) {
-        frame[i] = value[i];
-        square += value[i] * value[i];
-    }
-    if (!(fabs(square - 1.0) < 1e-9)) return refuse(why, "axis_frame is not a quaternion of unit length");
-    return 1;
+    return read_unit(data, "axis_frame", 4, frame, why);
 }
 
 #endif

@@ -11,7 +11,7 @@
 static inline MeanLoad workless_load(real elastic, real tangent, real damping, const StepMotion *m,
                                      double roughness) {
     real change = m->end - m->start, numerical = 0.0;
-    if (value_of(tangent) > 0.0) numerical = 0.1 * tangent * m->h * roughness;
+    if (value_of(tangent) > 0.0) numerical = NUMERICAL_DAMPING * tangent * m->h * roughness;
     real mean = change / m->h, slope = 3.0 * m->moment / m->h;
     real square = mean * change + slope * m->moment;
     return (MeanLoad){
@@ -47,14 +47,14 @@ static inline MeanLoad viscous_load(const real rates[2], const real forces[2], d
     return (MeanLoad){0.5 * (forces[0] + forces[1]), heat, 0.0, 0.5 * sqrt(3.0) * (forces[1] - forces[0])};
 }
 
-/* What a coordinate remembers of a step of order 4. */
-static inline void remember_path(const StepMotion *m, real *mean_rate, real *end_rate, real *roughness) {
+/* Keeps what a coordinate remembers of a step of order 4. */
+static inline void store_path(const StepMotion *m, real *memory) {
     real change = m->end - m->start, bend = 3.0 * m->moment;
     real begin = (change - bend) / m->h, end = (change + bend) / m->h;
-    real jump = (begin - m->end_rate) / (real_abs(begin) + real_abs(end) + fabs(m->end_rate) + 1e-30);
-    *mean_rate = change / m->h;
-    *end_rate = end;
-    *roughness = jump * jump;
+    real jump = (begin - m->end_rate) / (real_abs(begin) + real_abs(end) + fabs(m->end_rate) + LEAST_RATE);
+    memory[MEAN_RATE] = change / m->h;
+    memory[END_RATE] = end;
+    memory[ROUGHNESS] = jump * jump;
 }
 
 #endif

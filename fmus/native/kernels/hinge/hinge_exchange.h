@@ -8,15 +8,12 @@
 
 #include "hinge_step.h"
 
-/* Distance (rad) from the latch angle that a solver may leave when it has found the event. */
-#define REACHED 1e-9
-
 /* Heat of friction, latch and damping. */
 int NAME(hinge_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const Hinge *hinge = self;
     (void)raw, (void)why;
-    Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
-    Grip grip = present_grip(hinge, x, u);
+    Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
+    Grip grip = present_grip(x, u);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) rates[i] = loads.heat[i];
     return 1;
@@ -24,37 +21,28 @@ int NAME(hinge_rates)(void *self, const real *raw, const real *x, const real *u,
 
 #ifndef FANFOLD_COMPLEX
 
-int hinge_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
-                        double complex *rates, Reason *why);
-
-static size_t hinge_continuous(const void *self, size_t *places) {
-    (void)self;
-    for (size_t i = 0; places && i < HEAT_CAUSES; i++) places[i] = HEAT + i;
-    return HEAT_CAUSES;
-}
-
 /* Angle left up to where the latch engages by itself; one where it does not. */
 static size_t hinge_indicators(void *self, const double *x, const double *u, double *indicators) {
     const Hinge *hinge = self;
-    size_t count = hinge->latch_kind != NO_LATCH;
+    size_t count = hinge->latch_kind != NONE_LATCH;
     if (!indicators || !count) return count;
-    Grip grip = present_grip(hinge, x, u);
+    Grip grip = present_grip(x, u);
     indicators[0] = 1.0;
     if (awaits_latch(hinge, &grip))
         indicators[0] =
-            hinge->latch_angle - hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]).coordinates[HINGE_ANGLE];
+            hinge->base.p[P_LATCH_ANGLE] - hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]).coordinates[HINGE_ANGLE];
     return count;
 }
 
 /* Follows the angle; at an event commands act, and a latch that is reached engages at its angle. */
 static void hinge_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
     const Hinge *hinge = self;
-    Motion now = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
-    memcpy(x_next, x, STATES * sizeof(double));
+    Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
+    memcpy(x_next, x, STATES * sizeof *x);
     store_motion(&now, x_next);
     if (!at_event) return;
-    Grip grip = commanded_grip(hinge, x_next, u);
-    latch_if_reached(hinge, &grip, now.coordinates[HINGE_ANGLE] >= hinge->latch_angle - REACHED);
+    Grip grip = commanded_grip(x_next, u);
+    latch_if_reached(hinge, &grip, now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE] - REACHED);
     store_grip(&grip, x_next);
 }
 

@@ -7,52 +7,44 @@
 
 /* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
 static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
-    double preload = grip->latched > 0.5 ? 0.0 : hinge->friction_preload;
-    if (hinge->friction == 0.0 && preload == 0.0) return 0.0;
+    double preload = grip->latched > 0.5 ? 0.0 : hinge->base.p[P_FRICTION_PRELOAD];
+    if (hinge->base.p[P_FRICTION_COEFFICIENT] == 0.0 && preload == 0.0) return 0.0;
     real square = load[1] * load[1] + load[2] * load[2];
-    /* smoothed over one newton */
-    real normal = square / real_sqrt(square + 1.0);
-    if (hinge->bending_arm > 0.0)
-        normal += root_of_squares(load[4] * load[4] + load[5] * load[5]) / hinge->bending_arm;
-    StictionFactors sliding = stiction_factors(rate, hinge->stiction_velocity, hinge->static_ratio);
-    return -(hinge->friction * hinge->pin_radius * normal * sliding.dynamic + preload * sliding.constant);
-}
-
-/* Motion of a coordinate over the step; `moment` of its rate. */
-static inline StepMotion step_motion(const double *x, const Motion *new, int i, real moment, double h) {
-    return (StepMotion){
-        x[COORDINATES + i], new->coordinates[i], h, x[MEAN_RATES + i], x[END_RATES + i], x[ROUGHNESS + i], moment,
-    };
+    real normal = square / real_sqrt(square + FORCE_SMOOTHING * FORCE_SMOOTHING);
+    if (hinge->base.p[P_FRICTION_BENDING_ARM] > 0.0)
+        normal += root_of_squares(load[4] * load[4] + load[5] * load[5]) / hinge->base.p[P_FRICTION_BENDING_ARM];
+    StictionFactors sliding = stiction_factors(rate, hinge->base.p[P_STICTION_VELOCITY], hinge->base.p[P_STATIC_FRICTION_RATIO]);
+    return -(hinge->base.p[P_FRICTION_COEFFICIENT] * hinge->base.p[P_PIN_RADIUS] * normal * sliding.dynamic + preload * sliding.constant);
 }
 
 /* Swing in the middle of a step. */
 static inline Transverse mean_swing(const double *x, const Motion *new) {
     return (Transverse){
-        0.5 * (x[COORDINATES + 4] + new->coordinates[4]),
-        0.5 * (x[COORDINATES + 5] + new->coordinates[5]),
+        0.5 * (x[X_COORDINATES + 4] + new->coordinates[4]),
+        0.5 * (x[X_COORDINATES + 5] + new->coordinates[5]),
     };
 }
 
 /* Load of the bushing in a coordinate. */
 static inline MeanLoad stiff_load(const Hinge *hinge, int i, const StepMotion *motion) {
-    if (hinge->paired) return workless_spring(hinge->stiffness[i], hinge->damping[i], motion);
-    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion, hinge->end_weight);
+    if (hinge->base.paired) return workless_spring(hinge->stiffness[i], hinge->damping[i], motion);
+    return bushing_load(hinge->stiffness[i], hinge->damping[i], motion, hinge->base.p[P_END_WEIGHT]);
 }
 
 /* Load of a law that drives or brakes the hinge angle, too soft to need numerical damping. */
 static inline MeanLoad drive_load(const Hinge *hinge, const Law *law, const StepMotion *motion) {
-    if (hinge->paired) return workless_law(law, 0.0, motion, 0.0);
+    if (hinge->base.paired) return workless_law(law, 0.0, motion, 0.0);
     real force = law_mean_force(law, motion->start, motion->end) +
-                 law_end_force(law, motion->start, motion->end, hinge->end_weight);
+                 law_end_force(law, motion->start, motion->end, hinge->base.p[P_END_WEIGHT]);
     return (MeanLoad){force, 0.0, 0.0, 0.0};
 }
 
 /* Mean latch torque, its heat, and what the scheme took away. */
 static inline MeanLoad mean_latch_load(const Hinge *hinge, const Grip *grip, StepMotion motion) {
     StepMotion deflection = shifted_motion(motion, grip->latched_angle);
-    if (hinge->paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
+    if (hinge->base.paired) return workless_law(&hinge->latch, hinge->latch_damping, &deflection, deflection.roughness);
     real elastic = law_mean_force(&hinge->latch, deflection.start, deflection.end);
-    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->end_weight);
+    return damped_load(elastic, hinge->latch_stiffness, hinge->latch_damping, &deflection, hinge->base.p[P_END_WEIGHT]);
 }
 
 /* Mean loads of bushing and latch. */
@@ -60,7 +52,7 @@ static inline StiffLoads stiff_loads(const Hinge *hinge, const Grip *grip, const
     StiffLoads loads = {.latch = {0.0, 0.0, 0.0, 0.0}};
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         StepMotion motion = motions[i];
-        if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->aligned_angle);
+        if (i == HINGE_ANGLE) motion = shifted_motion(motion, hinge->base.p[P_ALIGNED_ANGLE]);
         loads.bushing[i] = stiff_load(hinge, i, &motion);
     }
     if (latch_acts(hinge, grip)) loads.latch = mean_latch_load(hinge, grip, motions[HINGE_ANGLE]);
@@ -85,8 +77,8 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
     real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction + latch.force;
     numerical += latch.numerical;
     if (grip->holding != 0.0) {
-        twist -= hinge->hold_stiffness * (turn.end - grip->hold_angle);
-        numerical += 0.5 * hinge->hold_stiffness * change * change;
+        twist -= hinge->base.p[P_HOLD_STIFFNESS] * (turn.end - grip->hold_angle);
+        numerical += 0.5 * hinge->base.p[P_HOLD_STIFFNESS] * change * change;
     }
     Transverse swing = mean_swing(x, new);
     Loads loads = {
@@ -99,7 +91,7 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         {0.0, 0.0, 0.0},
         {0.0, 0.0, 0.0},
     };
-    if (hinge->paired) {
+    if (hinge->base.paired) {
         twist = slope[HINGE_ANGLE] + motor.slope + harness.slope + latch.slope;
         loads.force_slope = (Vector3){slope[0], slope[1], slope[2]};
         loads.torque_slope = conjugate_torque(twist, (Transverse){slope[4], slope[5]}, swing);
@@ -115,9 +107,9 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
     real load[COORDINATE_COUNT], latch = 0.0, sum = 0.0;
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         int stiff = hinge->stiffness[i] > 0.0 || (i == HINGE_ANGLE && locked);
-        double inertia = i < HINGE_ANGLE ? hinge->lock_mass : hinge->lock_inertia;
+        double inertia = i < HINGE_ANGLE ? hinge->base.p[P_LOCK_MASS] : hinge->base.p[P_LOCK_INERTIA];
         load[i] = stiff ? -inertia / h * new->rates[i] : 0.0;
-        real work = -load[i] * (new->coordinates[i] - x[COORDINATES + i]);
+        real work = -load[i] * (new->coordinates[i] - x[X_COORDINATES + i]);
         sum += work;
         if (i == HINGE_ANGLE && locked) latch = work;
     }
@@ -142,7 +134,7 @@ typedef struct Held {
 static inline Held held_at(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
     Held held = {.latch = 0.0};
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->aligned_angle : coordinates[i];
+        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
         held.bushing[i] = -hinge->stiffness[i] * deflection - hinge->damping[i] * rates[i];
     }
     if (latch_acts(hinge, grip))
@@ -161,7 +153,7 @@ static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const re
     if (latch_acts(hinge, grip)) viscous = -hinge->latch_damping * rate;
     real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) + friction +
                  held->latch;
-    if (grip->holding != 0.0) twist -= hinge->hold_stiffness * (angle - grip->hold_angle);
+    if (grip->holding != 0.0) twist -= hinge->base.p[P_HOLD_STIFFNESS] * (angle - grip->hold_angle);
     return (Loads){
         {load[0], load[1], load[2]},
         conjugate_torque(twist, (Transverse){load[4], load[5]}, (Transverse){coordinates[4], coordinates[5]}),

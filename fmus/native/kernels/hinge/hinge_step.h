@@ -6,42 +6,37 @@
 #include "hinge_loads.h"
 
 static inline void store_motion(const Motion *motion, real *x) {
-    quaternion_store(motion->frame, x + FRAME);
-    vector_store(motion->gap, x + GAP);
+    quaternion_store(motion->frame, x + X_FRAME);
+    vector_store(motion->gap, x + X_GAP);
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        x[COORDINATES + i] = motion->coordinates[i];
-        x[RATES + i] = motion->rates[i];
+        x[X_COORDINATES + i] = motion->coordinates[i];
+        x[X_RATES + i] = motion->rates[i];
     }
 }
 
 static inline void store_grip(const Grip *grip, real *x) {
-    x[LATCHED] = grip->latched;
-    x[LATCHED_ANGLE] = grip->latched_angle;
-    x[HOLDING] = grip->holding;
-    x[HOLD_ANGLE] = grip->hold_angle;
+    x[X_LATCHED] = grip->latched;
+    x[X_LATCHED_ANGLE] = grip->latched_angle;
+    x[X_HOLDING] = grip->holding;
+    x[X_HOLD_ANGLE] = grip->hold_angle;
 }
 
 /* What the coordinates remember of the step. */
 static inline void store_memories(const Hinge *hinge, const double *x, const Motion *new, const StepMotion *motions,
                                   double h, real *x_next) {
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        real *mean_rate = x_next + MEAN_RATES + i, *end_rate = x_next + END_RATES + i;
-        x_next[ROUGHNESS + i] = 0.0;
-        if (hinge->paired)
-            remember_path(motions + i, mean_rate, end_rate, x_next + ROUGHNESS + i);
+        if (hinge->base.paired)
+            store_path(motions + i, x_next + memory_place(i));
         else
-            remember_rates(motions + i, new->rates[i], mean_rate, end_rate);
+            store_memory(motions + i, new->rates[i], x_next + memory_place(i));
     }
-    store_mid_step_after(x + SLIDE, x_next[MEAN_RATES + HINGE_ANGLE], h, x_next + SLIDE);
+    store_mid_step_after(x + X_SLIDE, x_next[memory_place(HINGE_ANGLE) + MEAN_RATE], h, x_next + X_SLIDE);
 }
 
 /* After an impulse only the rates of its end are known. */
 static inline void store_rates_after_impulse(const Motion *new, real *x_next) {
-    for (int i = 0; i < COORDINATE_COUNT; i++) {
-        x_next[MEAN_RATES + i] = x_next[END_RATES + i] = new->rates[i];
-        x_next[ROUGHNESS + i] = 0.0;
-    }
-    store_mid_step_start(new->rates[HINGE_ANGLE], x_next + SLIDE);
+    for (int i = 0; i < COORDINATE_COUNT; i++) store_rate(new->rates[i], x_next + memory_place(i));
+    store_mid_step_start(new->rates[HINGE_ANGLE], x_next + X_SLIDE);
 }
 
 /* Loads and hinge rate of order 4 with one step more; the latch torque begins where the latch engages. */
@@ -52,20 +47,18 @@ static inline void store_loads(const Hinge *hinge, const double *x, const Grip *
         store_mid_step_after(x + load_place(i), loads->bushing[i].force, h, x_next + load_place(i));
     if (latch_acts(hinge, grip))
         store_mid_step_after(x + load_place(LATCH_LOAD), loads->latch.force, h, x_next + load_place(LATCH_LOAD));
-    store_mid_step_slope_after(x + SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
-                               x_next + SLIDING);
+    store_mid_step_slope_after(x + X_SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
+                               x_next + X_SLIDING);
 }
 
 /* Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule. */
 static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip, const Motion *new, double h,
                                  real *x_next) {
-    latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->latch_angle);
+    latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->base.p[P_LATCH_ANGLE]);
     Loads loads = endpoint_loads(hinge, grip, new->coordinates, new->rates);
-    for (int i = MEAN_RATES; i < HEAT; i++) x_next[i] = x[i];
-    for (int i = NUMERICAL; i < STATES; i++) x_next[i] = x[i];
     for (int i = 0; i < HEAT_CAUSES; i++) {
-        x_next[HEAT + i] = x[HEAT + i] + 0.5 * h * (x[POWER + i] + loads.heat[i]);
-        x_next[POWER + i] = loads.heat[i];
+        x_next[X_FRICTION_HEAT + i] = x[X_FRICTION_HEAT + i] + 0.5 * h * (x[X_POWER + i] + loads.heat[i]);
+        x_next[X_POWER + i] = loads.heat[i];
     }
 }
 
@@ -73,21 +66,23 @@ static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip
 static inline void step_motions(const Hinge *hinge, const double *x, const real *u, const Motion *new,
                                 const Passage *passage, double h, StepMotion *motions) {
     Rates m = {{0.0, 0.0, 0.0}, 0.0, {0.0, 0.0}};
-    if (hinge->paired) m = rate_moments(passage, u + hinge->moments, mean_swing(x, new));
+    if (hinge->base.paired) m = rate_moments(passage, u + INPUTS, mean_swing(x, new));
     const real moments[COORDINATE_COUNT] = {m.offset.x, m.offset.y, m.offset.z, m.twist, m.swing.y, m.swing.z};
-    for (int i = 0; i < COORDINATE_COUNT; i++) motions[i] = step_motion(x, new, i, moments[i], h);
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        motions[i] = step_motion(x + memory_place(i), x[X_COORDINATES + i], new->coordinates[i], h);
+        motions[i].moment = moments[i];
+    }
 }
 
 /* Wrench and heat of mean loads. */
 static inline void mean_step(const Hinge *hinge, const double *x, const real *u, Grip *grip, const Motion *new,
                              double h, real *x_next) {
-    Passage passage = {
-        {x[FRAME], x[FRAME + 1], x[FRAME + 2], x[FRAME + 3]}, new->frame, {x[GAP], x[GAP + 1], x[GAP + 2]}, new->gap,
-    };
+    const double *q = x + X_FRAME, *gap = x + X_GAP;
+    Passage passage = {{q[0], q[1], q[2], q[3]}, new->frame, {gap[0], gap[1], gap[2]}, new->gap};
     Loads loads;
-    for (int i = LOADS; i < SLIDING; i++) x_next[i] = 0.0;
-    store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + SLIDING);
-    if (value_of(u[hinge->impulse]) > 0.5) {
+    for (int i = 0; i < LOAD_COUNT * MID_STEP_SIZE; i++) x_next[X_LOADS + i] = 0.0;
+    store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
+    if (commanded(u, U_IMPULSE)) {
         loads = impulse_loads(hinge, x, grip, new, h);
         if (hinge->locks) grip->latched_angle = new->coordinates[HINGE_ANGLE];
         store_rates_after_impulse(new, x_next);
@@ -97,28 +92,29 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         StiffLoads stiff = stiff_loads(hinge, grip, motions);
         loads = mean_loads(hinge, x, grip, new, motions, &stiff, h);
         store_memories(hinge, x, new, motions, h, x_next);
-        if (hinge->paired) store_loads(hinge, x, grip, motions, &stiff, h, x_next);
+        if (hinge->base.paired) store_loads(hinge, x, grip, motions, &stiff, h, x_next);
     }
-    store_mean_pair(&passage, loads.force, loads.torque, x_next + WRENCH);
-    if (hinge->paired)
-        store_slope_pair(&passage, loads.force_slope, loads.torque_slope, x_next + WRENCH, x_next + SLOPES);
+    store_mean_pair(&passage, loads.force, loads.torque, x_next + X_WRENCH);
+    if (hinge->base.paired)
+        store_slope_pair(&passage, loads.force_slope, loads.torque_slope, x_next + X_WRENCH, x_next + X_SLOPES);
     else
-        for (int i = 0; i < PAIR_SIZE; i++) x_next[SLOPES + i] = 0.0;
+        for (int i = 0; i < MOMENTS; i++) x_next[X_SLOPES + i] = 0.0;
     for (int i = 0; i < HEAT_CAUSES; i++) {
-        x_next[HEAT + i] = x[HEAT + i] + loads.heat[i];
-        x_next[POWER + i] = x[POWER + i];
+        x_next[X_FRICTION_HEAT + i] = x[X_FRICTION_HEAT + i] + loads.heat[i];
+        x_next[X_POWER + i] = x[X_POWER + i];
     }
-    x_next[NUMERICAL] = x[NUMERICAL] + loads.numerical;
+    x_next[X_NUMERICAL] = x[X_NUMERICAL] + loads.numerical;
 }
 
 /* One step; the inputs are those of its end. Commands act from its start. */
 int NAME(hinge_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Hinge *hinge = self;
     (void)why;
-    Grip grip = commanded_grip(hinge, x, u);
-    Motion new = hinge_motion(hinge, u, x[COORDINATES + HINGE_ANGLE]);
+    Grip grip = commanded_grip(x, u);
+    Motion new = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
+    for (int i = 0; i < STATES && hinge->base.endpoint; i++) x_next[i] = x[i];
     store_motion(&new, x_next);
-    if (hinge->endpoint)
+    if (hinge->base.endpoint)
         endpoint_step(hinge, x, &grip, &new, h, x_next);
     else
         mean_step(hinge, x, u, &grip, &new, h, x_next);
@@ -129,21 +125,21 @@ int NAME(hinge_step)(void *self, const double *x, const real *u, double h, real 
 /* Wrenches on both ports, distance to the latch angle, latched or not, slopes of mean wrenches. */
 void NAME(hinge_outputs)(void *self, const real *x, const real *u, real *y) {
     const Hinge *hinge = self;
-    real angle = x[COORDINATES + HINGE_ANGLE];
-    if (hinge->endpoint) {
+    real angle = x[X_COORDINATES + HINGE_ANGLE];
+    if (hinge->base.endpoint) {
         Motion now = hinge_motion(hinge, u, angle);
-        Grip grip = present_grip(hinge, x, u);
+        Grip grip = present_grip(x, u);
         Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
         store_pair(quaternion_rotate(now.frame, loads.force), quaternion_rotate(now.frame, loads.torque), now.gap, y);
         angle = now.coordinates[HINGE_ANGLE];
     } else {
-        for (int i = 0; i < PAIR_SIZE; i++) {
-            y[i] = x[WRENCH + i];
-            y[OUTPUTS + i] = x[SLOPES + i];
+        for (int i = 0; i < MOMENTS; i++) {
+            y[i] = x[X_WRENCH + i];
+            y[OUTPUTS + i] = x[X_SLOPES + i];
         }
     }
-    y[PAIR_SIZE] = hinge->latch_angle - angle;
-    y[PAIR_SIZE + 1] = x[LATCHED];
+    y[Y_LATCH_DISTANCE] = hinge->base.p[P_LATCH_ANGLE] - angle;
+    y[Y_LATCHED] = x[X_LATCHED];
 }
 
 #endif

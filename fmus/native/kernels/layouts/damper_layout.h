@@ -1,4 +1,4 @@
-/* Where the variables of a component lie: parameters P_, state X_, own inputs U_ and outputs Y_, observations Z_.
+/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
    Written by python -m fmus.native from its declarations. */
 
 #ifndef FANFOLD_DAMPER_LAYOUT_H

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from components import ComponentError
 from components.contract.ports import PortMoments
-from components.hinge_parts.state import State
+from components.hinge import Hinge
 from components.numerics.relative_motion import Passage, turn_between
 from tests.references.relative_motion import (
     angular_momentum,
@@ -224,7 +224,7 @@ def test_static_solutions_and_impulses_have_no_slopes(special):
         x = component.step(c, x, u, 0.01)
         loads.append(component.outputs(c, x, u))
     assert np.array_equal(*loads)
-    assert State.unpack(x).roughness == (0.0,) * 6
+    assert [memory.roughness for memory in Hinge.states.read(x).memories] == [0.0] * 6
     assert not np.any(slopes(component, loads[1], 2))
 
 

@@ -1,0 +1,13 @@
+"""Numbers of the scheme, for equations in Python and, by way of a written header, in C."""
+
+OF_INCREMENTS = 0.20
+OF_RATES = 0.05
+"""Shares of k d and k p in the inertial terms of a stiff coordinate, see `stiff_coordinate`."""
+NUMERICAL_DAMPING = 0.1
+"""Share of k h in the damping of a rough motion, see `workless_pair`."""
+LEAST_RATE = 1e-30
+"""Added to a sum of rates by which the roughness is divided."""
+ROUGH = 1e-2
+"""Roughness of a motion from which on means tell its load better than its end."""
+LEAST_CHANGE = 1e-5
+"""Change of a coordinate (m, rad) below which a discrete gradient is the force at the middle."""

@@ -1,0 +1,22 @@
+/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
+   Written by python -m fmus.native from its declarations. */
+
+#ifndef FANFOLD_HOLD_DOWN_LAYOUT_H
+#define FANFOLD_HOLD_DOWN_LAYOUT_H
+
+#define KIND "hold_down"
+#define LAYOUT_DIGEST "0b0a93eaded4f4f8"
+#define REACHED 1e-09
+#define MOMENTS 12
+#define CONTINUOUS_PLACES {X_CLOCK, X_HEAT}
+
+enum { P_TRANSLATIONAL_STIFFNESS = 0, P_TRANSLATIONAL_DAMPING = 3, P_PRELOAD = 6, P_RELEASE_TIME = 7, P_END_WEIGHT = 8,
+       P_ORDER = 9, PARAMETERS = 10 };
+enum { X_FRAME = 0, X_GAP = 4, X_START = 7, X_MEMORIES = 10, X_CLOCK = 19, X_RELEASED = 20, X_HEAT = 21, X_RELEASE_HEAT = 22,
+       X_NUMERICAL = 23, X_WRENCH = 24, X_SLOPES = 36, X_LOADS = 48, STATES = 60 };
+enum { U_RELEASE_COMMAND = 26, U_IMPULSE = 27, U_HOLD = 28, INPUTS = 29 };
+enum { OUTPUTS = 12 };
+enum { Z_FORCE = 0, Z_RELEASED = 3, Z_POTENTIAL_ENERGY = 4, Z_DISSIPATED_ENERGY = 5, Z_NUMERICAL_DISSIPATION = 6,
+       OBSERVATIONS = 7 };
+
+#endif

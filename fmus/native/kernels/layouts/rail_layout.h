@@ -1,0 +1,21 @@
+/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
+   Written by python -m fmus.native from its declarations. */
+
+#ifndef FANFOLD_RAIL_LAYOUT_H
+#define FANFOLD_RAIL_LAYOUT_H
+
+#define KIND "rail"
+#define LAYOUT_DIGEST "421fa2438f201e99"
+#define MOMENTS 0
+#define CONTINUOUS_PLACES {X_FRICTION_HEAT, X_DAMPING_HEAT}
+
+enum { P_NORMAL_STIFFNESS = 0, P_NORMAL_DAMPING = 1, P_ROTATIONAL_STIFFNESS = 2, P_ROTATIONAL_DAMPING = 3,
+       P_FRICTION_FORCE = 4, P_STICTION_VELOCITY = 5, P_END_WEIGHT = 6, PARAMETERS = 7 };
+enum { X_POSITION = 0, X_ORIENTATION = 3, X_OFFSET = 7, X_TURN = 10, X_MEMORIES = 13, X_SLIDE = 25, X_FRICTION_HEAT = 29,
+       X_DAMPING_HEAT = 30, X_NUMERICAL = 31, X_WRENCH = 32, STATES = 38 };
+enum { U_IMPULSE = 13, INPUTS = 14 };
+enum { OUTPUTS = 6 };
+enum { Z_NORMAL_FORCE = 0, Z_FRICTION_FORCE_MAGNITUDE = 1, Z_SLIDING_SPEED = 2, Z_FRICTION_ENERGY = 3, Z_POTENTIAL_ENERGY = 4,
+       Z_DISSIPATED_ENERGY = 5, Z_NUMERICAL_DISSIPATION = 6, OBSERVATIONS = 7 };
+
+#endif

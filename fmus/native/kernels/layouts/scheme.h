@@ -1,0 +1,13 @@
+/* Numbers of the scheme: components/numerics/scheme.py, written by python -m fmus.native. */
+
+#ifndef FANFOLD_SCHEME_H
+#define FANFOLD_SCHEME_H
+
+#define OF_INCREMENTS 0.2
+#define OF_RATES 0.05
+#define NUMERICAL_DAMPING 0.1
+#define LEAST_RATE 1e-30
+#define ROUGH 0.01
+#define LEAST_CHANGE 1e-05
+
+#endif

@@ -1,0 +1,18 @@
+/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
+   Written by python -m fmus.native from its declarations. */
+
+#ifndef FANFOLD_SUSPENSION_LAYOUT_H
+#define FANFOLD_SUSPENSION_LAYOUT_H
+
+#define KIND "suspension"
+#define LAYOUT_DIGEST "7728bec33a4bcba6"
+#define MOMENTS 12
+#define CONTINUOUS_PLACES {X_HEAT}
+
+enum { P_STIFFNESS = 0, P_PRELOAD = 1, P_PRELOAD_LENGTH = 2, P_DAMPING = 3, P_END_WEIGHT = 4, P_ORDER = 5, PARAMETERS = 6 };
+enum { X_SPAN = 0, X_HEAT = 3, X_SLIDE = 4, X_WRENCH = 8, X_SLOPES = 20, STATES = 32 };
+enum { U_IMPULSE = 26, INPUTS = 27 };
+enum { OUTPUTS = 12 };
+enum { Z_LENGTH = 0, Z_TENSION = 1, Z_POTENTIAL_ENERGY = 2, Z_DISSIPATED_ENERGY = 3, OBSERVATIONS = 4 };
+
+#endif
