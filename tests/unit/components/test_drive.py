@@ -280,7 +280,7 @@ def test_end_point_torque():
     component, c = drive("endpoint", "step", aligned_angle=0.5, start_angle=0.4)
     u = turned(component, 0.3, 2.0)
     x = component.initial(c, u)
-    x[9] = 0.2  # the clock, half way
+    x[component.state_layout["clock"]] = 0.2  # half way
     z = observed(component, c, x, u)
     assert (z["angle"], z["commanded_angle"]) == pytest.approx((0.8, 0.8))
     torque = -8.0 * (2.0 - 1.5 * 0.8 / 0.4)

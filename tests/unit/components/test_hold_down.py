@@ -234,7 +234,7 @@ def test_end_point_wrench():
     assert component.rates(c, x, u) == pytest.approx((1.0, np.array((10, 20, 30)) @ rate**2))
     assert component.indicators(c, x, u) == pytest.approx(2.0)
     stored = component.observe(c, x, u)[4]
-    x[16] = 2.0  # the clock
+    x[component.state_layout["clock"]] = 2.0
     assert component.indicators(c, x, u) == pytest.approx(0.0)
     assert np.all(component.update(c, x, u, False) == x)
     free = component.update(c, x, u, True)

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components import drive as drives
 from components.ccl import CableLoop
 from components.damper import EddyCurrentDamper
 from components.drive import Drive
@@ -176,7 +175,7 @@ def instant_wrench(name, component, c, x, t):
     """End-point wrench of the last port but a guide."""
     if name == "drive":
         x = x.copy()
-        x[drives._CLOCK] = t
+        x[component.state_layout["clock"]] = t
     return component.outputs(c, x, along(name, component, t))[6:12]
 
 
