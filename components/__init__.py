@@ -19,6 +19,7 @@ from .contract.component import (
 )
 from .contract.errors import FanfoldError
 from .contract.frames import left_product, rotation_matrix
+from .contract.instance import Instance
 from .contract.roles import (
     DISSIPATED_ENERGY,
     KINETIC_ENERGY,
@@ -42,6 +43,7 @@ __all__ = [
     "ComponentError",
     "ContinuousStates",
     "FanfoldError",
+    "Instance",
     "Layout",
     "Port",
     "Quantity",

@@ -88,8 +88,8 @@ class _Commands(NamedTuple):
 class _Observations(NamedTuple):
     tension_a: Annotated[float, observed("N", "Tension of strand a", LOAD)]
     tension_b: Annotated[float, observed("N", "Tension of strand b", LOAD)]
-    torque_1: Annotated[float, observed("N.m", "Torque T1 on body 1 about the pulley axis", LOAD)]
-    torque_2: Annotated[float, observed("N.m", "Torque T2 on body 3 about the pulley axis", LOAD)]
+    torque_1: Annotated[float, observed("N.m", "Torque T1 on body 1 about the pulley axis")]
+    torque_2: Annotated[float, observed("N.m", "Torque T2 on body 3 about the pulley axis")]
     axial_force: Annotated[float, observed("N", "Force between the pulleys along their centre line", LOAD)]
     lateral_force: Annotated[float, observed("N", "Lateral force on each pulley", LOAD)]
     synchronization_error: Annotated[float, observed("m", "r1 phi1 - r2 phi2, what the strands take up")]
@@ -121,7 +121,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
     of radii makes a lateral pair of forces on the pulleys.
     """
 
-    kind, ports_vary = "ccl", True
+    kind, noun, ports_vary = "ccl", "closed cable loop", True
     parameters = Record(_Parameters)
     commands, observations = Record(_Commands), Record(_Observations)
 

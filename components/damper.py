@@ -38,7 +38,7 @@ class _Observations(NamedTuple):
 class EddyCurrentDamper(AxialConnection[_Parameters, _State, Impulse]):
     """Brakes the turning of the outboard against the inboard port about `axis`, given in the axes of both."""
 
-    kind, axis_of = "eddy_current_damper", "the damper's axis"
+    kind, noun, axis_of = "eddy_current_damper", "damper", "the damper's axis"
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(Impulse), Record(_Observations)
 

@@ -74,7 +74,7 @@ class _Observations(NamedTuple):
     drag_force: Annotated[
         float, observed("N", "Force on the body along the z axis of the port, the normal", LOAD)
     ]
-    drag_torque: Annotated[float, observed("N.m", "Torque on the body about the y axis of the port", LOAD)]
+    drag_torque: Annotated[float, observed("N.m", "Torque on the body about the y axis of the port")]
     normal_velocity: Annotated[float, observed("m/s", "Velocity of the plate's centre along the normal")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
 
@@ -86,7 +86,7 @@ class PlateDrag(Connection[_Parameters, _State, Impulse]):
     never positive, and is what is dissipated.
     """
 
-    kind, port_names, order = "drag", ("body",), 2
+    kind, noun, port_names, order = "drag", "air drag", ("body",), 2
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(Impulse), Record(_Observations)
 

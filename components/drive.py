@@ -12,7 +12,6 @@ from .contract.component import ComponentError, Vector
 from .contract.connection import HEAT, Inputs
 from .contract.record import Record, integrated, kept, observed, tunable
 from .contract.roles import (
-    COMMAND,
     DISSIPATED_ENERGY,
     END_WEIGHT,
     HOLD,
@@ -63,8 +62,8 @@ class _Commands(NamedTuple):
 class _Observations(NamedTuple):
     angle: Annotated[float, observed("rad", "Angle of the outboard against the inboard port, unwrapped")]
     angular_rate: Annotated[float, observed("rad/s", "Its rate, of the ports at this instant")]
-    commanded_angle: Annotated[float, observed("rad", "Angle that the profile commands", COMMAND)]
-    commanded_rate: Annotated[float, observed("rad/s", "Rate that the profile commands", COMMAND)]
+    commanded_angle: Annotated[float, observed("rad", "Angle that the profile commands")]
+    commanded_rate: Annotated[float, observed("rad/s", "Rate that the profile commands")]
     drive_torque: Annotated[float, observed("N.m", "Torque on the outboard side about the axis", LOAD)]
     supplied_energy: Annotated[float, SUPPLIED_ENERGY.saying("Work of the motor since the start")]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the gearbox")]

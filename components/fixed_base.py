@@ -12,7 +12,7 @@ from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized, sum_of_moments
 from .contract.ports import WRENCH_SIZE
 from .contract.record import Record, kept, observed
-from .contract.roles import IMPULSE, LOAD
+from .contract.roles import IMPULSE, INTERFACE_LOAD
 from .numerics.mid_step import StepMean, extrapolated
 
 _STOPPED = -1.0
@@ -32,8 +32,10 @@ class _State(NamedTuple):
 _STATES = Record(_State)
 _NONE = (0.0,) * WRENCH_SIZE
 _OBSERVATIONS = (
-    observed("N", "Force on the base, world axes", LOAD).called("interface_force", 3),
-    observed("N.m", "Torque on the base about the reference point", LOAD).called("interface_torque", 3),
+    observed("N", "Force on the base, world axes", INTERFACE_LOAD).called("interface_force", 3),
+    observed("N.m", "Torque on the base about the reference point", INTERFACE_LOAD).called(
+        "interface_torque", 3
+    ),
 )
 
 
@@ -45,6 +47,7 @@ class FixedBase(Component):
     """
 
     kind = "fixed_base"
+    noun = "interface"
     ports_vary = True
     constant_mobility = True
     scheme: ClassVar = {"STOPPED": _STOPPED}

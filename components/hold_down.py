@@ -14,7 +14,6 @@ from .contract.record import Record, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
     END_WEIGHT,
-    EVENT,
     HOLD,
     IMPULSE,
     LOAD,
@@ -67,7 +66,7 @@ class _Commands(NamedTuple):
 
 class _Observations(NamedTuple):
     force: Annotated[Vector3, observed("N", "Force on the outboard port, inboard axes", LOAD)]
-    released: Annotated[float, observed("1", "1 from the release on", EVENT)]
+    released: Annotated[float, observed("1", "1 from the release on")]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy, with that of the preload")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY.saying("Energy dissipated, in the bolt too")]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]
@@ -118,7 +117,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
     at zero, when the scene does, and stands still while `hold` is 1.
     """
 
-    kind, indicator_count = "hold_down", 1
+    kind, noun, indicator_count = "hold_down", "hold-down", 1
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(_Commands), Record(_Observations)
     scheme: ClassVar = {"REACHED": _REACHED}

@@ -102,6 +102,8 @@ class Component(ABC):
     """A mechanical component: declared variables and pure functions on a flat state. See the module."""
 
     kind: ClassVar[str]
+    noun: ClassVar[str] = ""
+    """What people call it, the kind in words where nothing is given."""
     order: ClassVar[Literal[2, 4]] = 4
     """Order in time, at most, of the wrenches at the ports."""
     ports_vary: ClassVar[bool] = False
@@ -127,6 +129,8 @@ class Component(ABC):
             if cls.kind in REGISTRY:
                 raise TypeError(f"two components of kind {cls.kind!r}")
             REGISTRY[cls.kind] = cls
+            if "noun" not in cls.__dict__:
+                cls.noun = cls.kind.replace("_", " ")
 
     def _declare(
         self,

@@ -61,10 +61,8 @@ dissipation is what the scheme takes away besides, and it may give back a part t
 """
 
 LOAD = "load"
-"""Role of an observation: a force or torque that a part must bear, of which the peak counts."""
+"""Role of an observation: a force or torque by whose peak runs are compared."""
+INTERFACE_LOAD = "interface load"
+"""Role of an observation: the same of the load on the spacecraft."""
 DISSIPATION = "dissipation"
 """Role of an observation: one cause's share of the dissipated energy (J)."""
-COMMAND = "command"
-"""Role of an observation: what is commanded, beside which stands what was reached."""
-EVENT = "event"
-"""Role of an observation: 1 while something has happened, such as a release or a contact."""

@@ -16,7 +16,6 @@ from ..contract.roles import (
     LATCH_COMMAND,
     LATCH_DISTANCE,
     LATCHED,
-    LOAD,
     NUMERICAL_DISSIPATION,
     ORDER,
     POTENTIAL_ENERGY,
@@ -166,14 +165,10 @@ class Observations(NamedTuple):
     motor_torque: Annotated[float, observed("N.m", "Torque of the motorisation spring, positive opening")]
     harness_torque: Annotated[float, observed("N.m", "Torque of the harness, positive opening")]
     friction_torque: Annotated[float, observed("N.m", "Friction torque, positive opening")]
-    latch_torque: Annotated[
-        float, observed("N.m", "Latch torque about the hinge line, positive opening", LOAD)
-    ]
-    axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line", LOAD)]
-    radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line", LOAD)]
-    bending_moment: Annotated[
-        float, observed("N.m", "Magnitude of the moment normal to the hinge line", LOAD)
-    ]
+    latch_torque: Annotated[float, observed("N.m", "Latch torque about the hinge line, positive opening")]
+    axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line")]
+    radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line")]
+    bending_moment: Annotated[float, observed("N.m", "Magnitude of the moment normal to the hinge line")]
     motor_energy: Annotated[float, observed("J", "Energy released by the motorisation spring since stowed")]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
     latch_energy: Annotated[

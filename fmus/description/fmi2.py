@@ -116,6 +116,10 @@ def _add_annotations(root: Element, component: Component, backend: Backend) -> N
         said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
     if component.constant_mobility:
         said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))
+    if component.noun:
+        said.append(("Component", {"noun": component.noun}))
+    roles = [q for q in component.observation_layout.quantities if q.role]
+    said += [("Observation", {"name": q.name, "role": q.role}) for q in roles]
     if said:
         tool = SubElement(SubElement(root, "VendorAnnotations"), "Tool", {"name": "Fanfold"})
         coupling = SubElement(tool, "Coupling")  # the schema allows a tool one element

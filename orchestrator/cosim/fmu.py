@@ -6,6 +6,7 @@ import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import POINTER, addressof, byref, c_double, c_uint32, c_void_p, cast, pointer
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from tempfile import mkdtemp
@@ -77,6 +78,7 @@ class FmuParticipant:
             annotation, "DirectionalDerivative", "afterStep"
         )
         self.constant_mobility = _says(annotation, "Mobility", "constant")
+        self.noun = "" if (said := _said(annotation, "Component")) is None else said.get("noun", "")
         self._overwrites_state = _OVERWRITES_NO_STATE not in (description.generationTool or "")
         reals = [v for v in description.modelVariables if v.type == "Real"]
         self.parameter_layout, self._parameter_references = _group(
@@ -85,7 +87,8 @@ class FmuParticipant:
         self.input_layout, inputs = _group(v for v in reals if v.causality == "input")
         outputs = [v for v in reals if v.causality == "output"]
         self.output_layout, coupled = _group(v for v in outputs if _is_coupled(v.name))
-        self.observation_layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
+        layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
+        self.observation_layout = _with_roles(layout, annotation)
         self.inputs = self.input_layout.start_values()
         self.outputs = self.output_layout.start_values()
         self._observations = self.observation_layout.start_values()
@@ -291,6 +294,17 @@ def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any
     """Value references, their number and the values' memory, ready for a call."""
     array = (c_uint32 * len(references))(*references)
     return array, len(references), values.ctypes.data_as(POINTER(c_double))
+
+
+def _with_roles(layout: Layout, annotation: ElementTree.Element | None) -> Layout:
+    """The observations with the roles that the annotation tells of."""
+    said = [] if annotation is None else annotation.findall(".//Observation")
+    roles = {one.get("name", ""): one.get("role", "") for one in said}
+    return Layout(replace(q, role=roles.get(q.name, "")) for q in layout.quantities)
+
+
+def _said(annotation: ElementTree.Element | None, element: str) -> ElementTree.Element | None:
+    return None if annotation is None else annotation.find(f".//{element}")
 
 
 def _says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:

@@ -6,12 +6,12 @@ stepping allocates nothing on the master's side.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol, TypeVar
 
 import numpy as np
 
-from components import REGISTRY, Component, ComponentError, FanfoldError, Layout
+from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
 
 from ..assembly import Part
 from .coupling_library import Calls
@@ -19,6 +19,7 @@ from .ports import PortPlaces, Width
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+T = TypeVar("T")
 
 
 class ParticipantError(FanfoldError):
@@ -39,8 +40,9 @@ class Participant(Protocol):
 
     `inputs` and `outputs` are arrays in the order of `input_layout` and `output_layout`. `save` remembers
     the present state in the one slot there is; `restore` goes back to it, any number of times.
-    `constant_mobility`: of a body, see `Component`; False where nothing is known. `native`: for a
-    solver in C that makes these calls itself; None where only Python can.
+    `noun`: what people call its kind, empty where that is not known. `constant_mobility`: of a body, see
+    `Component`; False where nothing is known. `native`: for a solver in C that makes these calls itself; None where
+    only Python can.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Participant(Protocol):
     parameter_layout: Layout
     can_restore: bool
     constant_mobility: bool
+    noun: str
 
     @property
     def native(self) -> NativeAccess | None:
@@ -103,50 +106,39 @@ class InProcess:
         self.name = name
         self.component = component
         self.constant_mobility = component.constant_mobility
+        self.noun = component.noun
         self.parameter_layout = component.parameter_layout
         self.input_layout = component.input_layout
         self.output_layout = component.output_layout
         self.observation_layout = component.observation_layout
-        self.inputs = self.input_layout.start_values()
         self.outputs = self.output_layout.start_values()
-        self._parameters = self.parameter_layout.start_values()
-        self._constants: Any = None
-        self._state = np.zeros(0)
-        self._saved = self._state
-        for key, value in (start or {}).items():
-            if key in self.input_layout:
-                self.inputs[self.input_layout[key]] = value
-            else:
-                self.set_parameter(key, value)
-        self._prepare()
+        self._instance = self._trying(lambda: Instance(component, start))
+        self.inputs = self._instance.inputs
+        self._trying(lambda: self._instance.constants)
+        self._saved = self._instance.state
 
-    def _prepare(self) -> None:
+    def _trying(self, act: Callable[[], T]) -> T:
+        """What the component gives; what it refuses, with the name of the participant."""
         try:
-            self._constants = self.component.prepare(self._parameters)
+            return act()
         except ComponentError as error:
             raise ParticipantError(f"{self.name}: {error}") from None
 
     def initialize(self, time: float) -> None:
         """Compute the state from parameters and inputs."""
-        if self._constants is None:
-            self._prepare()
-        try:
-            self._state = self.component.initial(self._constants, self.inputs)
-        except ComponentError as error:
-            raise ParticipantError(f"{self.name}: {error}") from None
+        self._trying(self._instance.initialize)
 
     def write(self) -> None:
         """Inputs are read where they are."""
 
     def do_step(self, time: float, h: float) -> None:
         """Step; a state that is not finite is refused."""
-        if self._constants is None:
-            self._prepare()
+        self._trying(lambda: self._instance.constants)
         try:
-            self._state = self.component.step(self._constants, self._state, self.inputs, h)
+            self._instance.step(h)
         except (ValueError, ArithmeticError) as error:
             raise ParticipantError(f"{self._refusal(time, h)} ({error})") from None
-        if not np.isfinite(self._state.sum()):
+        if not np.isfinite(self._instance.state.sum()):
             raise ParticipantError(self._refusal(time, h))
 
     def _refusal(self, time: float, h: float) -> str:
@@ -154,24 +146,19 @@ class InProcess:
 
     def read(self) -> None:
         """Compute the outputs."""
-        if self._constants is None:
-            self._prepare()
-        state = self._state if self._state.size else self.component.initial(self._constants, self.inputs)
-        self.outputs[:] = self.component.outputs(self._constants, state, self.inputs)
+        self.outputs[:] = self._trying(self._instance.outputs)
 
     def save(self) -> None:
         """States are never changed in place, so a reference is enough."""
-        self._saved = self._state
+        self._saved = self._instance.state
 
     def restore(self) -> None:
         """Return to the saved state."""
-        self._state = self._saved
+        self._instance.state = self._saved
 
     def observe(self) -> Vector:
         """Observations."""
-        if self._constants is None:
-            self._prepare()
-        return self.component.observe(self._constants, self._state, self.inputs)
+        return self._trying(self._instance.observe)
 
     def interface_jacobian(self, places: PortPlaces, width: Width) -> None:
         """Components tell of their steps by differences only."""
@@ -180,8 +167,7 @@ class InProcess:
         """Change a parameter; it acts from the next step on."""
         if name not in self.parameter_layout:
             raise ParticipantError(f"{self.name}: there is no parameter {name!r}")
-        self._parameters[self.parameter_layout[name]] = value
-        self._constants = None
+        self._instance.set(name, value)
 
     def close(self) -> None:
         """Nothing to free."""

@@ -5,38 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from operator import attrgetter
-from typing import Any, Final
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from components.contract.roles import INTERFACE_LOAD, LOAD
 
 from .key_figures import Peak, latch_times, line_latch_torque, peak
 from .result import Result
 from .round_off import noise_floor, without_noise
 
 Vector = NDArray[np.float64]
+T = TypeVar("T")
 
-_ANY = ""
 _LARGE_RATIO = 1e3
 _SAME_END = 1e-9  # of the end: what summing steps leaves
-PEAKS: Final = (
-    ("interface_force", "interface force", _ANY),
-    ("interface_torque", "interface torque", _ANY),
-    ("tension_a", "cable tension a", "tension_a"),
-    ("tension_b", "cable tension b", "tension_a"),
-    ("axial_force", "pulley force", "tension_a"),
-    ("lateral_force", "lateral pulley force", "tension_a"),
-    ("damper_torque", "damper torque", _ANY),
-    ("drive_torque", "drive torque", _ANY),
-    ("contact_force", "contact force", _ANY),
-    ("tension", "suspension tension", _ANY),
-    ("normal_force", "rail force", _ANY),
-    ("drag_force", "drag force", _ANY),
-)
-"""Signals whose peaks are compared, what they are called, and another signal that their component must have.
-
-Vectors are compared component by component. Hinges have an axial force as well, which is none of a pulley.
-"""
 
 
 @dataclass(frozen=True)
@@ -104,14 +88,14 @@ def labels(a: Result, b: Result) -> tuple[str, str]:
     return (a.name, b.name) if a.name != b.name else (f"A {stems[0]}", f"B {stems[1]}")
 
 
-def in_either(first: Sequence[str], second: Sequence[str]) -> list[str]:
+def in_either(first: Sequence[T], second: Sequence[T]) -> list[T]:
     """Names of both, in order, each once."""
     return list(dict.fromkeys((*first, *second)))
 
 
-def recording(result: Result, variable: str, mark: str = _ANY) -> list[str]:
-    """Components that recorded a variable, and another one as well if it is named."""
-    return [name for name in result.recording(variable) if not mark or result.has(name, mark)]
+def loads(a: Result, b: Result) -> list[tuple[str, str]]:
+    """Components and variables of the loads of either result, those of the spacecraft first."""
+    return in_either(*(result.in_role(INTERFACE_LOAD) + result.in_role(LOAD) for result in (a, b)))
 
 
 def _latch_rows(a: Result, b: Result) -> Iterator[Compared]:
@@ -132,14 +116,14 @@ def _torque_rows(a: Result, b: Result) -> Iterator[Compared]:
 
 
 def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
-    for variable, words, mark in PEAKS:
-        for name in in_either(recording(a, variable, mark), recording(b, variable, mark)):
-            known = a if a.has(name, variable) else b
-            columns = known.signal(name, variable).reshape(known.time.size, -1).shape[1]
-            for k in range(columns):
-                of = f"{name} {'xyz'[k]}" if columns == 3 else name
-                peaks = [_peak_of(result, name, variable, k) for result in (a, b)]
-                yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
+    for name, variable in loads(a, b):
+        known = a if a.has(name, variable) else b
+        columns = known.signal(name, variable).reshape(known.time.size, -1).shape[1]
+        for k in range(columns):
+            of = f"{name} {'xyz'[k]}" if columns == 3 else name
+            peaks = [_peak_of(result, name, variable, k) for result in (a, b)]
+            words = variable.replace("_", " ")
+            yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
 
 
 def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:

@@ -6,13 +6,15 @@ across the event.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import degrees, radians
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from components.contract.roles import INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked
@@ -23,6 +25,7 @@ from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH
 
 Vector = NDArray[np.float64]
+T = TypeVar("T")
 
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
@@ -72,7 +75,8 @@ class Headline:
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of kinematic latches (N.m.s); locks
     names those between rigid bodies, whose torque is that of the lock and no load of the wing. interface_*_peaks:
-    magnitude of each component (x, y, z), empty where the base is free. cable_forces: lowest and highest.
+    magnitude of each component (x, y, z), empty where the base is free. torque_peaks: magnitudes, by component and
+    signal. force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
     (largest, over energy_exchanged; None where there is none): see `energy_ledger`. warnings: sentences on what is
     not as the tolerance promises.
@@ -90,8 +94,8 @@ class Headline:
     peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
-    damper_torque_peaks: Mapping[str, float]
-    cable_forces: Mapping[str, Mapping[str, tuple[float, float]]]
+    torque_peaks: Mapping[str, Mapping[str, float]]
+    force_extremes: Mapping[str, Mapping[str, tuple[float, float]]]
     motor_energy: float
     energy_exchanged: float
     numerical_dissipation: float
@@ -155,9 +159,10 @@ class Headline:
             yield Number("interface force peak", axis, force, "N")
         for axis, torque in zip("xyz", self.interface_torque_peaks, strict=False):
             yield Number("interface torque peak", axis, torque, "N.m")
-        for name, torque in self.damper_torque_peaks.items():
-            yield Number("damper torque peak", name, torque, "N.m")
-        for name, forces in self.cable_forces.items():
+        for name, torques in self.torque_peaks.items():
+            for variable, torque in torques.items():
+                yield Number(f"{variable.replace('_', ' ')} peak", name, torque, "N.m")
+        for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
                 words = variable.replace("_", " ")
                 yield Number(f"{words} lowest", name, low, "N")
@@ -194,13 +199,15 @@ def headline(result: Result) -> Headline:
         },
         locks=tuple(line.name for line in result.hinge_lines if line.name in times and line.locks_rigid),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
-        interface_force_peaks=_component_peaks(result, "interface_force"),
-        interface_torque_peaks=_component_peaks(result, "interface_torque"),
-        damper_torque_peaks={
-            name: abs(peak(result, result.signal(name, "damper_torque")).value)
-            for name in result.recording("damper_torque")
-        },
-        cable_forces={name: _force_extremes(result, name) for name in result.recording("tension_a")},
+        interface_force_peaks=_component_peaks(result, "N"),
+        interface_torque_peaks=_component_peaks(result, "N.m"),
+        torque_peaks=_by_component(
+            (name, label, abs(peak(result, torque).value)) for name, label, torque in _loads(result, "N.m")
+        ),
+        force_extremes=_by_component(
+            (name, label, (float(force.min()), float(force.max())))
+            for name, label, force in _loads(result, "N")
+        ),
         motor_energy=released,
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
@@ -229,12 +236,12 @@ def overruns(result: Result) -> dict[str, Overrun]:
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     """Quantity, of, value, unit and estimated error of every headline number as texts.
 
-    Round-off beside the largest of a load's components reads 0; cable forces that are nothing are left out.
+    Round-off beside the largest of a load's components reads 0; forces that are nothing are left out.
     """
     floors = _floors(found)
     absent = {
         (f"{variable.replace('_', ' ')} {extreme}", name)
-        for name, forces in found.cable_forces.items()
+        for name, forces in found.force_extremes.items()
         for variable, (low, high) in forces.items()
         for extreme in ("lowest", "highest")
         if max(abs(low), abs(high)) <= floors[name]
@@ -253,13 +260,13 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
 
 
 def _floors(found: Headline) -> dict[str, float]:
-    """Magnitudes of round-off: of the interface loads by quantity, of cable forces by loop."""
+    """Magnitudes of round-off: of the interface loads by quantity, of forces by component."""
     return {
         "interface force peak": noise_floor(found.interface_force_peaks),
         "interface torque peak": noise_floor(found.interface_torque_peaks),
         **{
             name: noise_floor(force for extremes in forces.values() for force in extremes)
-            for name, forces in found.cable_forces.items()
+            for name, forces in found.force_extremes.items()
         },
     }
 
@@ -358,22 +365,31 @@ def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> It
             yield Peak(float(left + root.real * scale), float(np.polyval(cubic, root.real)))
 
 
-def _component_peaks(result: Result, variable: str) -> tuple[float, ...]:
+def _component_peaks(result: Result, unit: str) -> tuple[float, ...]:
     """Peak magnitudes of the components of an interface load; of the largest, where several bases have it."""
-    loads = [result.signal(name, variable) for name in result.recording(variable)]
+    loads = [result.signal(*of) for of in result.in_role(INTERFACE_LOAD) if result.unit(*of) == unit]
     if not loads:
         return ()
     return tuple(max(abs(peak(result, load[:, axis]).value) for load in loads) for axis in range(3))
 
 
-def _force_extremes(result: Result, name: str) -> dict[str, tuple[float, float]]:
-    """Lowest and highest sample of every force of a cable loop; a strand that goes slack has a kink there."""
-    return {
-        variable: (float(values.min()), float(values.max()))
-        for variable in result.variables(name)
-        if result.unit(name, variable) == "N"
-        for values in (result.signal(name, variable),)
-    }
+def _loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:
+    """Component, signal and values of every load of a unit; the axes of a vector are signals of their own."""
+    for name, variable in result.in_role(LOAD):
+        if result.unit(name, variable) != unit:
+            continue
+        values = result.signal(name, variable)
+        if values.ndim == 1:
+            yield name, variable, values
+        else:
+            yield from ((name, f"{variable}_{axis}", v) for axis, v in zip("xyz", values.T, strict=True))
+
+
+def _by_component(found: Iterable[tuple[str, str, T]]) -> dict[str, dict[str, T]]:
+    nested: dict[str, dict[str, T]] = {}
+    for name, variable, value in found:
+        nested.setdefault(name, {})[variable] = value
+    return nested
 
 
 def _motor_energy(result: Result, until: float) -> float:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
 from ..assembly import Geometry, HingeLine
-from .result import Event, Result, Scalar, Vector
+from .result import Event, Meaning, Result, Scalar, Vector
 
 if TYPE_CHECKING:
     from components import Layout
@@ -26,9 +26,11 @@ class SignalGroup:
     units: tuple[str, ...]
     sizes: tuple[int, ...]
     descriptions: tuple[str, ...]
+    roles: tuple[str, ...] = ()
+    noun: str = ""
 
     @classmethod
-    def of(cls, component: str, layout: Layout) -> Self:
+    def of(cls, component: str, layout: Layout, noun: str = "") -> Self:
         """Every quantity of a layout, in its order."""
         found = layout.quantities
         return cls(
@@ -37,7 +39,16 @@ class SignalGroup:
             tuple(q.unit for q in found),
             tuple(q.size for q in found),
             tuple(q.description for q in found),
+            tuple(q.role for q in found),
+            noun,
         )
+
+    def meanings(self) -> Iterator[tuple[str, int, Meaning]]:
+        """Name, size and meaning of every signal."""
+        roles = self.roles or ("",) * len(self.names)
+        rows = zip(self.names, self.sizes, self.units, self.descriptions, roles, strict=True)
+        for name, size, *meaning in rows:
+            yield name, size, Meaning(*meaning)
 
 
 class NoRecorder:
@@ -90,21 +101,19 @@ class MemoryRecorder:
         count = len(self._times)
         rows = np.concatenate([*self._blocks, np.zeros((0, self._width))])[:count]
         signals: dict[tuple[str, str], Vector] = {}
-        catalogue: dict[str, dict[str, tuple[str, str]]] = {}
+        catalogue: dict[str, dict[str, Meaning]] = {}
         place = 0
         for group in self._groups:
             known = catalogue.setdefault(group.component, {})
-            for name, unit, size, text in zip(
-                group.names, group.units, group.sizes, group.descriptions, strict=True
-            ):
-                known[name] = (unit, text)
+            for name, size, meaning in group.meanings():
+                known[name] = meaning
                 signals[group.component, name] = (
                     rows[:, place] if size == 1 else rows[:, place : place + size]
                 )
                 place += size
         return Result(
             None, np.array(self._times), self._events, self._statistics, self._provenance, self._hinge_lines,
-            self._geometry, self._complete, catalogue, signals,
+            self._geometry, self._complete, catalogue, signals, {g.component: g.noun for g in self._groups},
         )  # fmt: skip
 
     def __enter__(self) -> Self:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import h5py
 import numpy as np
@@ -30,6 +30,18 @@ class ResultError(FanfoldError):
     """A sentence for the user: what is wrong with a result, or what it does not hold."""
 
 
+class Meaning(NamedTuple):
+    """What a signal means: unit in FMI syntax, a sentence, and its role, see `components.contract.roles`."""
+
+    unit: str
+    description: str
+    role: str = ""
+
+    def attributes(self) -> dict[str, str]:
+        """By name, as files have them; no role where there is none."""
+        return {name: text for name, text in self._asdict().items() if text or name != "role"}
+
+
 @dataclass(frozen=True)
 class Result:
     """A result, in a file or in memory (`path` is None); signals of a file are read when asked for. See `open`.
@@ -47,9 +59,10 @@ class Result:
     hinge_lines: tuple[HingeLine, ...]
     geometry: Mapping[str, Geometry]
     complete: bool
-    _catalogue: Mapping[str, Mapping[str, tuple[str, str]]] = field(repr=False)
+    _catalogue: Mapping[str, Mapping[str, Meaning]] = field(repr=False)
     _signals: Mapping[tuple[str, str], Vector] = field(repr=False, default_factory=dict)
     """of a result in memory"""
+    _nouns: Mapping[str, str] = field(repr=False, default_factory=dict)
 
     @classmethod
     def open(cls, path: str | Path) -> Self:
@@ -71,6 +84,7 @@ class Result:
                     {name: _geometry(group) for name, group in file["geometry"].items()},
                     bool(file.attrs["complete"]),
                     {name: _catalogue(group) for name, group in file["signals"].items()},
+                    _nouns={n: str(g.attrs.get("noun", "")) for n, g in file["signals"].items()},
                 )
         except HDF5_ERRORS as error:
             raise ResultError(f"{path}: the result is damaged and cannot be read ({reason(error)})") from None
@@ -105,13 +119,26 @@ class Result:
 
     def unit(self, component: str, variable: str) -> str:
         """Unit of a signal, in FMI syntax."""
-        return self._entry(component, variable)[0]
+        return self._entry(component, variable).unit
 
     def description(self, component: str, variable: str) -> str:
         """What a signal means."""
-        return self._entry(component, variable)[1]
+        return self._entry(component, variable).description
 
-    def _entry(self, component: str, variable: str) -> tuple[str, str]:
+    def role(self, component: str, variable: str) -> str:
+        """What a signal is to those who show results; empty for most."""
+        return self._entry(component, variable).role
+
+    def in_role(self, *roles: str) -> tuple[tuple[str, str], ...]:
+        """Components and variables of all signals in one of the roles, in recorded order."""
+        every = ((name, v, m) for name, found in self._catalogue.items() for v, m in found.items())
+        return tuple((name, variable) for name, variable, meaning in every if meaning.role in roles)
+
+    def noun(self, component: str) -> str:
+        """What people call a component of this kind; its own name where the result does not say."""
+        return self._nouns.get(component) or component
+
+    def _entry(self, component: str, variable: str) -> Meaning:
         known = self.variables(component)
         if variable not in known:
             raise ResultError(
@@ -177,8 +204,11 @@ def _scalar(value: Any) -> Scalar:  # noqa: ANN401
     return found
 
 
-def _catalogue(group: Any) -> dict[str, tuple[str, str]]:  # noqa: ANN401
-    return {name: (str(d.attrs["unit"]), str(d.attrs["description"])) for name, d in group.items()}
+def _catalogue(group: Any) -> dict[str, Meaning]:  # noqa: ANN401
+    return {
+        name: Meaning(str(d.attrs["unit"]), str(d.attrs["description"]), str(d.attrs.get("role", "")))
+        for name, d in group.items()
+    }
 
 
 def _geometry(group: Any) -> Geometry:  # noqa: ANN401

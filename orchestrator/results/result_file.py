@@ -102,10 +102,10 @@ class ResultWriter:
         columns, position = [], 0
         for group in groups:
             folder = signals.create_group(group.component, track_order=True)
-            rows = zip(group.names, group.units, group.sizes, group.descriptions, strict=True)
-            for name, unit, size, description in rows:
+            folder.attrs["noun"] = group.noun
+            for name, size, meaning in group.meanings():
                 where = slice(position, position + size)
-                columns.append(maker.make(folder, name, where, {"unit": unit, "description": description}))
+                columns.append(maker.make(folder, name, where, meaning.attributes()))
                 position += size
         return columns
 
@@ -203,6 +203,8 @@ def save(result: Result, path: str | Path) -> Result:
             tuple(result.unit(name, variable) for variable in found),
             tuple(next(sizes) for _ in found),
             tuple(result.description(name, variable) for variable in found),
+            tuple(result.role(name, variable) for variable in found),
+            result.noun(name),
         )
         for name, found in signals.items()
     ]

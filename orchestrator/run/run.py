@@ -183,7 +183,7 @@ def _follow(
 ) -> Outcome:
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
-    groups = [SignalGroup.of(p.name, p.observation_layout) for p in participants] + [_scene_group()]
+    groups = [SignalGroup.of(p.name, p.observation_layout, p.noun) for p in participants] + [_scene_group()]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     start = perf_counter()
     around = (groups, provenance, assembly.geometry, assembly.hinge_lines)

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from components import REGISTRY, Component, ComponentError, Quantity
+from components import REGISTRY, Component, ComponentError, Instance, Quantity
 from components.contact import Contact
 from components.contract.frames import Vector3, add
 
@@ -97,20 +97,13 @@ def _start_depth(
 ) -> tuple[float, float]:
     """Penetration (m) of a contact at the start, and its reference penetration (m)."""
     structure, start = component_values(connection, "mean")
-    component = REGISTRY[connection.kind](**structure)
-    values = component.parameter_layout.start_values()
-    for name, value in start.items():
-        values[component.parameter_layout[name]] = value
-    inputs = component.input_layout.start_values()
+    contact = Instance(REGISTRY[connection.kind](**structure), start)
     for port, seat in connection.ports.items():
         pose = poses[seat.body]
-        at = pose.place(add(points[seat.body][seat.point], seat.offset))
-        inputs[component.input_layout[f"{port}.position"]] = at
-        inputs[component.input_layout[f"{port}.orientation"]] = pose.orientation
-    constants = component.prepare(values)
-    seen = component.observe(constants, component.initial(constants, inputs), inputs)
-    depth = seen[component.observation_layout["penetration"]][0]
-    return float(depth), float(values[component.parameter_layout["reference_penetration"]][0])
+        contact.set(f"{port}.position", pose.place(add(points[seat.body][seat.point], seat.offset)))
+        contact.set(f"{port}.orientation", pose.orientation)
+    contact.initialize()
+    return float(contact.observed()["penetration"][0]), contact.parameter("reference_penetration")
 
 
 def _parameter_problems(key: str, connection: Connection, component: Component) -> Iterator[str]:

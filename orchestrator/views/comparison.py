@@ -13,10 +13,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from ..results.compare import in_either, labels, recording
+from ..results.compare import in_either, labels
 from ..results.key_figures import latch_times, line_latch_torque
 from ..results.result import Result
-from .plots import OTHER_FORCES, Drawing
+from .plots import Drawing, loads_by_kind, loads_title
 from .style import COLOURS, STYLE, WIDTH
 
 Vector = NDArray[np.float64]
@@ -39,6 +39,9 @@ class Panel(NamedTuple):
     xlabel: str = "time, s"
 
 
+Overlay = tuple[str, Callable[[Both], list[Panel]], int]
+
+
 def plot_comparison(a: Result, b: Result, directory: Path, format: str = "png") -> list[Path]:
     """Write every overlay that the signals allow; the paths written."""
     directory.mkdir(parents=True, exist_ok=True)
@@ -52,13 +55,24 @@ def plot_comparison(a: Result, b: Result, directory: Path, format: str = "png") 
 def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
     """Every overlay that the signals of at least one result allow."""
     with mpl.rc_context(STYLE):
-        for name, (title, panels_of, columns) in _OVERLAYS.items():
+        for name, (title, panels_of, columns) in (_OVERLAYS | _overlays_of_loads(a, b)).items():
             panels = panels_of((a, b))
             if panels:
                 names = labels(a, b)
                 caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
                 curves = tuple(_curve_name(text, result) for text, result in zip(names, (a, b), strict=True))
                 yield Drawing(name, caption, _overlay(title, panels, columns, (curves[0], curves[1])))
+
+
+def _overlays_of_loads(a: Result, b: Result) -> dict[str, Overlay]:
+    """Title, panels and number of columns of the loads of every kind of component."""
+    by_kind = [loads_by_kind(result) for result in (a, b)]
+    found = {}
+    for name in in_either(tuple(by_kind[0]), tuple(by_kind[1])):
+        shown = in_either(*(kinds.get(name, ()) for kinds in by_kind))
+        result = a if shown[0][0] in a.components else b
+        found[name] = (loads_title(result, shown), _loads(shown), 2)
+    return found
 
 
 def _curve_name(name: str, result: Result) -> str:
@@ -132,51 +146,24 @@ def _since(time: Vector, values: Vector, start: float) -> tuple[Vector, Vector]:
     return time[shown] - start, values[shown]
 
 
-def _of_components(*variables: tuple[str, str], mark: str = "") -> Callable[[Both], list[Panel]]:
-    """Panels of scalar signals of every component that records them, and the mark; variables: names with labels."""
+def _loads(found: Sequence[tuple[str, str]]) -> Callable[[Both], list[Panel]]:
+    """Panels of loads, one an axis of a vector."""
 
     def panels(both: Both) -> list[Panel]:
-        found = []
-        for variable, label in variables:
-            for name in in_either(*(recording(result, variable, mark) for result in both)):
-                curves = tuple(_signal(result, name, variable) for result in both)
-                found.append(Panel(f"{name}: {variable.replace('_', ' ')}", label, curves))
-        return found
+        drawn = []
+        for name, variable in found:
+            known = next(result for result in both if result.has(name, variable))
+            size, words = known.signal(name, variable)[:1].size, variable.replace("_", " ")
+            for k in range(size):
+                label = f"{words} {'xyz'[k]}" if size == 3 else words
+                curves = tuple(_signal(result, name, variable, k) for result in both)
+                drawn.append(Panel(f"{name}: {label}", f"{label}, {known.unit(name, variable)}", curves))
+        return drawn
 
     return panels
 
 
-def _interface_loads(both: Both) -> list[Panel]:
-    """Force and torque side by side, component by component."""
-    panels = []
-    for name in in_either(*(result.recording("interface_force") for result in both)):
-        for k, axis in enumerate("xyz"):
-            for kind, unit in (("force", "N"), ("torque", "N.m")):
-                curves = tuple(_signal(result, name, f"interface_{kind}", k) for result in both)
-                panels.append(Panel(f"{name}: {kind} {axis}", f"{kind} {axis}, {unit}", curves))
-    return panels
-
-
-_OVERLAYS: Final[dict[str, tuple[str, Callable[[Both], list[Panel]], int]]] = {
+_OVERLAYS: Final[dict[str, Overlay]] = {
     "angles": ("Deployment angles", _angles, 1),
     "latch_torques": ("Latch torque, sum over the hinges of a line", _latch_torques, 2),
-    "interface_loads": ("Loads at the interface with the spacecraft", _interface_loads, 2),
-    "cable_forces": (
-        "Closed cable loops",
-        _of_components(
-            ("tension_a", "tension, N"),
-            ("tension_b", "tension, N"),
-            ("axial_force", "force, N"),
-            ("lateral_force", "force, N"),
-            mark="tension_a",
-        ),
-        2,
-    ),
-    "damper_torques": ("Damper torque", _of_components(("damper_torque", "damper torque, N.m")), 1),
-    "drive_torques": ("Drive torque", _of_components(("drive_torque", "drive torque, N.m")), 1),
-    "other_forces": (
-        "Contacts, suspensions, rails and air",
-        _of_components(*((variable, "force, N") for variable in OTHER_FORCES)),
-        1,
-    ),
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -12,6 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
+
+from components.contract.roles import DISSIPATION, INTERFACE_LOAD, LOAD
 
 from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
 from ..results.result import Result, ResultError
@@ -23,31 +26,13 @@ Vector = NDArray[np.float64]
 _CLOSE_UP_CROSSINGS = 8
 _SWING = 2
 """Changes of sign before another line latches, from which on that is the end of a close-up."""
-
-OTHER_FORCES: Final = ("contact_force", "tension", "normal_force", "drag_force")
-"""Signals of contacts, suspensions, rails and air drag that share a figure."""
+_ROUNDING = 1e-9  # of the sum of causes
 
 _TOTALS: Final = {
     "stored_energy": "stored",
     "dissipated_energy": "dissipated",
     "numerical_dissipation": "taken by the scheme",
     "supplied_energy": "supplied",
-}
-_CAUSES: Final = {
-    "friction_energy": "hinge friction",
-    "latch_energy": "latches",
-    "damping_energy": "hinge damping",
-}
-_MARKS: Final = {
-    "frame_position": "modal damping",
-    "tension_a": "cable loops",
-    "damper_torque": "dampers",
-    "drive_torque": "drives",
-    "contact_force": "contacts",
-    "normal_force": "rails",
-    "drag_force": "air drag",
-    "released": "hold-downs",
-    "tension": "suspensions",
 }
 
 
@@ -62,23 +47,36 @@ class Drawing(NamedTuple):
 def draw_all(result: Result) -> Iterator[Drawing]:
     """Every figure that the signals of the result allow, in the style of all figures."""
     with mpl.rc_context(STYLE):
-        for name, draw_it in _FIGURES.items():
-            figure = draw_it(result)
+        for name, (caption, draw_it) in _drawers(result).items():
+            figure = draw_it()
             if figure is not None:
                 tell_of_interruption(figure, result)
-                yield Drawing(name, (draw_it.__doc__ or name).strip(), figure)
+                yield Drawing(name, caption, figure)
 
 
 def draw_one(result: Result, name: str) -> Drawing:
     """The figure of a name, without the suffix of its file; ResultError where the result has none such."""
-    if name not in _FIGURES:
-        raise ResultError(f"there is no figure {name!r}; figures are {', '.join(_FIGURES)}")
+    known = _drawers(result)
+    if name not in known:
+        raise ResultError(f"{result.name}: there is no figure {name!r}; figures are {', '.join(known)}")
+    caption, draw_it = known[name]
     with mpl.rc_context(STYLE):
-        figure = _FIGURES[name](result)
+        figure = draw_it()
     if figure is None:
         raise ResultError(f"{result.name}: it has no signals for the figure {name!r}")
     tell_of_interruption(figure, result)
-    return Drawing(name, (_FIGURES[name].__doc__ or name).strip(), figure)
+    return Drawing(name, caption, figure)
+
+
+def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]]]:
+    """Caption and function of every figure by name: those of all results, and the loads of the kinds in this one."""
+    known: dict[str, tuple[str, Callable[[], Figure | None]]] = {
+        name: ((draw_it.__doc__ or name).strip(), partial(draw_it, result))
+        for name, draw_it in _FIGURES.items()
+    }
+    for name, found in loads_by_kind(result).items():
+        known[name] = (f"{loads_title(result, found)}.", partial(loads, result, found))
+    return known
 
 
 def plot_all(result: Result, directory: str | Path, format: str = "png") -> list[Path]:
@@ -158,71 +156,40 @@ def _mark(axes: Axes, top: Peak, label: str | None = None) -> None:
     axes.plot(top.time, top.value, "ko", markerfacecolor="none", label=label, clip_on=False)
 
 
-def cable_forces(result: Result) -> Figure | None:
-    """Strand tensions and pulley forces of every closed cable loop."""
-    names = result.recording("tension_a")
-    if not names:
-        return None
-    figure, axes = new_figure("Closed cable loops", [1.0, 1.0])
-    kinds = {"tension, N": ("tension_a", "tension_b"), "pulley force, N": ("axial_force", "lateral_force")}
-    for panel, (label, variables) in zip(axes, kinds.items(), strict=True):
-        draw(panel, result.time, _curves(result, names, variables))
-        finish(panel, result, label)
+def loads(result: Result, found: Sequence[tuple[str, str]]) -> Figure:
+    """Loads of one kind of component, one panel a unit."""
+    names = {name for name, _ in found}
+    units = dict.fromkeys(result.unit(*of) for of in found)
+    figure, axes = new_figure(loads_title(result, found), [1.0] * len(units))
+    for panel, unit in zip(axes, units, strict=True):
+        shown = [of for of in found if result.unit(*of) == unit]
+        draw(panel, result.time, [curve for of in shown for curve in _curves_of(result, *of, len(names) > 1)])
+        finish(panel, result, f"{'torque' if unit == 'N.m' else 'force'}, {unit}")
     return figure
 
 
-def damper_torques(result: Result) -> Figure | None:
-    """Torque of every damper."""
-    names = result.recording("damper_torque")
-    if not names:
-        return None
-    figure, (axes,) = new_figure("Damper torque", [1.0])
-    draw(axes, result.time, [(name, result.signal(name, "damper_torque")) for name in names])
-    finish(axes, result, "damper torque, N.m")
-    return figure
+def loads_by_kind(result: Result) -> dict[str, list[tuple[str, str]]]:
+    """Components and variables of all loads, by the name of their figure."""
+    found: dict[str, list[tuple[str, str]]] = {}
+    for name, variable in result.in_role(INTERFACE_LOAD, LOAD):
+        kind = result.noun(name).replace(" ", "_").replace("-", "_")
+        found.setdefault(f"{kind}_loads", []).append((name, variable))
+    return found
 
 
-def drive_torques(result: Result) -> Figure | None:
-    """Torque of every drive."""
-    names = result.recording("drive_torque")
-    if not names:
-        return None
-    figure, (axes,) = new_figure("Drive torque", [1.0])
-    draw(axes, result.time, [(name, result.signal(name, "drive_torque")) for name in names])
-    finish(axes, result, "drive torque, N.m")
-    return figure
+def loads_title(result: Result, found: Sequence[tuple[str, str]]) -> str:
+    """Title of the loads of one kind of component."""
+    return f"Loads: {result.noun(found[0][0])}"
 
 
-def other_forces(result: Result) -> Figure | None:
-    """Forces of contacts, suspensions, rails and air."""
-    found = [(name, v) for v in OTHER_FORCES for name in result.recording(v)]
-    if not found:
-        return None
-    figure, (axes,) = new_figure("Contacts, suspensions, rails and air", [1.0])
-    curves = [(f"{name} {v.replace('_', ' ')}", result.signal(name, v)) for name, v in found]
-    draw(axes, result.time, curves)
-    finish(axes, result, "force, N")
-    return figure
-
-
-def interface_loads(result: Result) -> Figure | None:
-    """Force and torque on the base, component by component."""
-    names = result.recording("interface_force")
-    if not names:
-        return None
-    figure, axes = new_figure("Loads at the interface with the spacecraft", [1.0, 1.0])
-    for panel, variable, unit in zip(
-        axes, ("interface_force", "interface_torque"), ("N", "N.m"), strict=True
-    ):
-        kind = variable.split("_")[1]
-        curves = [
-            (f"{name} {kind} {axis}" if len(names) > 1 else f"{kind} {axis}", load)
-            for name in names
-            for axis, load in zip("xyz", result.signal(name, variable).T, strict=True)
-        ]
-        draw(panel, result.time, curves)
-        finish(panel, result, f"interface {kind}, {unit}")
-    return figure
+def _curves_of(result: Result, name: str, variable: str, with_name: bool) -> Iterator[tuple[str, Vector]]:
+    """Labelled curves of a signal, one an axis of a vector."""
+    values, words = result.signal(name, variable), variable.replace("_", " ")
+    label = f"{name} {words}" if with_name else words
+    if values.ndim == 1:
+        yield label, values
+    else:
+        yield from ((f"{label} {axis}", v) for axis, v in zip("xyz", values.T, strict=True))
 
 
 def energy_balance(result: Result) -> Figure | None:
@@ -267,25 +234,10 @@ def steps(result: Result) -> Figure | None:
 _FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
     "deployment_angles": deployment_angles,
     "latch_torques": latch_torques,
-    "cable_forces": cable_forces,
-    "damper_torques": damper_torques,
-    "drive_torques": drive_torques,
-    "other_forces": other_forces,
-    "interface_loads": interface_loads,
     "energy_balance": energy_balance,
     "steps": steps,
     "shapes": shapes,
 }
-
-
-def _curves(result: Result, names: Sequence[str], variables: Sequence[str]) -> list[tuple[str, Vector]]:
-    """Labelled signals of components, those that were recorded."""
-    return [
-        (f"{name} {variable.replace('_', ' ')}", result.signal(name, variable))
-        for name in names
-        for variable in variables
-        if result.has(name, variable)
-    ]
 
 
 def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:
@@ -304,19 +256,24 @@ def _crossings(time: Vector, torque: Vector, start: float) -> Vector:
 def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
     """Dissipated energy by cause since the start, and what the scheme itself took.
 
-    Components that tell no causes count by what they are; a static search before the run counts for nothing.
+    What a component tells no cause of counts by what it is; a static search before the run counts for nothing.
     """
+    causes: dict[str, list[str]] = {}
+    for name, variable in result.in_role(DISSIPATION):
+        causes.setdefault(name, []).append(variable)
     found: dict[str, Vector] = {}
     for name in result.recording("dissipated_energy"):
         if name == "scene":
             continue
-        causes = [(c, text) for c, text in _CAUSES.items() if result.has(name, c)]
-        if not causes:
-            what = next((text for mark, text in _MARKS.items() if result.has(name, mark)), "other")
-            causes = [("dissipated_energy", what)]
-        for variable, cause in causes:
+        total, kind = result.signal(name, "dissipated_energy"), result.noun(name)
+        for variable in causes.get(name, ()):
             energy = result.signal(name, variable)
+            cause = f"{kind} {variable.removesuffix('_energy')}"
             found[cause] = found.get(cause, 0.0) + energy - energy[0]
+            total = total - energy
+        rest = total - total[0]
+        if name not in causes or np.abs(rest).max() > _ROUNDING * np.abs(total).max(initial=1.0):
+            found[kind] = found.get(kind, 0.0) + rest
     if result.has("scene", "numerical_dissipation"):
         found["the scheme"] = result.signal("scene", "numerical_dissipation")
     return list(found.items())

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from components.contract import roles
 from orchestrator.assembly import Geometry, HingeLine
 from orchestrator.results.recorder import SignalGroup
 from orchestrator.results.result_file import ResultWriter
@@ -102,6 +103,14 @@ HINGE_LINES = tuple(
     for line in LINES
 )
 GAP = 0.06
+LOADS = ("tension_a", "tension_b", "axial_force", "lateral_force", "damper_torque")
+ROLES = {
+    **dict.fromkeys(LOADS, roles.LOAD),
+    **dict.fromkeys(("interface_force", "interface_torque"), roles.INTERFACE_LOAD),
+    **dict.fromkeys(("friction_energy", "latch_energy", "damping_energy"), roles.DISSIPATION),
+}
+NOUNS = {"ccl": "closed cable loop", "base": "interface", "hl": "hinge", "yoke": "body", "panel": "body"}
+
 LENGTHS = {"yoke": 1.0, "panel1": 2.0, "panel2": 2.0}
 WIDTHS = {"yoke": 0.4, "panel1": 1.5, "panel2": 1.5}
 
@@ -243,6 +252,8 @@ def write(path: Path, *, leave_out: tuple[str, ...] = ()) -> Path:
             tuple(s.unit for s in variables.values()),
             tuple(s.values[0].size for s in variables.values()),
             tuple(variable.replace("_", " ") for variable in variables),
+            tuple(ROLES.get(variable, "") for variable in variables),
+            NOUNS.get(name.partition("_")[0].rstrip("123"), name),
         )
         for name, variables in found.items()
     ]

@@ -58,7 +58,7 @@ def test_latch_torques_compare_as_in_the_thesis():
 
 def test_cable_forces_are_close():
     """Section 4.2.3: equal in both models."""
-    rigid, flexible = (RUNS("amos3", rigid=r, tolerance=TREND).headline.cable_forces for r in (RIGID, ()))
+    rigid, flexible = (RUNS("amos3", rigid=r, tolerance=TREND).headline.force_extremes for r in (RIGID, ()))
     for loop, forces in rigid.items():
         for variable in ("tension_a", "tension_b"):
             assert flexible[loop][variable][1] == pytest.approx(forces[variable][1], rel=0.05)

@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from inspect import signature
-from typing import Any
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, left_product, rotation_matrix
+from components import REGISTRY, ComponentError, Instance, left_product, rotation_matrix
 from components.contract.component import Vector
 from components.contract.frames import exponential, skew
+from components.contract.instance import Value
+from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
 
 from ...assembly import Part
 from ...scene.table import SceneError
 
-_MOTION = 13
 _STEP = 1e-5
 """m, rad, m/s and rad/s; central differences, whose errors of truncation and of round-off are then both 1e-11."""
 _RIGID_MOTION = (0.31, -0.42, 0.27, 0.3, 0.5, -0.2)
@@ -55,71 +55,71 @@ class Connection:
         self.name, self.kind = part.name, part.kind
         self.component = REGISTRY[resting.kind](**resting.structure)
         self.ports = tuple(port.name for port in self.component.ports)
-        self._parameters = self.component.parameter_layout.start_values()
-        for name, value in resting.start.items():
-            if name in self.component.parameter_layout:
-                self._parameters[self.component.parameter_layout[name]] = value
-        self._inputs = self.component.input_layout.start_values()
+        start = {k: v for k, v in resting.start.items() if k in self.component.parameter_layout}
+        self._instance = Instance(self.component, start)
         self.put(np.array([motions[port] for port in self.ports]))
-        self._constants: Any = self._prepared()
         try:
-            self.state = self.component.initial(self._constants, self._inputs)
-        except ComponentError as error:
-            raise SceneError([f"{self.name}: {error}"]) from None
-
-    def _prepared(self) -> Any:  # noqa: ANN401 - opaque to everybody but the component
-        try:
-            return self.component.prepare(self._parameters)
+            self._instance.initialize()
         except ComponentError as error:
             raise SceneError([f"{self.name}: {error}"]) from None
 
     def put(self, motions: Vector) -> None:
         """Move the ports."""
-        self._inputs[: _MOTION * len(self.ports)] = motions.ravel()
+        self._instance.inputs[: MOTION_SIZE * len(self.ports)] = motions.ravel()
 
     def follow(self) -> None:
         """Remember the present pose, from which angles are counted on."""
-        self.state = self.component.update(self._constants, self.state, self._inputs, False)
+        self._instance.update(False)
 
     def memory(self) -> tuple[Vector, Vector]:
         """State and parameters, which `remember` brings back."""
-        return self.state.copy(), self._parameters.copy()
+        return self._instance.state.copy(), self._instance.parameters.copy()
 
     def remember(self, state: Vector, parameters: Vector) -> None:
         """Bring a state and its parameters back; the ports stay where they are."""
-        self.state, self._parameters = state.copy(), parameters.copy()
-        self._constants = self._prepared()
+        self._instance.state = state.copy()
+        self._instance.set_parameters(parameters)
 
     def command(self, name: str, value: float) -> None:
         """Give a command where the component has it."""
         if name in self.component.input_layout:
-            self._inputs[self.component.input_layout[name]] = value
-            self.state = self.component.update(self._constants, self.state, self._inputs, True)
+            self._instance.set(name, value)
+            self._instance.update(True)
+
+    @property
+    def state(self) -> Vector:
+        """The state, as the component lays it out."""
+        return self._instance.state
+
+    @state.setter
+    def state(self, state: Vector) -> None:
+        self._instance.state = state
 
     def parameter(self, name: str) -> float:
         """Value of a scalar parameter."""
-        return float(self._parameters[self.component.parameter_layout[name]][0])
+        return self._instance.parameter(name)
 
-    def set_parameter(self, name: str, value: float) -> None:
-        """Change a parameter."""
-        self._parameters[self.component.parameter_layout[name]] = value
-        self._constants = self._prepared()
+    def set_parameter(self, name: str, value: Value) -> None:
+        """Change a parameter; SceneError where it does not fit the others."""
+        self._instance.set(name, value)
+        try:
+            self._instance.constants  # noqa: B018 - checks them
+        except ComponentError as error:
+            raise SceneError([f"{self.name}: {error}"]) from None
 
     def observe(self) -> dict[str, float]:
         """Scalars of the observations by name, in the present pose."""
         names = self.component.observation_layout.scalar_names()
-        values = self.component.observe(self._constants, self.state, self._inputs)
-        return dict(zip(names, values.tolist(), strict=True))
+        return dict(zip(names, self._instance.observe().tolist(), strict=True))
 
     @property
     def motions(self) -> Vector:
         """Motions (ports, 13) as they are put."""
-        return self._inputs[: _MOTION * len(self.ports)].reshape(-1, _MOTION).copy()
+        return self._instance.inputs[: MOTION_SIZE * len(self.ports)].reshape(-1, MOTION_SIZE).copy()
 
     def wrenches(self) -> Vector:
         """Wrenches (ports, 6) in the present pose."""
-        values = self.component.outputs(self._constants, self.state, self._inputs)
-        result: Vector = values[: 6 * len(self.ports)].reshape(-1, 6)
+        result: Vector = self._instance.outputs()[: WRENCH_SIZE * len(self.ports)].reshape(-1, WRENCH_SIZE)
         return result
 
     def _wrenches_at(self, motions: Vector) -> Vector:

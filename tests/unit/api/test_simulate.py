@@ -87,8 +87,8 @@ def test_wrong_signals_are_told(result):
         result.latch_torque("HL9")
     with pytest.raises(ResultError, match="there is no figure 'torques'; figures are deployment_angles"):
         result.plot("torques")
-    with pytest.raises(ResultError, match="no signals for the figure 'cable_forces'"):
-        result.plot("cable_forces")
+    with pytest.raises(ResultError, match="there is no figure 'damper_loads'"):
+        result.plot("damper_loads")
 
 
 def test_an_instant_is_read_before_or_after_what_happens_there(latched):

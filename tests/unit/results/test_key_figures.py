@@ -47,15 +47,15 @@ def test_largest_sample_alone_would_be_worse_by_orders(result, found):
 def test_peak_at_a_discontinuity_is_the_sample_there(found):
     line = reference.LINES[0]
     expected = reference.DAMPER_COEFFICIENT * line.latch_rate
-    assert found.damper_torque_peaks == {"damper": pytest.approx(expected, rel=1e-12)}
+    assert found.torque_peaks == {"damper": {"damper_torque": pytest.approx(expected, rel=1e-12)}}
 
 
 def test_cable_force_extremes(found):
     """Samples, not interpolants: a strand has a kink where it goes slack. The extremes lie within the sampling."""
-    low, high = found.cable_forces["ccl"]["tension_a"]
+    low, high = found.force_extremes["ccl"]["tension_a"]
     assert 30.0 <= low == pytest.approx(30.0, rel=1e-3)
     assert 70.0 >= high == pytest.approx(70.0, rel=1e-3)
-    assert set(found.cable_forces["ccl"]) == {"tension_a", "tension_b", "axial_force", "lateral_force"}
+    assert set(found.force_extremes["ccl"]) == {"tension_a", "tension_b", "axial_force", "lateral_force"}
 
 
 def test_interface_loads_component_by_component(found):
@@ -102,7 +102,7 @@ def test_table_shows_every_number(found):
 def test_round_off_reads_zero_and_absent_forces_are_left_out(found):
     """1e-9 N beside 200 N, minus zero, and the lateral force of a free loop."""
     forces = {"tension_a": (-0.0, 40.0), "lateral_force": (-0.0, -1e-12)}
-    noisy = replace(found, interface_force_peaks=(200.0, 1.2e-9, 0.03), cable_forces={"loop": forces})
+    noisy = replace(found, interface_force_peaks=(200.0, 1.2e-9, 0.03), force_extremes={"loop": forces})
     shown = {(quantity, of): value for quantity, of, value, *_ in headline_rows(noisy)}
     assert [shown["interface force peak", axis] for axis in "xyz"] == ["200", "0", "0.03"]
     assert shown["tension a lowest", "loop"] == "0"
@@ -122,7 +122,7 @@ def test_scene_without_anything_to_judge_gives_an_empty_headline(tmp_path):
     path = reference.write(tmp_path / "run.h5", leave_out=everything[:-1])
     found = headline(Result.open(path))
     assert found.interface_force_peaks == ()
-    assert found.damper_torque_peaks == {}
+    assert found.torque_peaks == {}
     assert found.energy_residual is None
 
 

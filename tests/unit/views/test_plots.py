@@ -11,7 +11,9 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
-from orchestrator.results.result import Result
+from components.contract.roles import LOAD
+from orchestrator.results.key_figures import headline
+from orchestrator.results.result import Meaning, Result
 from orchestrator.views import plots, space
 from orchestrator.views import shapes as plot_shapes
 from orchestrator.views.depth import back_to_front
@@ -20,8 +22,8 @@ from tests.references import synthetic_result as reference
 EVERY_FIGURE = {
     "deployment_angles",
     "latch_torques",
-    "cable_forces",
-    "damper_torques",
+    "closed_cable_loop_loads",
+    "damper_loads",
     "interface_loads",
     "energy_balance",
     "steps",
@@ -76,10 +78,42 @@ def test_events_are_marked_with_the_name_of_the_line(result):
 
 def test_axes_carry_units(result):
     assert plots.deployment_angles(result).axes[0].get_ylabel() == "hinge angle, deg"
-    for draw in (plots.damper_torques, plots.interface_loads, plots.cable_forces, plots.steps):
-        for axes in draw(result).axes:
+    for name in ("damper_loads", "interface_loads", "closed_cable_loop_loads", "steps"):
+        for axes in plots.draw_one(result, name).figure.axes:
             assert axes.get_xlabel() == "time, s"
             assert axes.get_ylabel()
+
+
+def test_loads_of_a_kind_nobody_thought_of_are_drawn(result):
+    """Roles alone decide: a signal in the role of a load has its figure, by the noun of its component."""
+    loads = plots.loads_by_kind(result)
+    assert loads["damper_loads"] == [("damper", "damper_torque")]
+    catalogue = {**result._catalogue, "strut": {"thrust": Meaning("N", "Thrust of the strut", LOAD)}}
+    signals = {(n, v): result.signal(n, v) for n in result.components for v in result.variables(n)}
+    signals["strut", "thrust"] = np.sin(result.time)
+    strange = replace(
+        result, path=None, _catalogue=catalogue, _signals=signals, _nouns={"strut": "gas strut"}
+    )
+    (line,) = plots.draw_one(strange, "gas_strut_loads").figure.axes[0].lines[:1]
+    np.testing.assert_array_equal(line.get_ydata(), np.sin(result.time))
+    assert headline(strange).force_extremes["strut"]["thrust"] == pytest.approx((-1.0, 1.0), abs=1e-4)
+
+
+def test_all_that_is_dissipated_has_a_cause(result):
+    """Sum over causes against the total of all components, without what the scheme took."""
+    causes = dict(plots._dissipated_by_cause(result))
+    scheme = causes.pop("the scheme")
+    total = result.signal("scene", "dissipated_energy")
+    np.testing.assert_allclose(sum(causes.values()), total - total[0], atol=1e-12)
+    assert set(causes) == {
+        "hinge friction",
+        "hinge latch",
+        "hinge damping",
+        "body",
+        "closed cable loop",
+        "damper",
+    }
+    assert scheme.any()
 
 
 def test_instants_run_from_folded_over_the_last_latch_up_to_the_end(result):
