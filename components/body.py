@@ -29,8 +29,8 @@ from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
 from .body_parts.load import Load
 from .body_parts.ports import BodyPorts
-from .body_parts.variables import continuous_states, observations, parameters
-from .contract.component import Component, ComponentError, Port, Vector
+from .body_parts.variables import observations, parameters, states
+from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
 from .contract.frames import (
     Quaternion,
     exponential,
@@ -44,15 +44,11 @@ from .contract.frames import (
 from .flexible.modal import ModalData
 from .numerics.oscillators import Propagator, propagator
 
-_R, _Q, _P, _L, _W, _D, _ETA = (
-    slice(0, 3),
-    slice(3, 7),
-    slice(7, 10),
-    slice(10, 13),
-    slice(13, 16),
-    16,
-    17,
+_AT = Layout(states(np.zeros(0), 0))
+_R, _Q, _P, _L, _W, _D = (
+    _AT[name] for name in ("position", "orientation", "momentum", "spin", "angular_velocity", "heat")
 )
+_ETA = _AT.size
 _MAX_ITERATIONS = 12
 _ANGLE_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
@@ -108,6 +104,7 @@ class Body(Component):
     """
 
     kind = "body"
+    ports_vary = True
 
     def __init__(
         self,
@@ -125,15 +122,16 @@ class Body(Component):
             ports=[Port(p["name"], "body", 4) for p in ports],
             parameters=parameters(),
             observations=observations(self.modes),
+            states=states(data.frequency, len(ports)),
         )
-        self.continuous = continuous_states(data.frequency)
+        self.continuous = ContinuousStates.of(self.state_layout)
         # deformation moves the arms of forces and the inertia: a slender body that bends by a tenth of its length
         # turns about its axis a thousand times harder than straight
         self.constant_mobility = self.modes == 0
         self._placed = BodyPorts(data, ports)
         self.arms = self._placed.arms
         self.translation, self.rotation = self._placed.translation, self._placed.rotation
-        self._moments = slice(_ETA + 2 * self.modes, _ETA + 2 * self.modes + 6 * len(ports))
+        self._moments = self.state_layout["moments"]
 
     @staticmethod
     def _check(data: ModalData) -> None:
@@ -373,16 +371,9 @@ class Body(Component):
         rate = self._inertia.modal_rate(x[_W], eta, pi)
         kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
-        z = np.empty(self.observation_layout.size)
-        z[0:3] = x[_R] - a @ self.data.center_of_mass
-        z[3:7] = x[_Q]
-        z[7:10] = x[_P]
-        z[10:13] = x[_L] + np.cross(x[_R], x[_P])
-        z[13] = kinetic
-        z[14] = strain - self.data.mass * float(c.gravity @ x[_R])
-        z[15] = x[_D]
-        z[16:] = eta
-        return z
+        energies = np.array((kinetic, strain - self.data.mass * float(c.gravity @ x[_R])))
+        position, spin = x[_R] - a @ self.data.center_of_mass, x[_L] + np.cross(x[_R], x[_P])
+        return np.concatenate((position, x[_Q], x[_P], spin, energies, x[_D], eta))
 
     def complete(self, c: _Constants, x: Vector) -> Vector:
         """The state with a quaternion of unit length and the angular velocity that belongs to its momenta."""

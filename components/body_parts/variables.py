@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+from dataclasses import replace
 
-from ..contract.component import ContinuousStates, Quantity, Vector
+from ..contract.component import Quantity, Vector
+from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, QUASI_STATIC
 
 
 def parameters() -> list[Quantity]:
@@ -38,14 +39,7 @@ def parameters() -> list[Quantity]:
             minimum=0.0,
             variability="tunable",
         ),
-        Quantity(
-            "quasi_static",
-            "1",
-            "1: steps seek static equilibrium instead of following time",
-            minimum=0.0,
-            maximum=1.0,
-            variability="tunable",
-        ),
+        QUASI_STATIC,
     ]
 
 
@@ -56,29 +50,40 @@ def observations(modes: int) -> list[Quantity]:
         Quantity("frame_orientation", "1", "Quaternion of the body", 4, (1.0, 0.0, 0.0, 0.0)),
         Quantity("linear_momentum", "N.s", "Linear momentum, world axes", 3),
         Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin", 3),
-        Quantity("kinetic_energy", "J", "Kinetic energy"),
-        Quantity("potential_energy", "J", "Strain energy and energy in gravity"),
-        Quantity("dissipated_energy", "J", "Energy dissipated by modal damping since the start"),
+        KINETIC_ENERGY,
+        POTENTIAL_ENERGY.saying("Strain energy and energy in gravity"),
+        DISSIPATED_ENERGY.saying("Energy dissipated by modal damping since the start"),
     ]
     if modes:
-        found.append(Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes))
+        coordinates = Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes)
+        found.append(replace(coordinates, resized=True))
     return found
 
 
-def continuous_states(frequency: Vector) -> ContinuousStates:
-    """All states but the angular velocity, which follows from the momenta; modes of a joule each are typical."""
-    modes = frequency.size
-    states: list[tuple[Quantity, str, ArrayLike]] = [
-        (Quantity("position", "m", "Position of the centre of mass, world axes", 3), "m/s", 1.0),
-        (Quantity("orientation", "1", "Quaternion of the body as integrated", 4), "1/s", 1.0),
-        (Quantity("momentum", "N.s", "Linear momentum, world axes", 3), "N", 1.0),
-        (Quantity("spin", "N.m.s", "Angular momentum about the centre of mass, world axes", 3), "N.m", 1.0),
-        (Quantity("heat", "J", "Energy dissipated by modal damping"), "W", 1.0),
+def states(frequency: Vector, ports: int) -> list[Quantity]:
+    """The state of a body whose modes have these frequencies (rad/s); modes of a joule each are typical.
+
+    All is continuous but the angular velocity, which follows from the momenta, and the moments of the last step.
+    """
+    found = [
+        _state("position", "m", "Position of the centre of mass, world axes", 3, "m/s"),
+        _state("orientation", "1", "Quaternion of the body as integrated", 4, "1/s"),
+        _state("momentum", "N.s", "Linear momentum, world axes", 3, "N"),
+        _state("spin", "N.m.s", "Angular momentum about the centre of mass, world axes", 3, "N.m"),
+        _state("angular_velocity", "rad/s", "Angular velocity, body axes", 3, ""),
+        replace(_state("heat", "J", "Energy dissipated by modal damping", 1, "W"), quadrature=True),
+        _of_modes("modal_amplitude", "kg(1/2).m", "Modal coordinates", "kg(1/2).m/s", tuple(1.0 / frequency)),
+        _of_modes("modal_momentum", "kg(1/2).m/s", "Modal momenta", "kg(1/2).m/s2", (1.0,) * frequency.size),
+        replace(
+            _state("moments", "m", "First moments of the ports' motion (m, rad)", 6 * ports, ""), resized=True
+        ),
     ]
-    if modes:
-        amplitude = Quantity("modal_amplitude", "kg(1/2).m", "Modal coordinates", modes)
-        momentum = Quantity("modal_momentum", "kg(1/2).m/s", "Modal momenta", modes)
-        states += [(amplitude, "kg(1/2).m/s", 1.0 / frequency), (momentum, "kg(1/2).m/s2", 1.0)]
-    quantities, units, nominal = zip(*states, strict=True)
-    places = (*range(13), 16, *range(17, 17 + 2 * modes))
-    return ContinuousStates(quantities, units, nominal, places, quadratures=("heat",))
+    return [q for q in found if q.size]
+
+
+def _state(name: str, unit: str, text: str, size: int, rate_unit: str) -> Quantity:
+    return Quantity(name, unit, text, size, rate_unit=rate_unit)
+
+
+def _of_modes(name: str, unit: str, text: str, rate_unit: str, nominal: tuple[float, ...]) -> Quantity:
+    return replace(_state(name, unit, text, len(nominal), rate_unit), nominal=nominal, resized=True)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from hashlib import sha256
+from itertools import takewhile
 from pathlib import Path
 from textwrap import fill
 
@@ -55,12 +56,12 @@ def layout_header(component: Component) -> str:
         kind=component.kind,
         guard=kernel_name(component).upper(),
         digest=layout_digest(component),
-        declarations=_declarations(component),
+        declarations="\n".join((_declarations(component), *_resized(component), "")),
     )
 
 
 def _declarations(component: Component) -> str:
-    """Sizes and positions that are the same for every structure of a kind, as C."""
+    """Sizes and positions that are the same for every structure of a kind, as C; resized quantities are left out."""
     before_inputs, before_outputs = (0, 0) if component.ports_vary else _port_sizes(component)
     groups = (
         ("P", "PARAMETERS", 0, component.parameter_layout.quantities),
@@ -90,13 +91,22 @@ def _port_sizes(component: Component) -> tuple[int, int]:
 
 
 def _places(prefix: str, end: str, position: int, quantities: Iterable[Quantity]) -> Iterator[str]:
-    """Enumerators of a group; none behind a quantity whose size follows from the structure."""
-    for quantity in quantities:
+    """Enumerators of a group, without what the structure resizes, which comes behind all else."""
+    for quantity in takewhile(lambda q: not q.resized, quantities):
         yield f"{prefix}_{_name(quantity)}={position}"
-        if quantity.resized:
-            return
         position += quantity.size
     yield f"{end}={position}"
+
+
+def _resized(component: Component) -> Iterator[str]:
+    """Where the first resized quantity of a group lies."""
+    for prefix, end, layout in (
+        ("X", "STATES", component.state_layout),
+        ("Z", "OBSERVATIONS", component.observation_layout),
+    ):
+        first = next((q for q in layout.quantities if q.resized), None)
+        if first is not None:
+            yield f"#define {prefix}_{_name(first)} {end}"
 
 
 def _name(quantity: Quantity) -> str:

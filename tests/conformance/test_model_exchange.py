@@ -179,6 +179,6 @@ def test_damaged_resources_give_a_sentence(subject, host, tmp_path):
 
 def test_an_fmu_of_mean_wrenches_cannot_be_instantiated(host, tmp_path):
     component = Hinge()
-    resources, token = unpacked(build_fmu(component, "hinge"), tmp_path)
+    resources, token = unpacked(build_fmu(component, "hinge", tmp_path), tmp_path)
     component.continuous = SUBJECTS["hinge"]().continuous
     assert told(host, 1, component, token, resources) == (0, 1)

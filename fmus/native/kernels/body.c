@@ -1,7 +1,4 @@
-/* Rigid and modal bodies: the equations of components/body.py, where the theory is told.
-
-   State: position of the centre of mass, quaternion, linear and angular momentum (world axes), angular
-   velocity (body axes), dissipated energy, modal coordinates, modal momenta. */
+/* Rigid and modal bodies: the equations of components/body.py, where the theory is told. */
 
 #include "body_step.h"
 #include "body_ports.h"
@@ -17,16 +14,16 @@ void body_outputs_complex(void *self, const double complex *x, const double comp
 
 static int prepare(void *self, const double *p, Reason *why) {
     Body *body = self;
-    const double *q = p + body->at_orientation;
-    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), scale = p[body->at_damping];
+    const double *q = p + P_INITIAL_ORIENTATION;
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]), scale = p[P_DAMPING_SCALE];
     if (!(fabs(length - 1.0) <= 1e-6))
         return refuse(why, "initial_orientation has length %g; a quaternion must have length 1", length);
-    memcpy(body->start_position, p + body->at_position, sizeof body->start_position);
+    memcpy(body->start_position, p + P_INITIAL_POSITION, sizeof body->start_position);
     memcpy(body->start_orientation, q, sizeof body->start_orientation);
-    memcpy(body->start_velocity, p + body->at_velocity, sizeof body->start_velocity);
-    memcpy(body->start_angular_velocity, p + body->at_angular_velocity, sizeof body->start_angular_velocity);
-    memcpy(body->gravity, p + body->at_gravity, sizeof body->gravity);
-    body->quasi_static = p[body->at_static] >= 0.5;
+    memcpy(body->start_velocity, p + P_INITIAL_VELOCITY, sizeof body->start_velocity);
+    memcpy(body->start_angular_velocity, p + P_INITIAL_ANGULAR_VELOCITY, sizeof body->start_angular_velocity);
+    memcpy(body->gravity, p + P_GRAVITY, sizeof body->gravity);
+    body->quasi_static = p[P_QUASI_STATIC] >= 0.5;
     if (scale == body->damping_scale) return 1;
     body->damping_scale = scale;
     for (size_t j = 0; j < body->modes; j++) body->oscillators.damping_ratio[j] = body->damping_ratio[j] * scale;
@@ -44,13 +41,13 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     Quaternion q = quaternion_normalized(quaternion_of(body->start_orientation));
     rotation_matrix(q, a);
     Vector3 omega = transposed_times(a, vector_of(body->start_angular_velocity));
-    memset(x, 0, (MODES + 2 * body->modes + WRENCH * body->ports) * sizeof(double));
+    memset(x, 0, (X_MODAL_AMPLITUDE + 2 * body->modes + WRENCH_SIZE * body->ports) * sizeof(double));
     vector_store(vector_add(vector_of(body->start_position), matrix_times(a, vector_of(body->center_of_mass))),
-                 x + POSITION);
-    quaternion_store(q, x + ORIENTATION);
-    vector_store(vector_scaled(body->mass, vector_of(body->start_velocity)), x + MOMENTUM);
-    vector_store(omega, x + OMEGA);
-    vector_store(matrix_times(a, matrix_times(inertia, omega)), x + SPIN);
+                 x + X_POSITION);
+    quaternion_store(q, x + X_ORIENTATION);
+    vector_store(vector_scaled(body->mass, vector_of(body->start_velocity)), x + X_MOMENTUM);
+    vector_store(omega, x + X_ANGULAR_VELOCITY);
+    vector_store(matrix_times(a, matrix_times(inertia, omega)), x + X_SPIN);
     return 1;
 }
 
@@ -61,7 +58,7 @@ static void modal_energies(Body *body, const double *x, double *kinetic, double 
     const double *rate = work.pi, *frequency = body->oscillators.frequency;
     load_modes(body, x, work.eta, work.pi);
     if (body->coupling.full) {
-        modal_rate(body->padded_modes, vector_of(x + OMEGA), gyroscopic_at(body, work.eta, &work), work.pi,
+        modal_rate(body->padded_modes, vector_of(x + X_ANGULAR_VELOCITY), gyroscopic_at(body, work.eta, &work), work.pi,
                    work.rate_mean);
         rate = work.rate_mean;
     }
@@ -77,29 +74,31 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     Body *body = self;
     double a[9], kinetic, strain;
     (void)u;
-    rotation_matrix(quaternion_of(x + ORIENTATION), a);
-    Vector3 position = vector_of(x + POSITION), momentum = vector_of(x + MOMENTUM), spin = vector_of(x + SPIN);
+    rotation_matrix(quaternion_of(x + X_ORIENTATION), a);
+    Vector3 position = vector_of(x + X_POSITION), momentum = vector_of(x + X_MOMENTUM), spin = vector_of(x + X_SPIN);
     modal_energies(body, x, &kinetic, &strain);
     kinetic += 0.5 * (vector_dot(momentum, momentum) / body->mass +
-                      vector_dot(vector_of(x + OMEGA), transposed_times(a, spin)));
-    vector_store(vector_subtract(position, matrix_times(a, vector_of(body->center_of_mass))), z);
-    memcpy(z + 3, x + ORIENTATION, 4 * sizeof(double));
-    memcpy(z + 7, x + MOMENTUM, 3 * sizeof(double));
-    vector_store(vector_add(spin, vector_cross(position, momentum)), z + 10);
-    z[13] = kinetic;
-    z[14] = strain - body->mass * vector_dot(vector_of(body->gravity), position);
-    z[15] = x[HEAT];
-    memcpy(z + 16, x + MODES, body->modes * sizeof(double));
+                      vector_dot(vector_of(x + X_ANGULAR_VELOCITY), transposed_times(a, spin)));
+    vector_store(vector_subtract(position, matrix_times(a, vector_of(body->center_of_mass))),
+                 z + Z_FRAME_POSITION);
+    memcpy(z + Z_FRAME_ORIENTATION, x + X_ORIENTATION, 4 * sizeof(double));
+    memcpy(z + Z_LINEAR_MOMENTUM, x + X_MOMENTUM, 3 * sizeof(double));
+    vector_store(vector_add(spin, vector_cross(position, momentum)), z + Z_ANGULAR_MOMENTUM);
+    z[Z_KINETIC_ENERGY] = kinetic;
+    z[Z_POTENTIAL_ENERGY] = strain - body->mass * vector_dot(vector_of(body->gravity), position);
+    z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
+    memcpy(z + Z_MODAL_COORDINATE, x + X_MODAL_AMPLITUDE, body->modes * sizeof(double));
 }
 
 const Kernel body_kernel = {
-    "body",  create,            prepare,              initial, body_step_real, body_outputs_real,
+    KIND,    create,            prepare,              initial, body_step_real, body_outputs_real,
     observe, body_step_complex, body_outputs_complex, NULL,    NULL,
     .continuous = body_continuous,
     .complete = body_complete_real,
     .complete_complex = body_complete_complex,
     .rates = body_rates_real,
     .rates_complex = body_rates_complex,
+    .layout = LAYOUT_DIGEST,
 };
 
 #endif

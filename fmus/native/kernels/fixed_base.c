@@ -5,7 +5,7 @@
 #include "frames.h"
 #include "kernel.h"
 #include "mid_step.h"
-#include "relative.h"
+#include "port_sizes.h"
 
 enum { LOAD_SIZE = WRENCH_SIZE };
 

@@ -7,9 +7,7 @@
 #include "frames.h"
 #include "kernel.h"
 #include "mid_step.h"
-
-/* Scalars of the motion and of the wrench of one port. */
-enum { MOTION_SIZE = 13, WRENCH_SIZE = 6 };
+#include "port_sizes.h"
 
 /* The two components normal to the hinge line, in hinge axes: of a swing or of a bending moment. */
 typedef struct Transverse {
@@ -192,14 +190,6 @@ static inline void store_slope_pair(const Passage *passage, Vector3 force, Vecto
 }
 
 #ifndef FANFOLD_COMPLEX
-
-/* Whether the flat arrays have the sizes that the equations write and read. */
-static inline int check_sizes(const char *kind, const Sizes *sizes, const Sizes *own, Reason *why) {
-    if (sizes->parameters == own->parameters && sizes->inputs == own->inputs && sizes->outputs == own->outputs &&
-        sizes->observations == own->observations)
-        return 1;
-    return refuse(why, "the numbers of variables in the data are not those of this %s", kind);
-}
 
 /* A whole number from 0 to `largest`. */
 static inline int read_choice(const Data *data, const char *name, int largest, int *choice, Reason *why) {

@@ -7,14 +7,15 @@ rotation vector about it, then its modal coordinates. A fixed base has the six a
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, rotation_matrix
+from components import REGISTRY, ComponentError, Instance, Layout, rotation_matrix
 from components.body import Body
-from components.contract.component import Component, Vector
+from components.contract.component import Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
+from components.contract.ports import MOTION_SIZE
 from components.fixed_base import FixedBase
 
 from ...assembly import Link, Part
@@ -28,34 +29,31 @@ class PlacedBody:
     def __init__(self, part: Part) -> None:
         self.name = part.name
         component = REGISTRY[part.kind](**part.structure)
-        parameters = component.parameter_layout.start_values()
-        for name, value in part.start.items():
-            if name in component.parameter_layout:
-                parameters[component.parameter_layout[name]] = value
+        start = {name: value for name, value in part.start.items() if name in component.parameter_layout}
+        self._instance = Instance(component, start)
         try:
-            self._constants: Any = component.prepare(parameters)
+            self._instance.initialize()
         except ComponentError as error:
             raise SceneError([f"{self.name}: {error}"]) from None
         self.component = component
         self.ports = tuple(port.name for port in component.ports)
-        state = component.initial(self._constants, component.input_layout.start_values())
+        state, at = self._instance.state, component.state_layout
         self.orientation: Quaternion = (1.0, 0.0, 0.0, 0.0)
         if isinstance(component, Body):
             self.body: Body | None = component
             self.modes = component.modes
-            self.position = state[0:3].copy()
-            self.orientation = tuple(state[3:7].tolist())
+            self.position = state[at["position"]].copy()
+            self.orientation = tuple(state[at["orientation"]].tolist())
             self._arms, self._shapes, self._turns = component.arms, component.translation, component.rotation
         elif isinstance(component, FixedBase):
             self.body, self.modes = None, 0
             self.position = np.array(component.structure["reference"], dtype=float)
-            motions = _motions(component, None, state)
+            motions = self.motions()
             self._arms = motions[:, :3] - self.position
             self._shapes = self._turns = np.zeros((len(motions), 3, 0))
         else:
             raise SceneError([f"{self.name}: a {part.kind} has no linear model; bodies and fixed bases have"])
         self.eta = np.zeros(self.modes)
-        self._state = state
 
     @property
     def size(self) -> int:
@@ -82,18 +80,20 @@ class PlacedBody:
         self.orientation = normalized(multiply(turn, self.orientation))
         self.eta = self.eta + step[6:]
 
-    def _at_rest(self) -> Vector:
-        state = self._state.copy()
+    def _rest(self) -> None:
+        """Put the instance to rest where the body is."""
         if self.body is not None:
-            assert self.body.continuous is not None
-            places = list(self.body.continuous.places)
-            state[places[:7]] = (*self.position, *self.orientation)
-            state[places[14 : 14 + self.modes]] = self.eta
-        return state
+            state, at = self._instance.state, self.body.state_layout
+            state[at["position"]], state[at["orientation"]] = self.position, self.orientation
+            if self.modes:
+                state[at["modal_amplitude"]] = self.eta
 
     def motions(self) -> Vector:
         """Poses of the ports with zero rates, (ports, 13)."""
-        return _motions(self.component, self._constants, self._at_rest())
+        self._rest()
+        size = MOTION_SIZE * len(self.ports)
+        result: Vector = self._instance.outputs()[:size].reshape(-1, MOTION_SIZE)
+        return result
 
     def forces(self, wrenches: Vector) -> Vector:
         """Generalised forces (size,) of wrenches (ports, 6), gravity and the modes' stiffness.
@@ -104,10 +104,12 @@ class PlacedBody:
             reach = self._arms
             moments = np.cross(reach, wrenches[:, :3]) + wrenches[:, 3:]
             return np.concatenate((wrenches[:, :3].sum(0), moments.sum(0)))
-        inputs = self.body.input_layout.start_values()
-        inputs[: wrenches.size] = wrenches.ravel()
-        rates = self.body.rates(self._constants, self._at_rest(), inputs)
-        return np.concatenate((rates[7:13], rates[14 + self.modes :]))
+        assert self.body.continuous is not None
+        self._rest()
+        self._instance.inputs[: wrenches.size] = wrenches.ravel()
+        rates, at = self._instance.rates(), Layout(self.body.continuous.quantities)
+        names = ("momentum", "spin", "modal_momentum")[: 3 if self.modes else 2]
+        return np.concatenate([rates[at[name]] for name in names])
 
     def port_jacobian(self, port: int) -> Vector:
         """Motion (6, size) of a port under unit coordinates."""
@@ -162,16 +164,9 @@ class PlacedBody:
         damping, stiffness = np.zeros(self.size), np.zeros(self.size)
         if self.body is not None:
             frequency = self.body.data.frequency
-            damping[6:] = 2.0 * self._constants.damping_ratio * frequency
+            damping[6:] = 2.0 * self._instance.constants.damping_ratio * frequency
             stiffness[6:] = frequency**2
         return np.diag(damping), np.diag(stiffness)
-
-
-def _motions(component: Component, constants: Any, state: Vector) -> Vector:  # noqa: ANN401
-    """Motions (ports, 13) of the ports of a body or fixed base."""
-    outputs = component.outputs(constants, state, component.input_layout.start_values())
-    result: Vector = outputs[: 13 * len(component.ports)].reshape(-1, 13)
-    return result
 
 
 class Pose(NamedTuple):

@@ -41,10 +41,9 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     body->modes = modes;
     body->padded_modes = padded(modes);
     body->coordinates = padded(arms);
-    if (sizes->inputs != 2 * WRENCH * body->ports || sizes->outputs != (MOTION + WRENCH) * body->ports ||
-        sizes->observations != 16 + modes)
-        return refuse(why, "the body's variables do not fit its %lu ports and %lu modes", (unsigned long)body->ports,
-                      (unsigned long)modes);
+    const size_t wrenches = WRENCH_SIZE * body->ports;
+    const Sizes own = {PARAMETERS, 2 * wrenches, MOTION_SIZE * body->ports + wrenches, OBSERVATIONS + modes};
+    if (!check_sizes(KIND, sizes, &own, why)) return 0;
     return 1;
 }
 
@@ -158,26 +157,6 @@ static int read_coupling(Body *body, const Data *data, Memory *memory, Reason *w
     return 1;
 }
 
-/* Offset of a parameter that lies within the parameters. */
-static int find(const Data *data, const Sizes *sizes, const char *name, size_t size, size_t *place, Reason *why) {
-    long offset = data_offset(data, "parameter", name, size, why);
-    if (offset < 0) return 0;
-    *place = (size_t)offset;
-    if (*place > sizes->parameters || size > sizes->parameters - *place)
-        return refuse(why, "parameter %s lies outside of the parameters", name);
-    return 1;
-}
-
-static int find_parameters(Body *body, const Data *data, const Sizes *sizes, Reason *why) {
-    return find(data, sizes, "initial_position", 3, &body->at_position, why) &&
-           find(data, sizes, "initial_orientation", 4, &body->at_orientation, why) &&
-           find(data, sizes, "initial_velocity", 3, &body->at_velocity, why) &&
-           find(data, sizes, "initial_angular_velocity", 3, &body->at_angular_velocity, why) &&
-           find(data, sizes, "gravity", 3, &body->at_gravity, why) &&
-           find(data, sizes, "damping_scale", 1, &body->at_damping, why) &&
-           find(data, sizes, "quasi_static", 1, &body->at_static, why);
-}
-
 static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
     Body *body = allocate(memory, sizeof *body);
     if (!body) {
@@ -187,9 +166,9 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     body->damping_scale = -1.0; /* none yet */
     if (!read_sizes(body, data, sizes, why) || !read_level(body, data, why) || !allocate_all(body, memory, why) ||
         !read_mass(body, data, why) || !read_coupling(body, data, memory, why) ||
-        !read_oscillators(body, data, why) || !read_ports(body, data, why) || !find_parameters(body, data, sizes, why))
+        !read_oscillators(body, data, why) || !read_ports(body, data, why))
         return NULL;
-    *states = MODES + 2 * body->modes + WRENCH * body->ports;
+    *states = X_MODAL_AMPLITUDE + 2 * body->modes + WRENCH_SIZE * body->ports;
     return body;
 }
 

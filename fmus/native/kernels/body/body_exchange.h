@@ -17,14 +17,14 @@ void NAME(body_complete)(void *self, real *x) {
     Body *body = self;
     LocalWork stack;
     Work work = work_of(body, &stack);
-    Quaternion q = quaternion_normalized(quaternion_of(x + ORIENTATION));
+    Quaternion q = quaternion_normalized(quaternion_of(x + X_ORIENTATION));
     real a[9], inertia[6];
-    quaternion_store(q, x + ORIENTATION);
+    quaternion_store(q, x + X_ORIENTATION);
     rotation_matrix(q, a);
     load_modes(body, x, work.eta, work.pi);
         evaluate_coupling(body, work.eta, &work.coupling, inertia);
     remember_end(body, &work, inertia);
-    vector_store(solved(body, inertia, &work.coupling, transposed_times(a, vector_of(x + SPIN)), work.pi), x + OMEGA);
+    vector_store(solved(body, inertia, &work.coupling, transposed_times(a, vector_of(x + X_SPIN)), work.pi), x + X_ANGULAR_VELOCITY);
 }
 
 /* Rates of modal coordinates, momenta and heat; leaves the arms of the deformed body behind. */
@@ -33,7 +33,7 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     size_t m = body->modes, n = body->padded_modes, l = body->coordinates;
     const double *frequency = body->oscillators.frequency, *ratio = body->oscillators.damping_ratio;
     real inertia[6], heat = 0.0;
-    Vector3 omega = vector_of(x + OMEGA);
+    Vector3 omega = vector_of(x + X_ANGULAR_VELOCITY);
     load_modes(body, x, work->eta_mean, work->pi);
     memcpy(work->rate_mean, work->pi, n * sizeof(real));
     evaluate_coupling(body, work->eta_mean, &work->mid, inertia);
@@ -70,17 +70,17 @@ int NAME(body_rates)(void *self, const real *raw, const real *x, const real *u, 
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     real a[9];
-    rotation_matrix(quaternion_of(x + ORIENTATION), a);
+    rotation_matrix(quaternion_of(x + X_ORIENTATION), a);
     rates[HEAT_RATE] = 0.0;
     if (body->modes)
         exchange_modal_rates(body, x, &load, a, &work, rates);
     else
         undeformed_arms(body, &work);
     Vector3 weight = vector_scaled(body->mass, constant_vector(body->gravity));
-    vector_store(vector_scaled(1.0 / body->mass, vector_of(x + MOMENTUM)), rates + POSITION);
-    quaternion_store(exchange_turning(quaternion_of(raw + ORIENTATION), vector_of(x + OMEGA)), rates + ORIENTATION);
-    vector_store(vector_add(load.mean.force, weight), rates + MOMENTUM);
-    vector_store(vector_add(moment_of(body, &load, work.arms, a), load.mean.torque), rates + SPIN);
+    vector_store(vector_scaled(1.0 / body->mass, vector_of(x + X_MOMENTUM)), rates + X_POSITION);
+    quaternion_store(exchange_turning(quaternion_of(raw + X_ORIENTATION), vector_of(x + X_ANGULAR_VELOCITY)), rates + X_ORIENTATION);
+    vector_store(vector_add(load.mean.force, weight), rates + X_MOMENTUM);
+    vector_store(vector_add(moment_of(body, &load, work.arms, a), load.mean.torque), rates + X_SPIN);
     return 1;
 }
 
@@ -93,7 +93,7 @@ int body_rates_complex(void *self, const double complex *raw, const double compl
 static size_t body_continuous(const void *self, size_t *places) {
     const Body *body = self;
     size_t count = MODE_RATES + 2 * body->modes;
-    for (size_t i = 0; places && i < count; i++) places[i] = i < OMEGA ? i : i + (HEAT - HEAT_RATE);
+    for (size_t i = 0; places && i < count; i++) places[i] = i < X_ANGULAR_VELOCITY ? i : i + (X_HEAT - HEAT_RATE);
     return count;
 }
 

@@ -5,13 +5,13 @@
 
 #include <stdint.h>
 #include <string.h>
+#include "body_layout.h"
 #include "inertia.h"
 #include "kernel.h"
 #include "matrices.h"
 #include "oscillators.h"
+#include "port_sizes.h"
 
-enum { POSITION = 0, ORIENTATION = 3, MOMENTUM = 7, SPIN = 10, OMEGA = 13, HEAT = 16, MODES = 17 };
-enum { WRENCH = 6, MOTION = 13 };
 
 /* B, J - B B^T and what its quadratic part is made of, at the modal coordinates they were last evaluated for: a state is
    asked for them several times. */
@@ -30,7 +30,6 @@ typedef struct {
     double *port_orientation; /* 4 a port */
     double *shapes;           /* modes rows of 2 coordinates: translations, then rotations */
     unsigned short *order;    /* mode j here is mode order[j] of the state and of the data */
-    size_t at_position, at_orientation, at_velocity, at_angular_velocity, at_gravity, at_damping, at_static;
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double gravity[3], damping_scale;
     int quasi_static;
@@ -118,8 +117,8 @@ typedef struct {
 static inline Sums sums_of(const Body *body, const real *wrenches) {
     Sums sums = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t k = 0; k < body->ports; k++) {
-        sums.force = vector_add(sums.force, vector_of(wrenches + WRENCH * k));
-        sums.torque = vector_add(sums.torque, vector_of(wrenches + WRENCH * k + 3));
+        sums.force = vector_add(sums.force, vector_of(wrenches + WRENCH_SIZE * k));
+        sums.torque = vector_add(sums.torque, vector_of(wrenches + WRENCH_SIZE * k + 3));
     }
     return sums;
 }
@@ -144,8 +143,8 @@ static inline int any_set(const real *numbers, size_t count) {
 }
 
 static inline Load load_of(const Body *body, const real *u) {
-    Load load = {u, u + WRENCH * body->ports, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
-    load.sloped = any_set(load.slopes, WRENCH * body->ports);
+    Load load = {u, u + WRENCH_SIZE * body->ports, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
+    load.sloped = any_set(load.slopes, WRENCH_SIZE * body->ports);
     if (load.sloped) load.slope = sums_of(body, load.slopes);
     return load;
 }
@@ -155,7 +154,7 @@ static inline Vector3 moment_of(const Body *body, const Load *load, const real *
     Vector3 sum = {0.0, 0.0, 0.0};
     for (size_t k = 0; k < body->ports; k++)
         sum = vector_add(sum, vector_cross(matrix_times(a, vector_of(arms + 3 * k)),
-                                           vector_of(load->wrenches + WRENCH * k)));
+                                           vector_of(load->wrenches + WRENCH_SIZE * k)));
     return sum;
 }
 
@@ -171,9 +170,9 @@ static inline Course moments_at(const Body *body, const Load *load, const real *
     for (size_t k = 0; k < body->ports; k++) {
         Vector3 arm = matrix_times(a, vector_of(arms + 3 * k));
         vector_store(arm, world_arms + 3 * k);
-        found.mean = vector_add(found.mean, vector_cross(arm, vector_of(load->wrenches + WRENCH * k)));
+        found.mean = vector_add(found.mean, vector_cross(arm, vector_of(load->wrenches + WRENCH_SIZE * k)));
         if (load->sloped)
-            found.slope = vector_add(found.slope, vector_cross(arm, vector_of(load->slopes + WRENCH * k)));
+            found.slope = vector_add(found.slope, vector_cross(arm, vector_of(load->slopes + WRENCH_SIZE * k)));
     }
     return found;
 }

@@ -34,7 +34,7 @@ static inline void modal_force(const Body *body, const Load *load, const real a_
                                const real a_torque[9], const real *turns, const Work *work) {
     size_t l = body->coordinates;
     for (size_t k = 0; k < body->ports; k++) {
-        const real *wrench = load->wrenches + WRENCH * k;
+        const real *wrench = load->wrenches + WRENCH_SIZE * k;
         Vector3 torque = transposed_times(a_torque, vector_of(wrench + 3));
         vector_store(transposed_times(a_force, vector_of(wrench)), work->wrenches + 3 * k);
         vector_store(conjugate_torque(vector_of(turns + 3 * k), torque), work->wrenches + l + 3 * k);
@@ -56,7 +56,7 @@ static inline void modal_forces(const Body *body, const Load *load, const real a
     }
     for (size_t e = 0; e < 9; e++) turned[e] = (1.0 / 6.0) * (a_end[e] - a_start[e]);
     for (size_t k = 0; k < body->ports; k++) {
-        const real *wrench = load->wrenches + WRENCH * k, *slope = load->slopes + WRENCH * k;
+        const real *wrench = load->wrenches + WRENCH_SIZE * k, *slope = load->slopes + WRENCH_SIZE * k;
         Vector3 force_slope = vector_of(slope), torque_slope = vector_of(slope + 3), turn = vector_of(turns + 3 * k);
         Vector3 force = vector_add(transposed_times(a_mean, vector_of(wrench)), transposed_times(turned, force_slope));
         Vector3 torque =
@@ -118,9 +118,9 @@ FANFOLD_VECTORISED static void modal_rate(size_t n, Vector3 omega, const real *r
 /* Copies the modal part of a state, and zeros behind it. */
 static inline void load_modes(const Body *body, const real *x, real *eta, real *pi) {
     const unsigned short *order = body->order;
-    const real *momenta = x + MODES + body->modes;
+    const real *momenta = x + X_MODAL_AMPLITUDE + body->modes;
     for (size_t j = 0; j < body->modes; j++) {
-        eta[j] = x[MODES + order[j]];
+        eta[j] = x[X_MODAL_AMPLITUDE + order[j]];
         pi[j] = momenta[order[j]];
     }
     for (size_t j = body->modes; j < body->padded_modes; j++) eta[j] = pi[j] = 0.0;
@@ -128,9 +128,9 @@ static inline void load_modes(const Body *body, const real *x, real *eta, real *
 
 static inline void store_modes(const Body *body, const real *eta, const real *pi, real *x) {
     const unsigned short *order = body->order;
-    real *momenta = x + MODES + body->modes;
+    real *momenta = x + X_MODAL_AMPLITUDE + body->modes;
     for (size_t j = 0; j < body->modes; j++) {
-        x[MODES + order[j]] = eta[j];
+        x[X_MODAL_AMPLITUDE + order[j]] = eta[j];
         momenta[order[j]] = pi[j];
     }
 }
@@ -190,8 +190,8 @@ static inline void start_modes(Body *body, const double *x, const Work *work, re
     const Remembered *start = &body->at_start;
     double *eta = work->coupling.split;
     for (size_t j = 0; j < n; j++) {
-        work->eta[j] = work->eta_start[j] = work->eta_mean[j] = eta[j] = j < m ? x[MODES + body->order[j]] : 0.0;
-        work->rate_mean[j] = work->pi_start[j] = j < m ? x[MODES + m + body->order[j]] : 0.0;
+        work->eta[j] = work->eta_start[j] = work->eta_mean[j] = eta[j] = j < m ? x[X_MODAL_AMPLITUDE + body->order[j]] : 0.0;
+        work->rate_mean[j] = work->pi_start[j] = j < m ? x[X_MODAL_AMPLITUDE + m + body->order[j]] : 0.0;
         work->slope[j] = 0.0;
     }
     if (!body->coupling.varies) return;
@@ -200,7 +200,7 @@ static inline void start_modes(Body *body, const double *x, const Work *work, re
     if (!body->coupling.full) return;
     for (size_t i = 0; i < 6 * n; i++) work->coupling.quadratic[i] = ((const double *)start->quadratic)[i];
     for (size_t i = 0; i < 3 * n; i++) work->coupling.b[i] = ((const double *)start->b)[i];
-    start_rates(n, x + OMEGA, start->b, work->pi_start, work->rate_mean);
+    start_rates(n, x + X_ANGULAR_VELOCITY, start->b, work->pi_start, work->rate_mean);
 }
 
 /* The modes over a step under their force, which the port forces join, and the means the iteration needs. */

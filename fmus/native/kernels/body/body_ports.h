@@ -31,13 +31,13 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
     LocalWork stack;
     Work work = work_of(body, &stack);
     size_t l = body->coordinates;
-    Quaternion q = quaternion_of(x + ORIENTATION);
-    Vector3 position = vector_of(x + POSITION), omega = vector_of(x + OMEGA);
-    Vector3 velocity = vector_scaled(1.0 / body->mass, vector_of(x + MOMENTUM));
+    Quaternion q = quaternion_of(x + X_ORIENTATION);
+    Vector3 position = vector_of(x + X_POSITION), omega = vector_of(x + X_ANGULAR_VELOCITY);
+    Vector3 velocity = vector_scaled(1.0 / body->mass, vector_of(x + X_MOMENTUM));
     real a[9];
     rotation_matrix(q, a);
     deform_ports(body, x, omega, &work);
-    for (size_t k = 0; k < body->ports; k++, y += MOTION) {
+    for (size_t k = 0; k < body->ports; k++, y += MOTION_SIZE) {
         const double *own = body->port_orientation + 4 * k;
         Vector3 turn = vector_of(work.deflection + l + 3 * k), twist = vector_of(work.rates + l + 3 * k);
         Vector3 arm = vector_add(constant_vector(body->arms + 3 * k), vector_of(work.deflection + 3 * k));
@@ -50,8 +50,8 @@ void NAME(body_outputs)(void *self, const real *x, const real *u, real *y) {
         vector_store(vector_add(velocity, matrix_times(a, relative)), y + 7);
         vector_store(matrix_times(a, rate_of_turn), y + 10);
     }
-    const real *moments = x + MODES + 2 * body->modes;
-    for (size_t i = 0; i < WRENCH * body->ports; i++) y[i] = moments[i];
+    const real *moments = x + X_MODAL_AMPLITUDE + 2 * body->modes;
+    for (size_t i = 0; i < WRENCH_SIZE * body->ports; i++) y[i] = moments[i];
 }
 
 #endif

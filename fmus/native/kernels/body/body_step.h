@@ -68,14 +68,14 @@ static inline void turn_on(const real a_start[9], Vector3 omega, double h, real 
 
 /* Angular momentum at the end of a step, body axes there. */
 static inline Vector3 momentum_at_end(const double *x, Vector3 moment, double h, const real a_end[9]) {
-    return transposed_times(a_end, vector_add(constant_vector(x + SPIN), vector_scaled(h, moment)));
+    return transposed_times(a_end, vector_add(constant_vector(x + X_SPIN), vector_scaled(h, moment)));
 }
 
 /* Mean angular velocity, iterated on the moments of the forces at both ends. */
 static inline void turn_rigid(const Body *body, const double *x, const Load *load, double h, Axes *axes,
                               const Work *work, Turned *turned) {
     const double *inverse = body->coupling.inverse;
-    const Vector3 start = constant_vector(x + OMEGA), momentum_start = constant_vector(x + SPIN);
+    const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     Vector3 momentum;
     undeformed_arms(body, work);
     turned->omega = start;
@@ -109,7 +109,7 @@ static inline void turn_flexible(Body *body, const double *x, const Load *load, 
                                  const Work *work, Turned *turned) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
-    const Vector3 start = constant_vector(x + OMEGA), momentum_start = constant_vector(x + SPIN);
+    const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     real *turns = work->rates;
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
     start_modes(body, x, work, turned->inertia_end);
@@ -150,7 +150,7 @@ static inline void place_moments(const Body *body, Vector3 center, Vector3 rate_
                                  real *moments) {
     const Vector3 at_end = vector_add(vector_scaled(0.5, rate_moment), turn);
     const Vector3 at_start = vector_subtract(vector_scaled(0.5, rate_moment), turn);
-    for (size_t k = 0; k < body->ports; k++, moments += WRENCH) {
+    for (size_t k = 0; k < body->ports; k++, moments += WRENCH_SIZE) {
         Vector3 start = vector_cross(at_start, vector_of(work->arms_start + 3 * k));
         Vector3 end = vector_cross(at_end, vector_of(work->arms_end + 3 * k));
         vector_store(vector_add(center, vector_add(start, end)), moments);
@@ -163,7 +163,7 @@ static inline void add_modal_moments(const Body *body, const Axes *axes, const W
     size_t l = body->coordinates;
     real *moved = work->wrenches;
     rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
-    for (size_t k = 0; k < body->ports; k++, moments += WRENCH) {
+    for (size_t k = 0; k < body->ports; k++, moments += WRENCH_SIZE) {
         const real *end = work->deflection + 3 * k, *start = work->deflection_start + 3 * k;
         Vector3 change = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end), vector_of(start)));
         Vector3 half = vector_scaled(0.5, vector_of(moved + 3 * k)), turn = vector_of(work->rates + 3 * k);
@@ -195,7 +195,7 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     LocalWork stack;
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
-    Quaternion q = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
+    Quaternion q = {x[X_ORIENTATION], x[X_ORIENTATION + 1], x[X_ORIENTATION + 2], x[X_ORIENTATION + 3]};
     Axes axes;
     rotation_matrix(q, axes.start);
     Turned turned;
@@ -205,24 +205,24 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
         turn_rigid(body, x, &load, h, &axes, &work, &turned);
     Vector3 weight = constant_vector(body->gravity);
     Vector3 push = vector_scaled(h, vector_add(load.mean.force, vector_scaled(body->mass, weight)));
-    Vector3 momentum = vector_add(constant_vector(x + MOMENTUM), push);
-    Vector3 travel = vector_scaled(0.5 * h / body->mass, vector_add(constant_vector(x + MOMENTUM), momentum));
+    Vector3 momentum = vector_add(constant_vector(x + X_MOMENTUM), push);
+    Vector3 travel = vector_scaled(0.5 * h / body->mass, vector_add(constant_vector(x + X_MOMENTUM), momentum));
     travel = vector_subtract(travel, vector_scaled(h * h / (6.0 * body->mass), load.slope.force));
     Quaternion half_turn = quaternion_exponential(vector_scaled(0.5 * h, turned.omega));
     q = quaternion_normalized(quaternion_multiply(q, quaternion_multiply(half_turn, half_turn)));
     rotation_matrix(q, axes.end);
     Course moments_end = moments_at(body, &load, work.arms, axes.end, work.arms_end);
     Course moment = moment_over(&load, &turned.moments_start, &moments_end);
-    Vector3 spin = vector_add(constant_vector(x + SPIN), vector_scaled(h, moment.mean));
-    vector_store(momentum, x_next + MOMENTUM);
-    vector_store(vector_add(constant_vector(x + POSITION), travel), x_next + POSITION);
-    quaternion_store(q, x_next + ORIENTATION);
-    vector_store(spin, x_next + SPIN);
-    x_next[HEAT] = x[HEAT] + turned.heat;
+    Vector3 spin = vector_add(constant_vector(x + X_SPIN), vector_scaled(h, moment.mean));
+    vector_store(momentum, x_next + X_MOMENTUM);
+    vector_store(vector_add(constant_vector(x + X_POSITION), travel), x_next + X_POSITION);
+    quaternion_store(q, x_next + X_ORIENTATION);
+    vector_store(spin, x_next + X_SPIN);
+    x_next[X_HEAT] = x[X_HEAT] + turned.heat;
     store_modes(body, work.eta, work.pi, x_next);
-    vector_store(turned.end, x_next + OMEGA);
-    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), constant_vector(x + OMEGA), h, &axes, &work,
-                  x_next + MODES + 2 * body->modes);
+    vector_store(turned.end, x_next + X_ANGULAR_VELOCITY);
+    store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), constant_vector(x + X_ANGULAR_VELOCITY), h, &axes, &work,
+                  x_next + X_MODAL_AMPLITUDE + 2 * body->modes);
 }
 
 /* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
@@ -231,7 +231,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     size_t n = body->padded_modes, l = body->coordinates;
-    const Quaternion start = {x[ORIENTATION], x[ORIENTATION + 1], x[ORIENTATION + 2], x[ORIENTATION + 3]};
+    const Quaternion start = {x[X_ORIENTATION], x[X_ORIENTATION + 1], x[X_ORIENTATION + 2], x[X_ORIENTATION + 3]};
     Quaternion q = start;
     real a[9];
     rotation_matrix(q, a);
@@ -249,13 +249,13 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
         q = quaternion_normalized(quaternion_multiply(start, quaternion_exponential(vector_scaled(h * h, turn))));
         rotation_matrix(q, a);
     }
-    for (size_t i = 0; i < MODES; i++) x_next[i] = 0.0;
-    quaternion_store(q, x_next + ORIENTATION);
+    for (size_t i = 0; i < X_MODAL_AMPLITUDE; i++) x_next[i] = 0.0;
+    quaternion_store(q, x_next + X_ORIENTATION);
     Vector3 pull = vector_add(vector_scaled(1.0 / body->mass, load.mean.force), constant_vector(body->gravity));
-    vector_store(vector_add(constant_vector(x + POSITION), vector_scaled(h * h, pull)), x_next + POSITION);
-    x_next[HEAT] = x[HEAT];
+    vector_store(vector_add(constant_vector(x + X_POSITION), vector_scaled(h * h, pull)), x_next + X_POSITION);
+    x_next[X_HEAT] = x[X_HEAT];
     store_modes(body, work.eta, work.pi, x_next);
-    for (size_t i = 0; i < WRENCH * body->ports; i++) x_next[MODES + 2 * body->modes + i] = 0.0;
+    for (size_t i = 0; i < WRENCH_SIZE * body->ports; i++) x_next[X_MODAL_AMPLITUDE + 2 * body->modes + i] = 0.0;
 }
 
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why);

@@ -15,4 +15,5 @@ enum { U_IMPULSE = 26, INPUTS = 27 };
 enum { OUTPUTS = 12 };
 enum { Z_ANGULAR_RATE = 0, Z_DAMPER_TORQUE = 1, Z_DISSIPATED_ENERGY = 2, OBSERVATIONS = 3 };
 
+
 #endif

@@ -15,4 +15,5 @@ enum { U_IMPULSE = 13, INPUTS = 14 };
 enum { OUTPUTS = 6 };
 enum { Z_DRAG_FORCE = 0, Z_DRAG_TORQUE = 1, Z_NORMAL_VELOCITY = 2, Z_DISSIPATED_ENERGY = 3, OBSERVATIONS = 4 };
 
+
 #endif

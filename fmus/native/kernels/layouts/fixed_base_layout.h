@@ -14,4 +14,5 @@ enum { U_IMPULSE = 0, OWN_INPUTS = 1 };
 enum { OWN_OUTPUTS = 0 };
 enum { Z_INTERFACE_FORCE = 0, Z_INTERFACE_TORQUE = 3, OBSERVATIONS = 6 };
 
+
 #endif

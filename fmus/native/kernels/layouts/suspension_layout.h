@@ -15,4 +15,5 @@ enum { U_IMPULSE = 26, INPUTS = 27 };
 enum { OUTPUTS = 12 };
 enum { Z_LENGTH = 0, Z_TENSION = 1, Z_POTENTIAL_ENERGY = 2, Z_DISSIPATED_ENERGY = 3, OBSERVATIONS = 4 };
 
+
 #endif

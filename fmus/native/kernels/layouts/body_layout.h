@@ -1,0 +1,21 @@
+/* Where variables lie: P_ parameters, X_ state, U_ own inputs, Y_ own outputs, Z_ observations.
+   Written by python -m fmus.native from its declarations. */
+
+#ifndef FANFOLD_BODY_LAYOUT_H
+#define FANFOLD_BODY_LAYOUT_H
+
+#define KIND "body"
+#define LAYOUT_DIGEST "da12f86a874858c0"
+
+enum { P_INITIAL_POSITION = 0, P_INITIAL_ORIENTATION = 3, P_INITIAL_VELOCITY = 7, P_INITIAL_ANGULAR_VELOCITY = 10,
+       P_GRAVITY = 13, P_DAMPING_SCALE = 16, P_QUASI_STATIC = 17, PARAMETERS = 18 };
+enum { X_POSITION = 0, X_ORIENTATION = 3, X_MOMENTUM = 7, X_SPIN = 10, X_ANGULAR_VELOCITY = 13, X_HEAT = 16, STATES = 17 };
+enum { OWN_INPUTS = 0 };
+enum { OWN_OUTPUTS = 0 };
+enum { Z_FRAME_POSITION = 0, Z_FRAME_ORIENTATION = 3, Z_LINEAR_MOMENTUM = 7, Z_ANGULAR_MOMENTUM = 10, Z_KINETIC_ENERGY = 13,
+       Z_POTENTIAL_ENERGY = 14, Z_DISSIPATED_ENERGY = 15, OBSERVATIONS = 16 };
+
+#define X_MODAL_AMPLITUDE STATES
+#define Z_MODAL_COORDINATE OBSERVATIONS
+
+#endif
