@@ -65,7 +65,7 @@ def states(frequency: Vector, ports: int) -> list[Quantity]:
 
     All is continuous but the angular velocity, which follows from the momenta, and the moments of the last step.
     """
-    found = [
+    return [
         _state("position", "m", "Position of the centre of mass, world axes", 3, "m/s"),
         _state("orientation", "1", "Quaternion of the body as integrated", 4, "1/s"),
         _state("momentum", "N.s", "Linear momentum, world axes", 3, "N"),
@@ -78,7 +78,6 @@ def states(frequency: Vector, ports: int) -> list[Quantity]:
             _state("moments", "m", "First moments of the ports' motion (m, rad)", 6 * ports, ""), resized=True
         ),
     ]
-    return [q for q in found if q.size]
 
 
 def _state(name: str, unit: str, text: str, size: int, rate_unit: str) -> Quantity:

@@ -77,7 +77,7 @@ class ContinuousStates:
     @classmethod
     def of(cls, layout: Layout, indicators: int = 0) -> ContinuousStates:
         """Those states of a layout that have a unit of their rate."""
-        states = [q for q in layout.quantities if q.rate_unit]
+        states = [q for q in layout.quantities if q.rate_unit and q.size]
         return cls(
             tuple(states),
             tuple(q.rate_unit for q in states),

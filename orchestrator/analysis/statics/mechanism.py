@@ -85,8 +85,7 @@ class PlacedBody:
         if self.body is not None:
             state, at = self._instance.state, self.body.state_layout
             state[at["position"]], state[at["orientation"]] = self.position, self.orientation
-            if self.modes:
-                state[at["modal_amplitude"]] = self.eta
+            state[at["modal_amplitude"]] = self.eta
 
     def motions(self) -> Vector:
         """Poses of the ports with zero rates, (ports, 13)."""

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from components import REGISTRY
+from components.flexible.modal import ModalData
 from fmus import build_fmu
 from fmus.native.binary_data import component_bytes
 from fmus.native.headers import FOLDER, headers, layout_digest, layout_header
@@ -41,6 +42,18 @@ def test_the_digest_does_not_depend_on_the_structure(kind):
     if "wrench_mode" in component.structure:
         other = REGISTRY[kind](**{**component.structure, "wrench_mode": "endpoint"})
         assert layout_digest(other) == layout_digest(component)
+
+
+def test_the_digest_is_that_of_bodies_with_and_without_modes():
+    """The same of what the structure resizes: modes, ports, the third pulley of a guided loop."""
+    body, loop, base = (REGISTRY[kind] for kind in ("body", "ccl", "fixed_base"))
+    example = body.example()
+    modal = ModalData.from_arrays(example.structure["modal"])
+    rigid = body(modal=modal.keep_modes(()).to_arrays(), ports=example.structure["ports"][:1])
+    assert (rigid.modes, example.modes) == (0, 4)
+    assert layout_digest(rigid) == layout_digest(example)
+    assert layout_digest(loop()) == layout_digest(loop(guided=True))
+    assert layout_digest(base([])) == layout_digest(base.example())
 
 
 @pytest.mark.parametrize("kind", DECLARED)
