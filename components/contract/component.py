@@ -1,14 +1,17 @@
 """The contract every component fulfils; adding a component means writing one file that does.
 
-1. Subclass `Component`, give it a `kind`, and take its *structure* (what fixes the number of variables:
+1. Subclass `Component`, or `Connection` (`connection.py`) for what takes motion at its ports and gives wrenches, give
+   it a `kind` and what people call it, its `noun`, and take its *structure* (what fixes the number of variables:
    ports, modal data, switches) as keyword arguments of `__init__`. A structure value is a number, a
    string, a tuple or list or dictionary of those, or a NumPy array; nothing else, because an exported FMU
    carries it in its resources.
-2. Declare in `__init__`, by calling `self._declare`, the parameters, inputs, outputs and observations as
-   `Quantity` tuples and the ports. *Outputs* are what other components are connected to and are computed in
-   every iteration; *observations* are outputs for people (energies, angles, torques) and are computed only
-   when somebody reads them. A quantity of size n becomes the scalars `name[1] ... name[n]`.
-3. Write five functions that keep no state of their own, all on flat `float64` arrays in declared order:
+2. Declare in `__init__`, by calling `self._declare`, the parameters, inputs, outputs, observations and states as
+   `Quantity` tuples and the ports; a connection declares them as records (`record.py`), named tuples that it then
+   reads and writes by name. What masters and views know by name or role is declared in `roles.py`. *Outputs* are what
+   other components are connected to and are computed in every iteration; *observations* are outputs for people
+   (energies, angles, torques) and are computed only when somebody reads them. A quantity of size n becomes the scalars `name[1] ... name[n]`.
+3. Write five functions that keep no state of their own, all on flat `float64` arrays in declared order (a connection
+   writes their twins on records, see there):
 
        prepare(p)          -> constants       checks the parameters, derives what steps need
        initial(c, u)       -> x               the state at the start, inputs already known
@@ -17,13 +20,14 @@
        observe(c, x, u)    -> z
 
    The whole state is the one array x, so saving, restoring and serialising it is exact by construction.
-   A component that an outer solver may integrate also gives its `continuous` states and, where they differ
-   from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
+   A component that an outer solver may integrate declares the unit of the rate of its `continuous` states and gives,
+   where they differ from the defaults, four functions more (`complete`, `rates`, `indicators`, `update`).
    A body whose motion answers its wrenches alike in every configuration, in axes that turn with it, says so by
    `constant_mobility`: the master then differentiates it once for every step size, others again and again.
 4. Give `example()`: a small instance that the tests over the registry run.
 5. For native FMUs write the same equations once more in C, one file in `fmus/native/kernels`; `kernel.h` beside it says
-   how, and give `native_data()`; without them the component is exported as a PythonFMU.
+   how, and give `native_data()`; without them the component is exported as a PythonFMU. `python -m fmus.native` writes
+   the header that tells the kernel where each declared variable lies.
 
 Nothing else is to be edited: the FMU builder, the conformance tests, `fanfold list` and the component table
 of the README iterate over `REGISTRY`.

@@ -16,6 +16,7 @@ import numpy as np
 
 from components.contract.component import Vector
 from components.contract.frames import exponential, multiply, rotate
+from components.contract.roles import HOLD
 from components.hinge import Hinge
 
 from ..scene import CheckedScene, SceneError
@@ -85,9 +86,9 @@ def equilibrium(
     the held lines that a sweep holds, which the advice of an error leaves out.
     """
     mechanism = placed(scene, rigid, flexible, target)
-    mechanism.command("hold", 1.0, hinges_of(scene, held))
+    mechanism.command(HOLD.name, 1.0, hinges_of(scene, held))
     if adjusted:
-        mechanism.command("hold", 1.0, [n for n, c in mechanism.connections.items() if c.kind == "ccl"])
+        mechanism.command(HOLD.name, 1.0, [n for n, c in mechanism.connections.items() if c.kind == "ccl"])
     settle(mechanism, _advice(scene, target, held, swept))
     return mechanism, _found(scene, mechanism, held)
 

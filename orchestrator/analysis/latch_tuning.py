@@ -17,6 +17,7 @@ import numpy as np
 
 from components.contract.component import Vector
 from components.contract.frames import rotate
+from components.contract.roles import LATCH_COMMAND
 
 from ..assembly import Link, Part
 from ..assembly.hinges import LatchSetting, hinge_parts
@@ -84,7 +85,7 @@ def pair(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], sti
     ]
     ground = bodies[line.inboard].kind == "fixed_base"
     mechanism = Mechanism([*bodies.values(), *hinges], links, line.inboard if ground else "")
-    mechanism.command("latch_command", 1.0, mechanism.connections)
+    mechanism.command(LATCH_COMMAND.name, 1.0, mechanism.connections)
     return _pair(mechanism, line)
 
 

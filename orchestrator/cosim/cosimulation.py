@@ -9,6 +9,8 @@ from typing import Protocol
 
 import numpy as np
 
+from components.contract.roles import END_WEIGHT, HOLD, QUASI_STATIC
+
 from ..assembly import HingeLine
 from .energy_balance import Energies
 from .implicit.solver import Solver
@@ -104,18 +106,18 @@ class CoSimulation(ABC):
         changed = [
             (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
             for p in self.network.participants
-            for name, value in (("quasi_static", 1.0), ("end_weight", 1.0))
+            for name, value in ((QUASI_STATIC.name, 1.0), (END_WEIGHT.name, 1.0))
             if name in p.parameter_layout
         ]
         for participant, name, value, _ in changed:
             participant.set_parameter(name, value)
-        self._command("hold", 1.0)
+        self._command(HOLD.name, 1.0)
         solver.mode = "static"
         solver.save(-DURATION)
         StaticSearch(solver).run()
         for participant, name, _, normal in changed:
             participant.set_parameter(name, normal)
-        self._command("hold", 0.0)
+        self._command(HOLD.name, 0.0)
         solver.mode = "dynamic"
         solver.forget()
 

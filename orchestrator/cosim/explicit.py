@@ -14,6 +14,8 @@ from typing import Literal
 
 import numpy as np
 
+from components.contract.roles import LATCH_COMMAND, LATCHED
+
 from ..assembly import HingeLine
 from .cosimulation import CoSimulation, Recorder
 from .implicit.convergence import Tolerance
@@ -81,11 +83,11 @@ class ExplicitMaster(CoSimulation):
         """Command all hinges of a line whose sensor has latched by itself or reached the latch angle."""
         for line in list(self._pending):
             sensor = self.network.by_name[line.sensor]
-            latched = sensor.outputs[sensor.output_layout["latched"].start] > 0.5
+            latched = sensor.outputs[sensor.output_layout[LATCHED.name].start] > 0.5
             if latched or self._distance(line) <= 0.0:
                 self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
                 self._pending.remove(line)
-                self._command("latch_command", 1.0, line.hinges)
+                self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 
     def _step_or_fail(self, h: float) -> None:
         """Step everything; what breaks in overflowing arithmetic is the master's failure, and told so."""

@@ -24,6 +24,7 @@ from fmpy.fmi2 import (
 )
 
 from components import Layout, Quantity
+from components.contract.roles import LATCH_DISTANCE, LATCHED
 from fmus import NATIVE_TOOL
 
 from .coupling_library import Calls, library
@@ -32,7 +33,7 @@ from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
 from .shared_library import share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
-EVENT_OUTPUTS = ("latch_distance", "latched")
+EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name)
 """Outputs that the master reads in every iteration beside the ports."""
 FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its state", "give observations")
 """What an FMU could not do, by the number that the native solver has for it; "" where a message says more."""

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import sqrt
 
+from components.contract.roles import IMPULSE, LATCH_COMMAND
+
 from ..assembly import HingeLine
 from .cosimulation import CoSimulation, Recorder
 from .energy_guard import EnergyGuard
@@ -205,20 +207,20 @@ class Master(CoSimulation):
         """
         solver, h = self.solver, self._sizes.size
         if line.kinematic or not self._controlled:
-            self._command("latch_command", 1.0, line.hinges)
+            self._command(LATCH_COMMAND.name, 1.0, line.hinges)
             return min(h, self.settings.event_step)
         solver.linearize(self.time, self._sizes.largest)
         before = slopes(solver, line.hinges, self.time, h)
-        self._command("latch_command", 1.0, line.hinges)
+        self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         after = slopes(solver, line.hinges, self.time, h)
-        self._command("latch_command", 0.0, line.hinges)
+        self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
             slow = stiffened_line(solver, hinges, self._sizes.largest)
             self._latched.append(slow)
             self._judge_latches()
             h = self._resolving(slow, h)
-        self._command("latch_command", 1.0, line.hinges)
+        self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
 
     def _resolving(self, line: StiffenedLine, h: float) -> float:
@@ -252,7 +254,7 @@ class Master(CoSimulation):
 
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""
-        self._command("impulse", 1.0)
+        self._command(IMPULSE.name, 1.0)
         solver = self.solver
         usual = solver.tolerance, solver.persistent
         solver.tolerance, solver.persistent = Tolerance(_IMPULSE_TOLERANCE), True
@@ -263,7 +265,7 @@ class Master(CoSimulation):
             raise failure(solver, solution, self.time, _IMPULSE_STEP)
         self.time += _IMPULSE_STEP
         self._save()
-        self._command("impulse", 0.0)
+        self._command(IMPULSE.name, 0.0)
         self.solver.forget()
         self._observe(0.0)
         self._record(_IMPULSE_STEP, solution.iterations)

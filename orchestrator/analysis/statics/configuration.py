@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from math import ceil, pi
 from typing import Literal
 
+from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
+
 from ...assembly.assemble import assemble
 from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, start_poses, with_angles
@@ -101,8 +103,8 @@ def placed(
     ways = {k.name: (k.initial_angle, target.angles[k.name]) for k in start.hinge_lines}
     _lead(mechanism, start, ways)
     if any(begin != end for begin, end in ways.values()):
-        mechanism.command("release_command", 1.0, mechanism.connections)
-    mechanism.command("latch_command", 1.0, hinges_of(scene, target.latched))
+        mechanism.command(RELEASE_COMMAND.name, 1.0, mechanism.connections)
+    mechanism.command(LATCH_COMMAND.name, 1.0, hinges_of(scene, target.latched))
     for connection in mechanism.connections.values():
         if connection.kind == "drive":
             angle = connection.observe()["angle"]
@@ -132,9 +134,9 @@ def loaded(
     mechanism = placed(scene, rigid, flexible, target)
     free = [line.name for line in scene.hinge_lines if not line.held and line.name not in target.latched]
     hinges = hinges_of(scene, free)
-    mechanism.command("hold", 1.0, hinges)
+    mechanism.command(HOLD.name, 1.0, hinges)
     settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
-    mechanism.command("hold", 0.0, hinges)
+    mechanism.command(HOLD.name, 0.0, hinges)
     return mechanism
 
 
