@@ -9,7 +9,8 @@
    `Quantity` tuples and the ports; a connection declares them as records (`record.py`), named tuples that it then
    reads and writes by name. What masters and views know by name or role is declared in `roles.py`. *Outputs* are what
    other components are connected to and are computed in every iteration; *observations* are outputs for people
-   (energies, angles, torques) and are computed only when somebody reads them. A quantity of size n becomes the scalars `name[1] ... name[n]`.
+   (energies, angles, torques) and are computed only when somebody reads them. A quantity of size n becomes the
+   scalars `name[1] ... name[n]`.
 3. Write five functions that keep no state of their own, all on flat `float64` arrays in declared order (a connection
    writes their twins on records, see there):
 
