@@ -56,7 +56,7 @@ def layout_header(component: Component) -> str:
         kind=component.kind,
         guard=kernel_name(component).upper(),
         digest=layout_digest(component),
-        declarations="\n".join((_declarations(component), *_resized(component), "")),
+        declarations=_declarations(component) + "".join(f"{line}\n" for line in _resized(component)),
     )
 
 
@@ -76,9 +76,10 @@ def _declarations(component: Component) -> str:
         moments = 6 * len(component.ports) * (component.order == 4)
         constants.append(f"#define MOMENTS {moments}")
     integrated = [q for q in component.state_layout.quantities if q.rate_unit]
-    if integrated and not any(q.resized for q in integrated):
+    if not any(q.resized for q in integrated):
         places = [f"X_{_name(q)} + {i}" if i else f"X_{_name(q)}" for q in integrated for i in range(q.size)]
-        constants.append(f"#define CONTINUOUS_PLACES {{{', '.join(places)}}}")
+        constants.append(f"#define CONTINUOUS {len(places)}")
+        constants.append(f"#define CONTINUOUS_PLACES {{{', '.join(places) or '0'}}}")
     wrapped = [fill(f"enum {{ {', '.join(enum)} }};", 116, subsequent_indent="       ") for enum in enums]
     return "\n".join((*constants, "", *wrapped, "")).replace("=", " = ")
 

@@ -63,8 +63,8 @@ static inline int prepare_connection(void *self, const double *p, double order, 
 static inline size_t connection_continuous(const void *self, size_t *places) {
     static const size_t own[] = CONTINUOUS_PLACES;
     (void)self;
-    if (places) memcpy(places, own, sizeof own);
-    return sizeof own / sizeof *own;
+    if (places) memcpy(places, own, CONTINUOUS * sizeof *own);
+    return CONTINUOUS;
 }
 
 #define DECLARE_COMPLEX(name)                                                                                      \

@@ -5,8 +5,9 @@
 #define FANFOLD_DAMPER_LAYOUT_H
 
 #define KIND "eddy_current_damper"
-#define LAYOUT_DIGEST "cb2f31402b66b6f2"
+#define LAYOUT_DIGEST "ad97df2c0edd15c5"
 #define MOMENTS 12
+#define CONTINUOUS 1
 #define CONTINUOUS_PLACES {X_HEAT}
 
 enum { P_DAMPING_COEFFICIENT = 0, P_PEAK_RATE = 1, P_ORDER = 2, PARAMETERS = 3 };
@@ -14,6 +15,5 @@ enum { X_ANGLE = 0, X_FRAME = 1, X_SWING = 5, X_WRENCH = 7, X_SLOPES = 19, X_RAT
 enum { U_IMPULSE = 26, INPUTS = 27 };
 enum { OUTPUTS = 12 };
 enum { Z_ANGULAR_RATE = 0, Z_DAMPER_TORQUE = 1, Z_DISSIPATED_ENERGY = 2, OBSERVATIONS = 3 };
-
 
 #endif
