@@ -1,6 +1,7 @@
 /* Directional derivatives over a step, or at a communication point: see instance.h. */
 
 #include "differences.h"
+#include "evaluate.h"
 #include "real.h"
 
 /* Inputs with the seed as their imaginary part. */
@@ -16,7 +17,7 @@ static void seeded(Instance *instance, const uint32_t *knowns, size_t count, con
 
 static int differentiate(Instance *instance, Reason *why) {
     const Kernel *kernel = instance->kernel;
-    if (!instance_ready(instance, why))
+    if (!evaluate_ready(instance, why))
         return 0;
     if (!instance->stepped)
         for (size_t i = 0; i < instance->states; i++)

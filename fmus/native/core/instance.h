@@ -80,8 +80,6 @@ Instance *instance_create(const char *name, const char *resources, const char *t
 void instance_free(Instance *instance);
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...);
-/* Whether there are a state, checked parameters and finite inputs, so that equations can be evaluated. */
-int instance_ready(Instance *instance, Reason *why);
 
 /* Times of the experiment; an infinite stop time is none. */
 Status instance_set_experiment(Instance *instance, double start_time, double stop_time);

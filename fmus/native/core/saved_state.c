@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "continuous.h"
 #include "instance.h"
 
 Status instance_save(Instance *instance, SavedState **state) {
