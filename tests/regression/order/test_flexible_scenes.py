@@ -20,7 +20,7 @@ from tests.benchmark.order.panel import FINEST, SETTLED, Followed, errors, follo
 from tests.references.native_fmus import needs_native
 
 pytestmark = needs_native
-TWO_PANELS = Path(__file__).parents[1] / "scenes" / "two_flexible_panels.toml"
+TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_flexible_panels.toml"
 JOINT = 2e6
 STEPS = {"spring": (2e-3, 1e-3, 5e-4), "lock": (1e-3, 5e-4, 2.5e-4)}
 """H (s) where vibration dominates: what the impulse of a lock leaves in the modes reaches to higher frequencies."""
