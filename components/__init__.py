@@ -10,6 +10,7 @@ from pkgutil import iter_modules
 from .contract.component import (
     DISSIPATED_ENERGY,
     KINETIC_ENERGY,
+    LAGGED,
     NUMERICAL_DISSIPATION,
     POTENTIAL_ENERGY,
     REGISTRY,
@@ -32,6 +33,7 @@ for _module in iter_modules(__path__):
 __all__ = [
     "DISSIPATED_ENERGY",
     "KINETIC_ENERGY",
+    "LAGGED",
     "NUMERICAL_DISSIPATION",
     "POTENTIAL_ENERGY",
     "REGISTRY",

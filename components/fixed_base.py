@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .contract.component import Component, ContinuousStates, Port, Quantity, Vector
+from .contract.component import Component, ContinuousStates, Port, Quantity, Vector, lagged
 from .contract.frames import normalized, sum_of_moments
-from .numerics.mid_step import StepMean, extrapolated
+from .numerics.mid_step import StepMean, between, extrapolated
 
 _STEP = 13  # load, slope and size of a step
 _STOPPED = -1.0
@@ -35,14 +35,15 @@ class FixedBase(Component):
     ) -> None:
         self._positions = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
         self._arms = self._positions - np.asarray(reference, dtype=float)
+        loads = (
+            Quantity("interface_force", "N", "Force on the base, world axes", 3),
+            Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
+        )
         self._declare(
             {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
             ports=[Port(port["name"], "body", 4) for port in ports],
             inputs=[Quantity("impulse", "1", "1: the next step is an impulse", variability="discrete")],
-            observations=[
-                Quantity("interface_force", "N", "Force on the base, world axes", 3),
-                Quantity("interface_torque", "N.m", "Torque on the base about the reference point", 3),
-            ],
+            observations=[*loads, *map(lagged, loads)],
         )
         self._impulse = 6 * len(ports)
         self.continuous = ContinuousStates((), (), (), ())
@@ -81,11 +82,13 @@ class FixedBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
 
-        Without a step before, as at the start and in model exchange, those of the present inputs.
+        Without a step before, as at the start and in model exchange, those of the present inputs. Then those one step
+        earlier, zero without two steps.
         """
-        if x[_STEP - 1] == 0.0:
-            return self._sum(u[: self._impulse])
-        return extrapolated(_step_mean(x[:_STEP]), _step_mean(x[_STEP:]))
+        last, previous = _step_mean(x[:_STEP]), _step_mean(x[_STEP:])
+        now = self._sum(u[: self._impulse]) if last.h == 0.0 else extrapolated(last, previous)
+        earlier = between(previous, last) if min(last.h, previous.h) > 0.0 else np.zeros(6)
+        return np.concatenate((now, earlier))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""

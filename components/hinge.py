@@ -21,6 +21,7 @@ from .hinge_parts.loads import (
     endpoint_loads,
     impulse_loads,
     instant_loads,
+    lagged_loads,
     mean_loads,
     recorded,
     stiff_loads,
@@ -112,7 +113,7 @@ class Hinge(Component):
             parameters=parameters(),
             inputs=inputs(),
             outputs=outputs(),
-            observations=observations(),
+            observations=observations(self._endpoint),
             feedthrough=self._endpoint,
         )
         if self._endpoint:
@@ -237,12 +238,13 @@ class Hinge(Component):
         return [remembered(m, rate) for m, rate in zip(motions, rates, strict=True)]
 
     @staticmethod
-    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStep, ...]:
+    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStepSlope, ...]:
         """Loads with one step more; that of the latch begins where it engages."""
         *bushing, latch = old.loads
         if old.latched and c.latches:
-            latch = latch.after(loads.latch.force, h)
-        return (*(b.after(load.force, h) for b, load in zip(bushing, loads.bushing, strict=True)), latch)
+            latch = latch.after(loads.latch.force, loads.latch.slope, h)
+        added = zip(bushing, loads.bushing, strict=True)
+        return (*(b.after(load.force, load.slope, h) for b, load in added), latch)
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
@@ -321,6 +323,7 @@ class Hinge(Component):
                 stored_energy(c, s),
                 sum(heat),
                 s.numerical_dissipation,
+                *(() if self._endpoint else lagged_loads(s)),
             )
         )
 

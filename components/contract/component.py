@@ -35,7 +35,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -55,6 +55,12 @@ SUPPLIED_ENERGY = "supplied_energy"
 Kinetic, potential, dissipated energy and numerical dissipation change together by what is supplied from outside,
 such as the work of a drive. Dissipated energy is the heat of dampers, friction and latches alone; numerical
 dissipation is what the scheme takes away besides, and it may give back a part that it stored.
+"""
+
+LAGGED = "_lagged"
+"""Ending of an observation that tells the one named before it once more, for the communication point one step earlier.
+
+What a load was there is known better once both steps beside that point are. Such observations are declared last.
 """
 
 
@@ -90,6 +96,12 @@ class Quantity:
     def start_values(self) -> Vector:
         """Start values, shape (size,)."""
         return np.broadcast_to(np.asarray(self.start, dtype=float), (self.size,)).copy()
+
+
+def lagged(quantity: Quantity) -> Quantity:
+    """The observation that tells a quantity for the communication point one step earlier."""
+    text = f"{quantity.description}, one step earlier; of order 4, after two steps"
+    return replace(quantity, name=quantity.name + LAGGED, description=text)
 
 
 @dataclass(frozen=True, slots=True)

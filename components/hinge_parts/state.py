@@ -16,7 +16,7 @@ from ..numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 
 Six = tuple[float, float, float, float, float, float]
 
-NO_LOADS: tuple[MidStep, ...] = (MidStep.starting(0.0),) * 7
+NO_LOADS: tuple[MidStepSlope, ...] = (MidStepSlope.starting(0.0),) * 7
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ class State(NamedTuple):
     numerical_dissipation: float
     roughness: tuple[float, ...] = (0.0,) * 6
     slopes: tuple[float, ...] = (0.0,) * 12
-    loads: tuple[MidStep, ...] = NO_LOADS
+    loads: tuple[MidStepSlope, ...] = NO_LOADS
     sliding: MidStepSlope = MidStepSlope.starting(0.0)
 
     def pack(self) -> Vector:
@@ -119,7 +119,7 @@ class State(NamedTuple):
             *(v[50], v[51], v[52], v[53], v[54], v[55], v[56], v[57]),
             tuple(v[58:64]),
             tuple(v[SLOPES]),
-            tuple(MidStep(*v[i : i + 4]) for i in range(_LOADS.start, _LOADS.stop, 4)),
+            tuple(MidStepSlope(*v[i : i + 6]) for i in range(_LOADS.start, _LOADS.stop, 6)),
             MidStepSlope(*v[_SLIDING]),
         )
 
@@ -138,7 +138,7 @@ class State(NamedTuple):
         return state._replace(holding=1.0 if hold > 0.5 else 0.0)
 
 
-WRENCH, SLOPES, _LOADS, _SLIDING = slice(31, 43), slice(64, 76), slice(76, 104), slice(104, 110)
+WRENCH, SLOPES, _LOADS, _SLIDING = slice(31, 43), slice(64, 76), slice(76, 118), slice(118, 124)
 ANGLE, HEAT, LATCHED, HOLDING = 10, 50, 53, 55
 HEATS = ("friction_heat", "latch_heat", "damping_heat")
 

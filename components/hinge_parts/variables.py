@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..contract.component import Quantity
+from ..contract.component import Quantity, lagged
 from ..numerics.relative_motion import numerical_dissipation, order_parameter
 
 
@@ -80,8 +80,14 @@ def outputs() -> list[Quantity]:
     ]
 
 
-def observations() -> list[Quantity]:
-    """What is recorded for people."""
+def observations(endpoint: bool) -> list[Quantity]:
+    """What is recorded for people; loads that are means over steps are told once more, one step later."""
+    found = _observations()
+    loads = ("latch_torque", "axial_force", "radial_force")
+    return found if endpoint else [*found, *(lagged(q) for q in found if q.name in loads)]
+
+
+def _observations() -> list[Quantity]:
     return [
         Quantity("angle", "rad", "Hinge angle, unwrapped"),
         Quantity("angular_rate", "rad/s", "Hinge rate, of the ports at this instant"),

@@ -15,12 +15,13 @@ from typing import Literal
 import numpy as np
 
 from ..assembly import HingeLine
-from .cosimulation import CoSimulation, Recorder
+from .cosimulation import CoSimulation
 from .implicit.convergence import Tolerance
 from .implicit.solvers import solver_for
 from .master import Settings
 from .network import Network
 from .participant import ParticipantError
+from .rows import Recorder
 from .stepping import StepError
 
 Order = Literal["jacobi", "gauss-seidel"]

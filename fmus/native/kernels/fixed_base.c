@@ -124,7 +124,7 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     if (impulse < 0) return NULL;
     base->impulse = (size_t)impulse;
     if (base->impulse < WRENCH * base->ports || sizes->inputs < base->impulse + 1 + WRENCH * base->ports ||
-        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != LOAD) {
+        sizes->outputs != (MOTION + MOMENTS) * base->ports || sizes->observations != 2 * LOAD) {
         refuse(why, "the base's variables do not fit its %lu ports", (unsigned long)base->ports);
         return NULL;
     }
@@ -147,13 +147,15 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
 static StepMean step_mean(const double *step, size_t i) { return (StepMean){step[i], step[LOAD + i], step[STEP - 1]}; }
 
 /* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
-   step before, as at the start and in model exchange, those of the present inputs. */
+   step before, as at the start and in model exchange, those of the present inputs. Then those one step earlier, zero
+   without two steps. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    if (x[STEP - 1] == 0.0) {
-        store_sum(self, u, z);
-        return;
+    store_sum(self, u, z);
+    for (size_t i = 0; i < LOAD; i++) {
+        const StepMean last = step_mean(x, i), previous = step_mean(x + STEP, i);
+        if (last.h != 0.0) z[i] = extrapolated(last, previous);
+        z[LOAD + i] = last.h > 0.0 && previous.h > 0.0 ? between(previous, last) : 0.0;
     }
-    for (size_t i = 0; i < LOAD; i++) z[i] = extrapolated(step_mean(x, i), step_mean(x + STEP, i));
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

@@ -45,8 +45,16 @@ static double stored_energy(const Hinge *hinge, const Grip *grip, const double *
 /* At order 4, from what bushing and latch did over the last steps. */
 static void correct(const double *x, Held *held) {
     for (int i = 0; i < COORDINATE_COUNT; i++)
-        held->bushing[i] = load_now(x + load_place(i), held->bushing[i], x[ROUGHNESS + i]);
-    held->latch = load_now(x + load_place(LATCH_LOAD), held->latch, x[ROUGHNESS + HINGE_ANGLE]);
+        held->bushing[i] = load_with_slopes_now(x + load_place(i), held->bushing[i], x[ROUGHNESS + i]);
+    held->latch = load_with_slopes_now(x + load_place(LATCH_LOAD), held->latch, x[ROUGHNESS + HINGE_ANGLE]);
+}
+
+/* Latch torque, axial and radial force at the communication point before the last step. */
+static void store_lagged_loads(const double *x, double *z) {
+    double y = mid_step_slope_before(x + load_place(1)), across = mid_step_slope_before(x + load_place(2));
+    z[0] = mid_step_slope_before(x + load_place(LATCH_LOAD));
+    z[1] = mid_step_slope_before(x + load_place(0));
+    z[2] = sqrt(y * y + across * across);
 }
 
 /* Angles, torques and forces at the communication point, and energies. Loads follow from the end-point law, at order 4
@@ -78,6 +86,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[13] = stored_energy(hinge, &grip, now.coordinates);
     z[14] = x[HEAT] + x[HEAT + 1] + x[HEAT + 2];
     z[15] = x[NUMERICAL];
+    if (!hinge->endpoint) store_lagged_loads(x, z + OBSERVATIONS);
 }
 
 /* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */

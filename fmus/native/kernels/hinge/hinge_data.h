@@ -58,7 +58,8 @@ static void *hinge_create(const Data *data, const Sizes *sizes, Memory *memory, 
     *states = STATES;
     if (!read_choice(data, "endpoint", 1, &hinge->endpoint, why)) return NULL;
     size_t pairs = hinge->endpoint ? 0 : PAIR_SIZE;
-    int usable = check_sizes("hinge", sizes, 2 * MOTION_SIZE + COMMANDS + pairs, OUTPUTS + pairs, OBSERVATIONS, why) &&
+    size_t observations = OBSERVATIONS + (hinge->endpoint ? 0 : LAGGED_LOADS);
+    int usable = check_sizes("hinge", sizes, 2 * MOTION_SIZE + COMMANDS + pairs, OUTPUTS + pairs, observations, why) &&
                  read_axis_frame(data, hinge->axis_frame, why) &&
                  read_choice(data, "latch_kind", KINEMATIC_LATCH, &hinge->latch_kind, why) &&
                  read_laws(hinge, data, memory, why) &&

@@ -11,7 +11,7 @@
 
 enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3 };
 
-/* Loads of which the last means are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
+/* Loads of which the last means and slopes are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
 enum { LATCH_LOAD = COORDINATE_COUNT, LOAD_COUNT };
 
 /* State: where each part begins. SLIDE are the mean hinge rates and the sizes of the last two steps, SLIDING the same
@@ -35,7 +35,7 @@ enum {
     ROUGHNESS = 58,
     SLOPES = 64,
     LOADS = 76,
-    SLIDING = LOADS + LOAD_COUNT * MID_STEP_SIZE,
+    SLIDING = LOADS + LOAD_COUNT * MID_STEP_SLOPE_SIZE,
     STATES = SLIDING + MID_STEP_SLOPE_SIZE
 };
 
@@ -44,7 +44,8 @@ enum {
     PAIR_SIZE = 2 * WRENCH_SIZE,
     COMMANDS = 3,
     OUTPUTS = PAIR_SIZE + 2, /* and slopes, of mean wrenches */
-    OBSERVATIONS = 16
+    OBSERVATIONS = 16, /* and lagged loads, of mean wrenches */
+    LAGGED_LOADS = 3
 };
 
 enum { NO_LATCH, SPRING_LATCH, TABLE_LATCH, KINEMATIC_LATCH };
@@ -116,8 +117,8 @@ typedef struct StiffLoads {
     MeanLoad bushing[COORDINATE_COUNT], latch;
 } StiffLoads;
 
-/* Where the last means of a load begin in the state. */
-static inline int load_place(int load) { return LOADS + MID_STEP_SIZE * load; }
+/* Where the last steps of a load begin in the state. */
+static inline int load_place(int load) { return LOADS + MID_STEP_SLOPE_SIZE * load; }
 
 /* Motion of the inputs; the angle is the one nearest the reference. */
 static inline Motion hinge_motion(const Hinge *hinge, const real *u, real reference) {

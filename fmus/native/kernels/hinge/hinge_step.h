@@ -44,14 +44,18 @@ static inline void store_rates_after_impulse(const Motion *new, real *x_next) {
     store_mid_step_start(new->rates[HINGE_ANGLE], x_next + SLIDE);
 }
 
+static inline void store_load(const double *old, const MeanLoad *load, double h, real *x_next) {
+    store_mid_step_slope_after(old, load->force, load->slope, h, x_next);
+}
+
 /* Loads and hinge rate of order 4 with one step more; the latch torque begins where the latch engages. */
 static inline void store_loads(const Hinge *hinge, const double *x, const Grip *grip, const StepMotion *motions,
                                const StiffLoads *loads, double h, real *x_next) {
     const StepMotion *turn = motions + HINGE_ANGLE;
     for (int i = 0; i < COORDINATE_COUNT; i++)
-        store_mid_step_after(x + load_place(i), loads->bushing[i].force, h, x_next + load_place(i));
+        store_load(x + load_place(i), &loads->bushing[i], h, x_next + load_place(i));
     if (latch_acts(hinge, grip))
-        store_mid_step_after(x + load_place(LATCH_LOAD), loads->latch.force, h, x_next + load_place(LATCH_LOAD));
+        store_load(x + load_place(LATCH_LOAD), &loads->latch, h, x_next + load_place(LATCH_LOAD));
     store_mid_step_slope_after(x + SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
                                x_next + SLIDING);
 }
