@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "evaluate.h"
+#include "input_slopes.h"
 
 /* What is differentiated, and where from; `by_step`: over the step made last, from the state before it. */
 typedef struct {
@@ -54,7 +55,8 @@ static int evaluate(const Query *query, Reason *why) {
     if (!evaluate_ready(instance, why))
         return 0;
     if (query->by_step &&
-        !instance->kernel->step(instance->self, instance->before, inputs, instance->step_size, stepped, why))
+        !instance->kernel->step(instance->self, instance->before, input_slopes_over_step(instance, instance->step_size),
+                                instance->step_size, stepped, why))
         return 0;
     const double *x = query->by_step ? stepped : evaluate_state(instance);
     instance->kernel->outputs(instance->self, x, inputs, values + instance->ends[1]);

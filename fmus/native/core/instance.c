@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "evaluate.h"
+#include "input_slopes.h"
 #include "layout.h"
 
 /* Relative tolerance of times. */
@@ -34,6 +35,7 @@ Status instance_reset(Instance *instance) {
     instance->stop_time = INFINITY;
     instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
     instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
+    input_slopes_reset(instance);
     return STATUS_OK;
 }
 
@@ -209,7 +211,7 @@ static Status make_step(Instance *instance, double h) {
     if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
         return STATUS_ERROR;
     if (evaluate_ready(instance, &why) &&
-        instance->kernel->step(instance->self, instance->x, evaluate_inputs(instance), h, next, &why) &&
+        instance->kernel->step(instance->self, instance->x, input_slopes_over_step(instance, h), h, next, &why) &&
         evaluate_state_finite(instance, next, &why))
         return STATUS_OK;
     instance->stepped = 0;
