@@ -23,6 +23,7 @@ from .contract.instance import Instance
 from .contract.roles import (
     DISSIPATED_ENERGY,
     KINETIC_ENERGY,
+    LAGGED,
     NUMERICAL_DISSIPATION,
     POTENTIAL_ENERGY,
     SUPPLIED_ENERGY,
@@ -35,6 +36,7 @@ for _module in iter_modules(__path__):
 __all__ = [
     "DISSIPATED_ENERGY",
     "KINETIC_ENERGY",
+    "LAGGED",
     "NUMERICAL_DISSIPATION",
     "POTENTIAL_ENERGY",
     "REGISTRY",

@@ -12,8 +12,8 @@ from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized, sum_of_moments
 from .contract.ports import WRENCH_SIZE
 from .contract.record import Record, kept, observed
-from .contract.roles import IMPULSE, INTERFACE_LOAD
-from .numerics.mid_step import StepMean, extrapolated
+from .contract.roles import IMPULSE, INTERFACE_LOAD, lagged
+from .numerics.mid_step import StepMean, between, extrapolated
 
 _STOPPED = -1.0
 
@@ -31,7 +31,7 @@ class _State(NamedTuple):
 
 _STATES = Record(_State)
 _NONE = (0.0,) * WRENCH_SIZE
-_OBSERVATIONS = (
+_LOADS = (
     observed("N", "Force on the base, world axes", INTERFACE_LOAD).called("interface_force", 3),
     observed("N.m", "Torque on the base about the reference point", INTERFACE_LOAD).called(
         "interface_torque", 3
@@ -61,7 +61,7 @@ class FixedBase(Component):
             {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
             ports=[Port(port["name"], "body", 4) for port in ports],
             inputs=[IMPULSE],
-            observations=_OBSERVATIONS,
+            observations=[*_LOADS, *map(lagged, _LOADS)],
             states=_STATES.quantities,
         )
         self._impulse = self.input_layout[IMPULSE.name].start
@@ -100,15 +100,15 @@ class FixedBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
 
-        Without a step before, as at the start and in model exchange, those of the present inputs.
+        Without a step before, as at the start and in model exchange, those of the present inputs. Then those one step
+        earlier, zero without two steps.
         """
         s = _STATES.read(x)
-        if s.h == 0.0:
-            return self._sum(u[: self._impulse])
         last = StepMean(np.array(s.load), np.array(s.slope), s.h)
-        return extrapolated(
-            last, StepMean(np.array(s.previous_load), np.array(s.previous_slope), s.previous_h)
-        )
+        previous = StepMean(np.array(s.previous_load), np.array(s.previous_slope), s.previous_h)
+        now = self._sum(u[: self._impulse]) if s.h == 0.0 else extrapolated(last, previous)
+        earlier = between(previous, last) if min(s.h, s.previous_h) > 0.0 else np.zeros(WRENCH_SIZE)
+        return np.concatenate((now, earlier))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""

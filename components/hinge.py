@@ -24,6 +24,7 @@ from .hinge_parts.loads import (
     endpoint_loads,
     impulse_loads,
     instant_loads,
+    lagged_loads,
     mean_loads,
     recorded,
     stiff_loads,
@@ -38,7 +39,15 @@ from .hinge_parts.state import (
     passage_of,
     rates_of,
 )
-from .hinge_parts.variables import NO_LOADS, OUTPUTS, Commands, Observations, Parameters, State
+from .hinge_parts.variables import (
+    NO_LOADS,
+    OUTPUTS,
+    Commands,
+    MeanObservations,
+    Observations,
+    Parameters,
+    State,
+)
 from .numerics.laws import Law, Linear, Table
 from .numerics.mid_step import MidStep, MidStepSlope
 from .numerics.relative_motion import axis_frame, pair, relative_pose, relative_rates
@@ -65,7 +74,7 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     kind, own_outputs = "hinge", OUTPUTS
     parameters, states = Record(Parameters), Record(State)
-    commands, observations = Record(Commands), Record(Observations)
+    commands = Record(Commands)
     scheme: ClassVar = {"REACHED": _REACHED, "FORCE_SMOOTHING": FORCE_SMOOTHING} | {
         f"{kind.upper()}_LATCH": number for number, kind in enumerate(_LATCH_KINDS)
     }
@@ -95,6 +104,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             "latch_deflection": tuple(latch_deflection),
             "latch_torque": tuple(latch_torque),
         }
+        self.observations = Record(Observations if wrench_mode == "endpoint" else MeanObservations)
         super().__init__(structure, wrench_mode)
         self._locks = latch == "kinematic" and not self.endpoint
 
@@ -195,12 +205,13 @@ class Hinge(Connection[Parameters, State, Commands]):
         return tuple(remembered(m, rate) for m, rate in zip(motions, rates, strict=True))
 
     @staticmethod
-    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStep, ...]:
+    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStepSlope, ...]:
         """Loads with one step more; that of the latch begins where it engages."""
         *bushing, latch = old.loads
         if old.latched and c.latches:
-            latch = latch.after(loads.latch.force, h)
-        return (*(b.after(load.force, h) for b, load in zip(bushing, loads.bushing, strict=True)), latch)
+            latch = latch.after(loads.latch.force, loads.latch.slope, h)
+        added = zip(bushing, loads.bushing, strict=True)
+        return (*(b.after(load.force, load.slope, h) for b, load in added), latch)
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
@@ -233,7 +244,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
         return np.array((*wrench, c.p.latch_angle - s.angle, s.latched))
 
-    def record(self, c: Constants, s: State, u: Inputs[Commands]) -> Observations:
+    def record(self, c: Constants, s: State, u: Inputs[Commands]) -> Observations | MeanObservations:
         """Angles, torques and forces at the communication point, and energies.
 
         Loads follow from the end-point law, of order 4 corrected by what the last steps' loads were.
@@ -254,7 +265,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         loads = instant_loads(c, now, recorded(c, now)) if c.paired else endpoint_loads(c, now)
         along, *across = loads.force
         _, *bending = loads.torque
-        return Observations(
+        found = Observations(
             angle=now.angle,
             angular_rate=rate,
             motor_torque=c.motor.value(now.angle),
@@ -272,6 +283,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             dissipated_energy=sum(s.heat),
             numerical_dissipation=s.numerical,
         )
+        return found if self.endpoint else MeanObservations(found, *lagged_loads(now))
 
     def powers(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Heat (W) of friction, latch and damping."""

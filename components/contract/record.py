@@ -72,7 +72,9 @@ class Record(Generic[T]):
                 size, make = _field(inner, sizes.get(name, quantity.size))
                 if quantity.name not in ("", name):
                     raise TypeError(f"{kind.__name__}.{name} is declared as {quantity.name}")
-                found.append(replace(quantity, name=name, size=size, resized=name in sizes))
+                found.append(
+                    replace(quantity, name=name, size=size, resized=quantity.resized or name in sizes)
+                )
             else:
                 part = Record(hint, **sizes)
                 size, make = part.size, part.of

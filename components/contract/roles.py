@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .quantity import Quantity
 
 
@@ -59,6 +61,19 @@ Kinetic, potential, dissipated energy and numerical dissipation change together 
 such as the work of a drive. Dissipated energy is the heat of dampers, friction and latches alone; numerical
 dissipation is what the scheme takes away besides, and it may give back a part that it stored.
 """
+
+LAGGED = "_lagged"
+"""Ending of an observation that tells the one named before it once more, for the communication point one step earlier.
+
+What a load was there is known better once both steps beside that point are. Such observations are declared last.
+"""
+
+
+def lagged(quantity: Quantity) -> Quantity:
+    """The observation that tells a quantity for the communication point one step earlier."""
+    text = f"{quantity.description}, one step earlier; of order 4, after two steps"
+    return replace(quantity, name=quantity.name + LAGGED, description=text, role="")
+
 
 LOAD = "load"
 """Role of an observation: a force or torque by whose peak runs are compared."""

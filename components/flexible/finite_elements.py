@@ -75,22 +75,6 @@ class FiniteElementModel:
 
 
 @dataclass(frozen=True)
-class Plate:
-    """Rectangular orthotropic plate, its energy ½[D11 w,xx² + D22 w,yy² + 2 D12 w,xx w,yy + 4 D66 w,xy²]."""
-
-    length: float
-    """along x, m"""
-    width: float
-    """along y, m"""
-    areal_mass: float
-    """kg/m2"""
-    bending: tuple[float, float, float, float]
-    """D11, D22, D12, D66, N m"""
-    membrane: tuple[float, float, float, float]
-    """A11, A22, A12, A66, N/m"""
-
-
-@dataclass(frozen=True)
 class PlateNodes:
     """Mesh nodes of a plate and the resultants (Nx, Ny, Nxy in N/m, Mx, My, Mxy in N) at each of them."""
 

@@ -11,10 +11,8 @@ origin in the middle, z normal to the panel; the mid-plane is z = 0.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 from math import ceil
-from typing import Literal
 
 import numpy as np
 import skfem
@@ -22,60 +20,13 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
-from .beam_frame import BeamSection, beam_stiffness
-from .finite_elements import FiniteElementModel, Plate, PlateNodes, Rectangle, SparseMatrix
+from .beam_frame import beam_stiffness
+from .finite_elements import FiniteElementModel, PlateNodes, Rectangle, SparseMatrix
 from .modal import rigid_motion
+from .plate import Panel, Plate
 from .plate_resultants import AxisCorners, kron, plate_nodes
 
 _GAUSS_POINTS = 4  # exact for the square of a cubic
-
-
-def sandwich_stiffness(
-    skin: float, core: float, youngs_modulus: float, poisson_ratio: float, shear_modulus: float
-) -> tuple[tuple[float, float, float, float], tuple[float, float, float, float]]:
-    """Bending (N m) and membrane (N/m) stiffness of two equal skins on a core that only spaces them.
-
-    skin, core: thickness (m) of one skin and of the core; moduli (Pa) of the skin, equal along x and y.
-    Thin skins (Allen 1969): A = 2 E t / (1 - nu²), D = A d² / 4 with d = core + skin.
-    """
-    plane = 2.0 * skin * youngs_modulus / (1.0 - poisson_ratio**2)
-    membrane = (plane, plane, poisson_ratio * plane, 2.0 * skin * shear_modulus)
-    lever = (core + skin) ** 2 / 4.0
-    a11, a22, a12, a66 = membrane
-    return (a11 * lever, a22 * lever, a12 * lever, a66 * lever), membrane
-
-
-@dataclass(frozen=True)
-class HingeArm:
-    """Fitting that carries an attachment point: rigid insert patch at the plate's edge, then a massless arm.
-
-    Without a `section` the arm is a rigid link.
-    """
-
-    name: str
-    y: float
-    """m"""
-    edge: Literal["inboard", "outboard"] = "inboard"
-    length: float = 0.055
-    """from the plate's edge to the attachment point, m"""
-    section: BeamSection | None = None
-    point_mass: float = 0.0
-    """at the attachment point, kg"""
-    patch: float = 0.030
-    """side of the square patch, m"""
-
-
-@dataclass(frozen=True)
-class Panel:
-    """Plate with hinge arms; `nodes` are further points (name -> x, y) a scene may load."""
-
-    plate: Plate
-    arms: tuple[HingeArm, ...] = ()
-    nodes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    plate_start: float = 0.055
-    """x of the plate's inboard edge, m"""
-    element_size: float = 0.05
-    """largest side of an element, m"""
 
 
 class _Axis:
@@ -237,9 +188,11 @@ def _membrane(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
 
 def panel_model(panel: Panel) -> FiniteElementModel:
     """Assembled panel; its points are the hinge arms (attachment points) and the panel's nodes."""
+    if problems := "; ".join(panel.problems()):
+        raise ComponentError(problems)
     end = panel.plate_start + panel.plate.length
     half = 0.5 * panel.plate.width
-    patches = {arm.name: _patch(panel, arm) for arm in panel.arms}
+    patches = {arm.name: panel.patch(arm) for arm in panel.arms}
     x_breaks = [panel.plate_start, end, *(x for patch in patches.values() for x in patch[0])]
     y_breaks = [-half, 0.0, half, *(y for patch in patches.values() for y in patch[1])]
     plate = PlateElements(panel.plate, x_breaks, y_breaks, panel.element_size)
@@ -274,18 +227,6 @@ def _faces(nx: int, ny: int) -> NDArray[np.int64]:
     return np.column_stack([corner, corner + ny, corner + ny + 1, corner + 1])
 
 
-def _patch(panel: Panel, arm: HingeArm) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Ranges of x and y of the arm's rigid insert."""
-    end = panel.plate_start + panel.plate.length
-    x = (panel.plate_start, panel.plate_start + arm.patch)
-    if arm.edge == "outboard":
-        x = (end - arm.patch, end)
-    y = (arm.y - 0.5 * arm.patch, arm.y + 0.5 * arm.patch)
-    if arm.patch > panel.plate.length or max(-y[0], y[1]) > 0.5 * panel.plate.width + 1e-9:
-        raise ComponentError(f"the insert patch of hinge arm {arm.name!r} reaches beyond the plate")
-    return x, y
-
-
 class _Ties:
     """Free degrees of freedom: those of the plate outside the patches, six per patch, six per arm's tip.
 
@@ -303,10 +244,9 @@ class _Ties:
         self.free = ~np.any([np.zeros(plate.kind.size, dtype=bool), *inside.values()], axis=0)
         self.roots, self.tips = {}, {}
         for arm in panel.arms:
-            outboard = arm.edge == "outboard"
-            edge = patches[arm.name][0][1 if outboard else 0]
-            self.tips[arm.name] = np.array([edge + (arm.length if outboard else -arm.length), arm.y, 0.0])
-            self.roots[arm.name] = np.array([edge, arm.y, 0.0]) if arm.section else self.tips[arm.name]
+            root, tip = panel.ends(arm)
+            self.tips[arm.name] = np.array([tip, arm.y, 0.0])
+            self.roots[arm.name] = np.array([root, arm.y, 0.0]) if arm.section else self.tips[arm.name]
         count = int(self.free.sum())
         self.root_dofs, self.attachment_dofs = {}, {}
         for arm in panel.arms:

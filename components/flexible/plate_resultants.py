@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import Vector
-from .finite_elements import Plate, PlateNodes, Rectangle, SparseMatrix
+from .finite_elements import PlateNodes, Rectangle, SparseMatrix
+from .plate import Plate
 
 
 @dataclass(frozen=True)

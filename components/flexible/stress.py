@@ -16,11 +16,8 @@ At the corners of rigid inserts the stress of a Kirchhoff plate is singular: val
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,25 +54,6 @@ def _positive(value: float, name: str) -> float:
     if not value > 0.0:
         raise ComponentError(f"{name} of a face sheet is {value} m; it must be positive")
     return value
-
-
-def face_sheets(entry: str) -> FaceSheets:
-    """Face sheets of a catalogue body, from data/face_sheets.toml; ComponentError for one without."""
-    text = (files("components") / "data" / "face_sheets.toml").read_text(encoding="utf-8")
-    constructions = tomllib.loads(text)
-    for construction in constructions.values():
-        if entry in construction["catalogue"]:
-            return _from_table(construction)
-    known = ", ".join(name for c in constructions.values() for name in c["catalogue"])
-    raise ComponentError(
-        f"no face sheets are known of {entry!r}; components/data/face_sheets.toml has those of {known}"
-    )
-
-
-def _from_table(table: Mapping[str, Any]) -> FaceSheets:
-    if "thickness" in table:
-        return FaceSheets.solid(table["thickness"]["value"])
-    return FaceSheets.sandwich(table["skin"]["value"], table["distance"]["value"])
 
 
 def von_mises(stress: Vector) -> Vector:

@@ -134,6 +134,12 @@ def recorded(c: Constants, s: State) -> Held:
     )
 
 
+def lagged_loads(s: State) -> tuple[float, float, float]:
+    """Latch torque, axial and radial force at the communication point before the last step, of order 4."""
+    x, y, z, *_, latch = (load.before() for load in s.loads)
+    return latch, x, sqrt(y * y + z * z)
+
+
 def endpoint_loads(c: Constants, s: State) -> Loads:
     """Loads of one instant from coordinates and rates; heat as power (W)."""
     return instant_loads(c, s, held_at(c, s))

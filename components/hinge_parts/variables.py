@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, NamedTuple
 
 from ..contract.connection import NO_PAIR, SLOPES, WRENCH
 from ..contract.frames import Quaternion, Vector3
+from ..contract.quantity import Quantity
 from ..contract.record import integrated, kept, observed, tunable
 from ..contract.roles import (
     DISSIPATED_ENERGY,
@@ -19,12 +21,13 @@ from ..contract.roles import (
     NUMERICAL_DISSIPATION,
     ORDER,
     POTENTIAL_ENERGY,
+    lagged,
 )
 from ..numerics.mid_step import MidStep, MidStepSlope
 from ..numerics.stiff_coordinate import Memory
 
 Six = tuple[float, float, float, float, float, float]
-NO_LOADS: tuple[MidStep, ...] = (MidStep.starting(0.0),) * 7
+NO_LOADS: tuple[MidStepSlope, ...] = (MidStepSlope.starting(0.0),) * 7
 OUTPUTS = (LATCH_DISTANCE, LATCHED)
 """What a master watches, beside the wrenches on both ports."""
 
@@ -116,7 +119,7 @@ class State(NamedTuple):
     power: Annotated[Vector3, kept("W", "Of the three heats at the last end-point step")] = (0.0, 0.0, 0.0)
     wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
     slopes: Annotated[tuple[float, ...], SLOPES] = NO_PAIR
-    loads: Annotated[tuple[MidStep, ...], kept("1", "Loads over two steps (N, N.m)").sized(7)] = NO_LOADS
+    loads: Annotated[tuple[MidStepSlope, ...], kept("1", "Loads over two steps (N, N.m)").sized(7)] = NO_LOADS
     sliding: Annotated[MidStepSlope, kept("rad/s", "The same of the rate, with slopes")] = (
         MidStepSlope.starting(0.0)
     )
@@ -180,3 +183,17 @@ class Observations(NamedTuple):
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Energy of bushing, motor, harness and latch")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]
+
+
+def _again(quantity: Quantity) -> Quantity:
+    """A load told once more, one step later, where it is a mean over steps."""
+    return replace(lagged(quantity), resized=True)
+
+
+class MeanObservations(NamedTuple):
+    """With mean wrenches, the loads one step earlier as well."""
+
+    now: Observations
+    latch_torque_lagged: Annotated[float, _again(observed("N.m", "Latch torque").called("latch_torque"))]
+    axial_force_lagged: Annotated[float, _again(observed("N", "Axial force").called("axial_force"))]
+    radial_force_lagged: Annotated[float, _again(observed("N", "Radial force").called("radial_force"))]

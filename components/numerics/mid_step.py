@@ -44,6 +44,18 @@ def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
     return last.mean + last.slope + bend * (last.h**2 / 12.0) + unknown * (0.5 * last.h / between)
 
 
+def between(before: StepMean[T], after: StepMean[T]) -> T:
+    """Value at the communication point between two steps, exact for a cubic; sizes must be above 0.
+
+    Four numbers, two means and two slopes, make the cubic. With steps of one size its error is h^4 / 360 times the
+    fourth derivative, and slopes count by a third, where an extrapolation takes them whole.
+    """
+    a, b = before.h, after.h
+    means = (b * b * (b + 3.0 * a)) * before.mean + (a * a * (a + 3.0 * b)) * after.mean
+    slopes = (b * b * (5.0 * a + 3.0 * b)) * before.slope - (a * a * (3.0 * a + 5.0 * b)) * after.slope
+    return (means + slopes * (1.0 / 3.0)) * (1.0 / (a + b) ** 3)
+
+
 class MidStep(NamedTuple):
     """Means of a rate or a load over the last two steps and the sizes of these; size 0 where there is none."""
 
@@ -79,7 +91,7 @@ class MidStep(NamedTuple):
 
 
 class MidStepSlope(NamedTuple):
-    """Means and slopes of a rate over the last two steps and the sizes of these; size 0 where there is none."""
+    """Means and slopes of a rate or a load over the last two steps and their sizes; size 0 where there is none."""
 
     last: float
     slope: float
@@ -100,3 +112,13 @@ class MidStepSlope(NamedTuple):
     def now(self) -> float:
         """Value at the communication point."""
         return extrapolated(StepMean(*self[:3]), StepMean(*self[3:]))
+
+    def before(self) -> float:
+        """Value at the communication point before the last step; zero without two steps."""
+        if self.h <= 0.0 or self.previous_h <= 0.0:
+            return 0.0
+        return between(StepMean(*self[3:]), StepMean(*self[:3]))
+
+    def load_now(self, at_end: float, roughness: float) -> float:
+        """See `MidStep.load_now`."""
+        return MidStep(self.last, self.previous, self.h, self.previous_h).load_now(at_end, roughness)

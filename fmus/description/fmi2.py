@@ -85,7 +85,10 @@ def model_description(
         "fmiModelDescription",
         {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend)},
     )
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES[backend]})
+    capabilities = {"modelIdentifier": name, **_CAPABILITIES[backend]}
+    if backend == "native" and any(port.side == "body" and port.order == 4 for port in component.ports):
+        capabilities["canInterpolateInputs"] = "true"
+    SubElement(root, "CoSimulation", capabilities)
     units = [v.quantity.unit for v in variables]
     add_units(root, [*units, *state_units(component)] if backend == "native" else units)
     _add_log_categories(root)

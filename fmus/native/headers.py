@@ -13,7 +13,7 @@ from itertools import takewhile
 from pathlib import Path
 from textwrap import fill
 
-from components import REGISTRY, Component, Quantity, port_layout
+from components import LAGGED, REGISTRY, Component, Quantity, port_layout
 from components.numerics import scheme
 
 FOLDER = Path(__file__).parent / "kernels" / "layouts"
@@ -100,14 +100,19 @@ def _places(prefix: str, end: str, position: int, quantities: Iterable[Quantity]
 
 
 def _resized(component: Component) -> Iterator[str]:
-    """Where the first resized quantity of a group lies."""
-    for prefix, end, layout in (
-        ("X", "STATES", component.state_layout),
-        ("Z", "OBSERVATIONS", component.observation_layout),
-    ):
-        first = next((q for q in layout.quantities if q.resized), None)
-        if first is not None:
-            yield f"#define {prefix}_{_name(first)} {end}"
+    """Where resized quantities lie in the example: the first, and those whose sizes before them are fixed."""
+    groups = (("X", "STATES", component.state_layout), ("Z", "OBSERVATIONS", component.observation_layout))
+    for prefix, end, layout in groups:
+        resized = [q for q in layout.quantities if q.resized]
+        lagged = [q for q in resized if q.name.endswith(LAGGED)]
+        for place, quantity in enumerate(lagged or resized[:1]):
+            yield (
+                f"#define {prefix}_{_name(quantity)} ({end} + {place})"
+                if place
+                else (f"#define {prefix}_{_name(quantity)} {end}")
+            )
+    if not component.ports_vary:
+        yield f"#define LAGGED_LOADS {sum(q.resized for q in component.observation_layout.quantities)}"
 
 
 def _name(quantity: Quantity) -> str:

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from components.catalogue import BODIES, finite_elements
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 from ..assembly.assemble import assemble
@@ -22,7 +21,7 @@ from ..cosim.master import Settings
 from ..run.progress import Progress, silent
 from ..run.run import RunError
 from ..scene import CheckedScene
-from ..scene.bodies import body_model
+from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.builder import Scene
 from ..scene.locked_groups import held_bodies
@@ -102,11 +101,9 @@ def mode_study(
 
 
 def studied_body(scene: CheckedScene, name: str | None, rigid: Collection[str]) -> Body:
-    """The named body of the catalogue, or the only one that is not rigid; held lines leave a body no modes."""
+    """The named body, or the only one that is not rigid; held lines leave a body no modes."""
     held = held_bodies(scene)
-    bodies = {
-        body.name: body for body in scene.bodies if body.catalogue is not None and body.name not in held
-    }
+    bodies = {body.name: body for body in scene.bodies if body.can_bend and body.name not in held}
     left = [body for body in bodies if not {body, "all"} & set(rigid)]
     if name is None and len(left) == 1:
         return bodies[left[0]]
@@ -125,13 +122,12 @@ def studied_body(scene: CheckedScene, name: str | None, rigid: Collection[str]) 
 
 
 def frequencies(body: Body, counts: Sequence[int], listed: int = _LISTED) -> Frequencies:
-    """The first frequencies of a catalogue body in full and reduced to each number of fixed-interface modes."""
-    entry = str(body.catalogue)
-    masses = tuple((attached.point, attached.mass) for attached in body.attached_masses)
-    model = finite_elements(entry, masses)
+    """The first frequencies of a body in full and reduced to each number of fixed-interface modes."""
+    definition = body_definition(body)
+    model = definition.finite_elements(body.masses)
     reduced = {}
     for count in counts:
         data = body_model(body.model_copy(update={"fixed_interface_modes": count}), flexible=True)
         reduced[count] = data.frequency[:listed] / (2.0 * np.pi)
-    fixed = fixed_interface_frequencies(model, BODIES[entry].attachment_points, listed)
+    fixed = fixed_interface_frequencies(model, definition.attachment_points, listed)
     return Frequencies(fixed / (2.0 * np.pi), free_frequencies(model, listed) / (2.0 * np.pi), reduced)

@@ -34,13 +34,15 @@ def choose_fidelity(
         for name in sorted({*rigid, *flexible} - {*bodies, "all"})
     ]
     to_rigid = set(bodies) if "all" in rigid else set(rigid)
-    entries = {name for name, body in bodies.items() if body.catalogue is not None}
+    entries = {name for name, body in bodies.items() if body.can_bend}
     to_flexible = entries if "all" in flexible else set(flexible)
     for name in bodies:
         if name in to_rigid and name in to_flexible:
             problems.append(f"{scene.file}: body.{name}: it cannot be both rigid and flexible")
         if name in to_flexible - entries:
-            problems.append(f"{scene.file}: body.{name}: only a body of the catalogue can be flexible")
+            problems.append(
+                f"{scene.file}: body.{name}: only a body of the catalogue, or with a panel or frame, can be flexible"
+            )
     if problems:
         raise SceneError(problems)
     return {

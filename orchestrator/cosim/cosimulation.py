@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -15,19 +14,8 @@ from ..assembly import HingeLine
 from .energy_balance import Energies
 from .implicit.solver import Solver
 from .network import Network
-from .participant import Vector
+from .rows import Recorder, Rows
 from .static_search import DURATION, StaticSearch
-
-
-class Recorder(Protocol):
-    """Takes what happened, in order."""
-
-    def append(self, time: float, values: Sequence[Vector]) -> None:
-        """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Something switched."""
-
 
 SCENE_CHANNELS = (
     ("step_size", "s", "Communication step size that led here"),
@@ -73,8 +61,7 @@ class CoSimulation(ABC):
             for name, sensor in sensors.items()
         }
         self._scene = np.zeros(len(SCENE_CHANNELS))
-        ends = np.cumsum([p.observation_layout.size for p in network.participants])
-        self._recorded = [*np.split(solver.observations, ends)[:-1], self._scene]
+        self._rows = Rows(recorder, network.participants, solver.observations, self._scene)
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
@@ -143,8 +130,8 @@ class CoSimulation(ABC):
         self._energies = self.solver.observe(self.time + h)
         return self._energies
 
-    def _record(self, h: float, iterations: int) -> None:
-        """The last observations and the scene's channels to the recorder."""
+    def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
+        """The last observations and the scene's channels to the recorder; those of an accepted step one step later."""
         found, start = self._energies, self._energy_start
         self._scene[:] = (
             h,
@@ -155,4 +142,7 @@ class CoSimulation(ABC):
             found.supplied - start.supplied,
             found.balance - start.balance,
         )
-        self.recorder.append(self.time, self._recorded)
+        if accepted:
+            self._rows.hold(self.time, continues=self.network.order == 4 and len(self.segments[-1]) > 1)
+        else:
+            self._rows.add(self.time)

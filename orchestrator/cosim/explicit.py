@@ -17,12 +17,13 @@ import numpy as np
 from components.contract.roles import LATCH_COMMAND, LATCHED
 
 from ..assembly import HingeLine
-from .cosimulation import CoSimulation, Recorder
+from .cosimulation import CoSimulation
 from .implicit.convergence import Tolerance
 from .implicit.solvers import solver_for
 from .master import Settings
 from .network import Network
 from .participant import ParticipantError
+from .rows import Recorder
 from .stepping import StepError
 
 Order = Literal["jacobi", "gauss-seidel"]

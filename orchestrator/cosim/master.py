@@ -9,13 +9,14 @@ from math import sqrt
 from components.contract.roles import IMPULSE, LATCH_COMMAND
 
 from ..assembly import HingeLine
-from .cosimulation import CoSimulation, Recorder
+from .cosimulation import CoSimulation
 from .energy_guard import EnergyGuard
 from .implicit.convergence import Solution, Tolerance
 from .implicit.solvers import solver_for
 from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
 from .network import Network
 from .ports import Order
+from .rows import Recorder
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
 
 _ITERATED = {2: 1e-2, 4: 1e-3}
@@ -80,6 +81,13 @@ class Master(CoSimulation):
 
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where no step size converges."""
+        try:
+            self._step_to_end(until)
+        finally:
+            self._rows.release()
+        self.statistics.sweeps, self.statistics.fmu_time = self.solver.costs()
+
+    def _step_to_end(self, until: float) -> None:
         while self.time < until - 1e-12:
             h = self._next_step(until)
             solution = self._try_step(h)
@@ -93,7 +101,6 @@ class Master(CoSimulation):
             if line is not None:
                 self._latch(line)
             self.settings.progress(self.time, h)
-        self.statistics.sweeps, self.statistics.fmu_time = self.solver.costs()
 
     def _next_step(self, until: float) -> float:
         remaining = until - self.time
@@ -172,7 +179,7 @@ class Master(CoSimulation):
         self.solver.accept(self.time, h)
         self._advance(h)
         self._watch()
-        self._record(h, solution.iterations)
+        self._record(h, solution.iterations, accepted=True)
         self._error.see(self._energies.kinetic)
 
     def _latch(self, line: HingeLine) -> None:
@@ -279,6 +286,6 @@ class Master(CoSimulation):
         """Note how far the hinge lines are from their latches."""
         self._before = {line.name: self._distance(line) for line in self._pending}
 
-    def _record(self, h: float, iterations: int) -> None:
+    def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)
-        super()._record(h, iterations)
+        super()._record(h, iterations, accepted=accepted)

@@ -26,6 +26,7 @@ from ..cosim.master import Master, Settings
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
+from ..cosim.rows import recorded_layout
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
@@ -183,7 +184,8 @@ def _follow(
 ) -> Outcome:
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
-    groups = [SignalGroup.of(p.name, p.observation_layout, p.noun) for p in participants] + [_scene_group()]
+    groups = [SignalGroup.of(p.name, recorded_layout(p.observation_layout), p.noun) for p in participants]
+    groups.append(_scene_group())
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     start = perf_counter()
     around = (groups, provenance, assembly.geometry, assembly.hinge_lines)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
-from components import ComponentError
 from components.contract.frames import (
     Quaternion,
     Vector3,
@@ -25,10 +25,13 @@ from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
+from .layers import merged
 from .schema import CheckedScene
 from .table import Seat
+from .units import Sign, to_si
 
-_TWIN = "_rigid"
+if TYPE_CHECKING:
+    from components.catalogue import BodyDefinition
 
 
 class Attachment(NamedTuple):
@@ -71,11 +74,9 @@ def body_model(body: Body, flexible: bool, structural: StructuralDamping | None 
         rigid = body.rigid
         shape = span([*rigid.points.values(), rigid.center_of_mass])
         return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points, *shape)
-    entry = str(body.catalogue)
-    masses = tuple((attached.point, attached.mass) for attached in body.attached_masses)
     if not flexible:
-        return _catalogue_model(entry, None, masses)
-    data = _catalogue_model(entry, body.fixed_interface_modes, masses)
+        return _model(_written(body), None, body.masses)
+    data = _model(_written(body), body.fixed_interface_modes, body.masses)
     data = data.switch_off(body.modes_off, body.frequencies_off)
     if body.damping_ratio is not None:
         return data.with_damping(body.damping_ratio)
@@ -83,24 +84,43 @@ def body_model(body: Body, flexible: bool, structural: StructuralDamping | None 
     return data if own is None else data.with_structural_damping(own.time)
 
 
+def body_definition(body: Body) -> BodyDefinition:
+    """What a body that is not rigid was written down as; ComponentError with everything that is wrong with it."""
+    return _definition(_written(body))
+
+
+def _written(body: Body) -> str:
+    """What the scene says of how a body is built, as a text to find it by."""
+    return json.dumps([body.catalogue, body.definition_tables])
+
+
 @lru_cache(maxsize=32)
-def _catalogue_model(
-    entry: str, fixed_interface_modes: int | None, masses: tuple[tuple[str, float], ...]
+def _definition(written: str) -> BodyDefinition:
+    from components import catalogue  # takes its time, which no command needs that builds nothing
+
+    entry, tables = json.loads(written)
+    if not tables:
+        return catalogue.entry(entry)
+    below = {} if entry is None else catalogue.entry_table(entry)
+    return catalogue.read_body(merged(below, tables, set()), _quantity)
+
+
+def _quantity(value: object, unit: str, sign: Sign) -> float:
+    """A value of the catalogue's data sheets, or one of a scene file laid over it."""
+    from components.catalogue.tables import stated
+
+    return stated(value, unit, sign) if isinstance(value, tuple) else to_si(value, unit, sign)
+
+
+@lru_cache(maxsize=32)
+def _model(
+    written: str, fixed_interface_modes: int | None, masses: tuple[tuple[str, float], ...]
 ) -> ModalData:
-    """Model of a catalogue entry, its rigid twin where no number of modes is given.
-
-    An entry is a function `entry(fixed_interface_modes, masses)` of the catalogue with a twin `entry_rigid(masses)`.
-    """
-    from components import catalogue  # scikit-fem takes its time, which no command needs that builds nothing
-
-    known = [name.removesuffix(_TWIN) for name in vars(catalogue) if name.endswith(_TWIN)]
-    if entry not in known:
-        raise ComponentError(f"there is no catalogue entry {entry!r}; entries are {', '.join(known)}")
+    """Model of a body, its rigid twin where no number of modes is given."""
+    definition = _definition(written)
     if fixed_interface_modes is None:
-        rigid: Callable[..., ModalData] = getattr(catalogue, entry + _TWIN)
-        return rigid(masses)
-    flexible: Callable[..., ModalData] = getattr(catalogue, entry)
-    return flexible(fixed_interface_modes, masses)
+        return definition.rigid(masses)
+    return definition.flexible(fixed_interface_modes, masses)
 
 
 def body_points(body: Body) -> Mapping[str, Vector3]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -45,7 +45,10 @@ class AttachedMass(Table):
 
 
 class Body(Table):
-    """[[body]]: an entry of the catalogue, or a rigid body; options of its flexible model.
+    """[[body]]: panel, frame or both, an entry of the catalogue, or a rigid body; options of its flexible model.
+
+    panel, frame, rigid_twin: tables that `components.catalogue.reader` reads, or changes to those of the catalogue
+    entry. like: another body of the scene, whose keys are those of this one where it says nothing else.
 
     place: where the origin of a body that no hinge line carries starts, its offset in world axes, the body's axes
     being those of the world. damping_ratio: of all its modes; structural_damping: in proportion to their frequency,
@@ -54,7 +57,11 @@ class Body(Table):
 
     name: Name
     place: Seat | None = None
+    like: Name | None = None
     catalogue: str | None = None
+    panel: dict[str, Any] | None = None
+    frame: dict[str, Any] | None = None
+    rigid_twin: dict[str, Any] | None = None
     rigid: RigidBody | None = None
     fidelity: Fidelity | None = None
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
@@ -67,20 +74,35 @@ class Body(Table):
     attached_masses: tuple[AttachedMass, ...] = ()
 
     @property
+    def can_bend(self) -> bool:
+        """Whether the body has a flexible model."""
+        return self.rigid is None
+
+    @property
     def flexible(self) -> bool:
         """Whether the body is flexible unless the run says otherwise."""
-        return self.catalogue is not None and self.fidelity != "rigid"
+        return self.can_bend and self.fidelity != "rigid"
+
+    @property
+    def definition_tables(self) -> dict[str, dict[str, Any]]:
+        """The tables that say how the body is built, those that are given."""
+        tables = {"panel": self.panel, "frame": self.frame, "rigid_twin": self.rigid_twin}
+        return {key: table for key, table in tables.items() if table is not None}
+
+    @property
+    def masses(self) -> tuple[tuple[str, float], ...]:
+        """Attached masses (kg) by point."""
+        return tuple((attached.point, attached.mass) for attached in self.attached_masses)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
-        if (self.catalogue is None) == (self.rigid is None):
-            raise ValueError("give either a catalogue entry or a table rigid")
+        built = self.catalogue is not None or self.panel is not None or self.frame is not None
+        if built == (self.rigid is not None) and self.like is None:
+            raise ValueError("give either a catalogue entry, a table panel or frame, or a table rigid")
         if self.rigid is not None and self.fidelity == "flexible":
-            raise ValueError("only a body of the catalogue can be flexible")
+            raise ValueError("only a body of the catalogue, or with a panel or frame, can be flexible")
         if self.rigid is not None and self.attached_masses:
-            raise ValueError(
-                "attached_masses belong to bodies of the catalogue; add them to the mass of rigid"
-            )
+            raise ValueError("attached_masses belong to bodies that can bend; add them to the mass of rigid")
         return self
 
     @model_validator(mode="after")

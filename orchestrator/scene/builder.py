@@ -127,10 +127,10 @@ class Scene:
         return self._set("base", Base, {"name": name, "points": points, **keys})
 
     def body(self, name: str, **keys: object) -> str:
-        """Add a [[body]]: catalogue, or rigid with mass, center_of_mass, inertia and points.
+        """Add a [[body]]: panel, frame, catalogue, or rigid with mass, center_of_mass, inertia and points.
 
-        Further keys: place, fidelity, fixed_interface_modes, inertia_coupling, damping_ratio, structural_damping,
-        damping_scale, modes_off, frequencies_off, attached_masses.
+        Further keys: like, rigid_twin, place, fidelity, fixed_interface_modes, inertia_coupling, damping_ratio,
+        structural_damping, damping_scale, modes_off, frequencies_off, attached_masses.
         """
         return self._add("body", Body, {"name": name, **keys})
 

@@ -1,7 +1,8 @@
 """Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
 
 Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
-name away. Everything else replaces what was there. A merge that cannot be is a SceneError.
+name away. Everything else replaces what was there. A merge that cannot be is a SceneError. In the end, bodies that are
+`like` others are laid over these.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ Tree = dict[str, Any]
 Setting = str | tuple[str, Any]
 """One value laid over a scene: "table.key=value" as on a command line, or key and value."""
 
-_EXTENDS, _VARIANT, _REMOVE = "extends", "variant", "remove"
+_EXTENDS, _VARIANT, _REMOVE, _LIKE = "extends", "variant", "remove", "like"
+_OWN = ("name", "place")
+"""Keys that a body does not share with those that are like it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,3 +175,37 @@ def _nested(file: str, setting: str, steps: Sequence[str], value: object, tree: 
         known = ", ".join(str(entry["name"]) for entry in inner)
         raise SceneError([f"{file}: the setting {setting!r} needs a key of one of {step}: {known}"])
     return {step: [{"name": rest[0], **_nested(file, setting, rest[1:], value, entry)}]}
+
+
+def resolved(tree: Tree) -> tuple[Tree, list[str]]:
+    """The tree with every `like` of a body carried out, and what is wrong with those that cannot be."""
+    entries = tree.get("body")
+    if not isinstance(entries, list) or not any(isinstance(e, dict) and _LIKE in e for e in entries):
+        return tree, []
+    known = {e["name"]: e for e in entries if isinstance(e, dict) and isinstance(e.get("name"), str)}
+    problems: list[str] = []
+    bodies = [_whole(entry, known, problems) if entry in known.values() else entry for entry in entries]
+    return {**tree, "body": bodies}, problems
+
+
+def _whole(entry: Tree, known: Mapping[str, Tree], problems: list[str]) -> Tree:
+    """A body over what it is like, over what that is like; without them where there is a problem."""
+    lineage = [entry]
+    while (other := lineage[-1].get(_LIKE)) is not None:
+        key = f"body.{lineage[-1]['name']}.{_LIKE}"
+        if not isinstance(other, str) or other not in known:
+            problems.append(f"{key}: there is no body {other!r}; bodies are {', '.join(known)}")
+            break
+        if known[other] in lineage:
+            told = " -> ".join([*(one["name"] for one in lineage), other])
+            problems.append(f"{key}: {told} is a circle")
+            break
+        lineage.append(known[other])
+    whole: Tree = {}
+    try:
+        for one in reversed(lineage):
+            below = {key: value for key, value in whole.items() if key not in _OWN}
+            whole = merged(below, {key: value for key, value in one.items() if key != _LIKE}, set())
+    except SceneError as error:
+        problems += [f"body.{entry['name']}.{problem}" for problem in error.problems]
+    return whole

@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from components import ComponentError
+from components.contract.errors import unknown
 from components.contract.frames import Vector3
 
 from . import consistency as scene_check
@@ -17,10 +18,10 @@ from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Setting, Tree, read_layers
+from .layers import Layers, Setting, Tree, read_layers, resolved
 from .schema import CheckedScene, Header
 from .table import SceneError
-from .validation import Entries, EntryReader, unknown
+from .validation import Entries, EntryReader
 
 _STRUCTURAL = "structural_damping"
 _TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
@@ -100,7 +101,9 @@ def read_scene(file: str, tree: Tree) -> CheckedScene:
 
 def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
-    reader = EntryReader(tree, added)
+    whole, unlike = resolved(tree)
+    reader = EntryReader(whole, added)
+    reader.note(unlike)
     known = sorted(_TABLES | _ARRAYS)
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
@@ -196,5 +199,7 @@ class _References:
             try:
                 points[body.name] = body_points(body)
             except ComponentError as error:
-                self.reader.note([f"body.{body.name}.catalogue: {error}"])
+                place = "" if body.catalogue is None or body.definition_tables else ".catalogue"
+                told = [f".{problem}" for problem in getattr(error, "problems", ())] or [f"{place}: {error}"]
+                self.reader.note(f"body.{body.name}{problem}" for problem in told)
         return points

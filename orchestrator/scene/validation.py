@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from difflib import get_close_matches
 from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
+
+from components.contract.errors import unknown
 
 from .layers import Tree
 from .table import Table
@@ -169,13 +170,6 @@ def _models(kind: Any) -> Iterator[type[Table]]:  # noqa: ANN401 - a type
         return
     for part in get_args(kind):
         yield from _models(part)
-
-
-def unknown(given: str, known: Sequence[str], what: str = "key") -> str:
-    """A sentence on a name that is not among those known, with the nearest of them."""
-    near = get_close_matches(given, known, 1)
-    meant = f"; did you mean {near[0]}" if near else ""
-    return f"is not a known {what}{meant}; {what}s are {', '.join(known) or 'none'}"
 
 
 def _sentence(error: ErrorDetails, model: type[Table]) -> str:

@@ -46,7 +46,7 @@ def ours(chain: Chain, steps: int, backend: Backend) -> Cell:
     """Our master at a fixed step; its iteration tolerance is 1e-6 at the default tolerance of 1e-4."""
     parts, links = chain.parts()
     with as_instances(parts, backend) as participants:
-        network = Network(participants, links)
+        network = Network(participants, links, 4)
         record = Record(network)
         master = Master(network, [], record, Settings(fixed_step=STEP))
         master.initialize(preload=False)

@@ -95,7 +95,7 @@ def run(
 
 def panel_data(modes: int) -> ModalData:
     """The workbench panel with that many flexible modes; rigid for none."""
-    flexible = catalogue.workbench_panel(max(0, modes - 6))
+    flexible = catalogue.entry("workbench_panel").flexible(max(0, modes - 6))
     if modes:
         return flexible
     points = dict(zip(flexible.point_names, flexible.point_positions, strict=True))

@@ -5,7 +5,7 @@ from math import acos, sqrt
 import numpy as np
 import pytest
 
-from components.catalogue import BODIES, finite_elements
+from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
 
 from .scene_runs import RUNS
@@ -41,8 +41,8 @@ def test_latch_torque_peaks_stay(name, layers, rigid):
 def test_fixed_interface_frequencies_of_the_panel():
     """Bagnoli 2007, Table 3-3; the sheet fits the first six within 1.2 %."""
     published = (4.103071, 9.523196, 54.19069, 69.25148, 97.80708, 121.5842)
-    model = finite_elements("workbench_panel")
-    points = BODIES["workbench_panel"].attachment_points
+    model = catalogue.entry("workbench_panel").finite_elements()
+    points = catalogue.entry("workbench_panel").attachment_points
     found = fixed_interface_frequencies(model, points, 6) / (2.0 * np.pi)
     assert found == pytest.approx(published, rel=0.012)
 

@@ -6,29 +6,8 @@
 #include <string.h>
 
 #include "differences.h"
-#include "layout.h"
+#include "evaluate.h"
 #include "real.h"
-
-/* More than any component has; what damaged data may ask for stays small. */
-#define MOST 1e6
-
-static int is_count(double number) { return number >= 0.0 && number <= MOST && floor(number) == number; }
-
-int continuous_read(Instance *instance, Reason *why) {
-    Continuous *continuous = &instance->continuous;
-    Reason absent;
-    const double *counts = data_array(&instance->data, "continuous", 2, &absent);
-    if (!counts)
-        return 1;
-    if (!is_count(counts[0]) || !is_count(counts[1]))
-        return refuse(why, "the component's data declare %g continuous states and %g event indicators", counts[0],
-                      counts[1]);
-    continuous->offered = 1;
-    continuous->count = (size_t)counts[0];
-    continuous->indicators = (size_t)counts[1];
-    continuous->nominals = data_array(&instance->data, "nominals", continuous->count, why);
-    return continuous->nominals != NULL;
-}
 
 int continuous_create(Instance *instance, Reason *why) {
     const Kernel *kernel = instance->kernel;
@@ -65,50 +44,6 @@ int continuous_use(Instance *instance) {
     }
     continuous->used = 1;
     return 1;
-}
-
-const double *continuous_state(Instance *instance) {
-    Continuous *continuous = &instance->continuous;
-    if (!continuous->used || !instance->kernel->complete)
-        return instance->x;
-    if (!continuous->known) {
-        memcpy(continuous->completed, instance->x, instance->states * sizeof(double));
-        instance->kernel->complete(instance->self, continuous->completed);
-        continuous->known = 1;
-    }
-    return continuous->completed;
-}
-
-/* At a state that is ready. */
-static int evaluate_rates(Instance *instance, double *rates, Reason *why) {
-    return instance->kernel->rates(instance->self, instance->x, continuous_state(instance),
-                                   instance->values + instance->ends[0], rates, why);
-}
-
-static void copy_states(const Instance *instance, double *states) {
-    for (size_t i = 0; i < instance->continuous.count; i++)
-        states[i] = instance->x[instance->continuous.places[i]];
-}
-
-int continuous_show(Instance *instance, Reason *why) {
-    double *states = instance->values + instance->ends[3];
-    if (!instance_ready(instance, why) || !evaluate_rates(instance, states + instance->continuous.count, why))
-        return 0;
-    copy_states(instance, states);
-    return 1;
-}
-
-Status continuous_set_value(Instance *instance, uint32_t reference, double value) {
-    char name[200];
-    if (!instance->tunable[reference] || value == instance->values[reference]) {
-        instance->values[reference] = value;
-        return STATUS_OK;
-    }
-    layout_scalar_name(instance, reference, name, sizeof name);
-    if (reference < instance->ends[0])
-        return instance_fail(instance, STATUS_ERROR, "%s changes in event mode only", name);
-    return instance_fail(instance, STATUS_WARNING, "%s changes in event mode only; it stays %g", name,
-                         instance->values[reference]);
 }
 
 /* STATUS_OK when an instance for model exchange is in one of two modes; `wanted` says what they allow. */
@@ -165,9 +100,9 @@ Status continuous_get_states(Instance *instance, double *states, size_t count) {
     Status status = check_query(instance, instance->continuous.count, count, "continuous states");
     if (status != STATUS_OK)
         return status;
-    if (!instance_ready(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
-    copy_states(instance, states);
+    evaluate_states(instance, states);
     return STATUS_OK;
 }
 
@@ -191,7 +126,7 @@ Status continuous_get_rates(Instance *instance, double *rates, size_t count) {
     Status status = check_query(instance, instance->continuous.count, count, "continuous states");
     if (status != STATUS_OK)
         return status;
-    if (!instance_ready(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
     if (!evaluate_rates(instance, rates, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
@@ -203,9 +138,9 @@ Status continuous_get_indicators(Instance *instance, double *indicators, size_t 
     Status status = check_query(instance, instance->continuous.indicators, count, "event indicators");
     if (status != STATUS_OK || !count)
         return status;
-    if (!instance_ready(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
-    instance->kernel->indicators(instance->self, continuous_state(instance), instance->values + instance->ends[0],
+    instance->kernel->indicators(instance->self, evaluate_state(instance), instance->values + instance->ends[0],
                                  indicators);
     return check_finite(instance, indicators, count, "event indicator");
 }
@@ -215,7 +150,7 @@ static Status update(Instance *instance, int at_event) {
     Reason why = {""};
     if (!instance->kernel->update)
         return STATUS_OK;
-    if (!instance_ready(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     double *next = instance->before;
     instance->kernel->update(instance->self, instance->x, instance->values + instance->ends[0], at_event, next);
@@ -315,7 +250,7 @@ Status continuous_derivative(Instance *instance, const uint32_t *unknowns, size_
     Status status = differences_fill(instance, &exact, unknowns, unknown_count, knowns, known_count, seed, result);
     if (status != STATUS_OK || exact.end[0] == 0)
         return status;
-    if (!instance_ready(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     seeded(instance, knowns, known_count, seed);
     if (!differentiate(instance, &why))

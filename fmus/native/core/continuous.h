@@ -12,20 +12,10 @@
 #pragma GCC visibility push(hidden) /* hosts have names of their own */
 #endif
 
-/* Numbers of states and indicators; 0 and a sentence where the data are unusable. */
-int continuous_read(Instance *instance, Reason *why);
-/* Checks them against the equations. */
+/* Checks numbers of states and indicators against the equations; 0 and a sentence where they differ. */
 int continuous_create(Instance *instance, Reason *why);
 /* Makes a new instance one for model exchange; 0, with the reason logged, when it cannot. */
 int continuous_use(Instance *instance);
-
-/* The state that equations are evaluated at. */
-const double *continuous_state(Instance *instance);
-/* Brings the values of states and rates up to date. */
-int continuous_show(Instance *instance, Reason *why);
-/* Sets one value between events. STATUS_WARNING for a discrete input that would change: it keeps its value until
-   event mode, because a solver looks ahead, and hosts then set inputs of times to come. */
-Status continuous_set_value(Instance *instance, uint32_t reference, double value);
 
 /* Any finite time: solvers look beyond the stop time. */
 Status continuous_set_time(Instance *instance, double time);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "continuous.h"
+#include "input_slopes.h"
 #include "layout.h"
 
 static int find_kernel(Instance *instance, Reason *why) {
@@ -35,7 +36,7 @@ static int make_state(Instance *instance, Reason *why) {
     if (!instance->x || !instance->before || !instance->apart || !instance->complex_inputs || !instance->complex_state ||
         !instance->complex_outputs)
         return refuse(why, "no memory for %lu states", (unsigned long)instance->states);
-    return continuous_create(instance, why);
+    return input_slopes_create(instance, why) && continuous_create(instance, why);
 }
 
 static int check_token(Instance *instance, const char *token, Reason *why) {

@@ -1,11 +1,14 @@
 /* Directional derivatives over a step, or at a communication point: see instance.h. */
 
 #include "differences.h"
+#include "evaluate.h"
+#include "input_slopes.h"
 #include "real.h"
 
 /* Inputs with the seed as their imaginary part. */
 static void seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed) {
-    const double *u = instance->values + instance->ends[0];
+    const double *u =
+        instance->stepped ? input_slopes_over_step(instance, instance->step_size) : instance->values + instance->ends[0];
     for (size_t i = 0; i < instance->sizes.inputs; i++)
         instance->complex_inputs[i] = u[i];
     for (size_t i = 0; i < count; i++) {
@@ -16,7 +19,7 @@ static void seeded(Instance *instance, const uint32_t *knowns, size_t count, con
 
 static int differentiate(Instance *instance, Reason *why) {
     const Kernel *kernel = instance->kernel;
-    if (!instance_ready(instance, why))
+    if (!evaluate_ready(instance, why))
         return 0;
     if (!instance->stepped)
         for (size_t i = 0; i < instance->states; i++)

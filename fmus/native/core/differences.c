@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "continuous.h"
+#include "evaluate.h"
+#include "input_slopes.h"
 
 /* What is differentiated, and where from; `by_step`: over the step made last, from the state before it. */
 typedef struct {
@@ -51,15 +52,16 @@ static int evaluate(const Query *query, Reason *why) {
     Instance *instance = query->instance;
     double *values = instance->values, *inputs = values + instance->ends[0];
     double *stepped = instance->apart + 2 * instance->ends[4];
-    if (!instance_ready(instance, why))
+    if (!evaluate_ready(instance, why))
         return 0;
     if (query->by_step &&
-        !instance->kernel->step(instance->self, instance->before, inputs, instance->step_size, stepped, why))
+        !instance->kernel->step(instance->self, instance->before, input_slopes_over_step(instance, instance->step_size),
+                                instance->step_size, stepped, why))
         return 0;
-    const double *x = query->by_step ? stepped : continuous_state(instance);
+    const double *x = query->by_step ? stepped : evaluate_state(instance);
     instance->kernel->outputs(instance->self, x, inputs, values + instance->ends[1]);
     instance->kernel->observe(instance->self, x, inputs, values + instance->ends[2]);
-    return !query->rates || continuous_show(instance, why);
+    return !query->rates || evaluate_continuous(instance, why);
 }
 
 static int read_knowns(Query *query, Reason *why) {

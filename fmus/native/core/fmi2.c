@@ -10,6 +10,7 @@
 
 #include "continuous.h"
 #include "fmi2_instance.h"
+#include "input_slopes.h"
 #include "resources.h"
 
 /* An instance and the host it reports to. */
@@ -242,25 +243,20 @@ FMI2_EXPORT fmi2Status fmi2CancelStep(fmi2Component component) {
                     : fmi2Error;
 }
 
-static fmi2Status no_higher_derivatives(fmi2Component component, size_t count) {
-    Instance *instance = fmi2_instance_of(component);
-    if (!instance)
-        return fmi2Error;
-    return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "derivatives of inputs and outputs are not offered")
-                 : fmi2OK;
-}
-
 FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, const fmi2ValueReference references[],
                                                    size_t count, const fmi2Integer orders[],
                                                    const fmi2Real values[]) {
-    (void)references, (void)orders, (void)values;
-    return no_higher_derivatives(component, count);
+    Instance *instance = fmi2_instance_of(component);
+    return instance ? (fmi2Status)input_slopes_set(instance, references, count, orders, values) : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component component, const fmi2ValueReference references[],
                                                     size_t count, const fmi2Integer orders[], fmi2Real values[]) {
     (void)references, (void)orders, (void)values;
-    return no_higher_derivatives(component, count);
+    Instance *instance = fmi2_instance_of(component);
+    if (!instance)
+        return fmi2Error;
+    return count ? (fmi2Status)instance_fail(instance, STATUS_ERROR, "derivatives of outputs are not offered") : fmi2OK;
 }
 
 FMI2_EXPORT fmi2Status fmi2GetStatus(fmi2Component component, fmi2StatusKind kind, fmi2Status *value) {

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "continuous.h"
+#include "evaluate.h"
+#include "input_slopes.h"
 #include "layout.h"
 
 /* Relative tolerance of times. */
@@ -34,6 +35,7 @@ Status instance_reset(Instance *instance) {
     instance->stop_time = INFINITY;
     instance->prepared = instance->has_state = instance->stepped = instance->event_due = 0;
     instance->outputs_known = instance->observations_known = instance->continuous.known = 0;
+    input_slopes_reset(instance);
     return STATUS_OK;
 }
 
@@ -74,66 +76,11 @@ Status instance_enter_initialization(Instance *instance) {
     return STATUS_OK;
 }
 
-static int prepare(Instance *instance, Reason *why) {
-    if (!instance->prepared)
-        instance->prepared =
-            layout_ranges_hold(instance, why) && instance->kernel->prepare(instance->self, instance->values, why);
-    return instance->prepared;
-}
-
-static double *inputs_of(const Instance *instance) { return instance->values + instance->ends[0]; }
-
-/* Whether all numbers are finite: their sum then is, but for absurdly large ones, which are looked at singly. */
-static int all_finite(const double *numbers, size_t count, size_t *bad) {
-    double sum = 0.0;
-    for (size_t i = 0; i < count; i++)
-        sum += numbers[i] * 0.0;
-    if (sum == 0.0)
-        return 1;
-    for (*bad = 0; *bad < count && isfinite(numbers[*bad]);)
-        ++*bad;
-    return *bad == count;
-}
-
-static int inputs_finite(const Instance *instance, Reason *why) {
-    size_t bad = 0;
-    char name[200];
-    if (all_finite(inputs_of(instance), instance->sizes.inputs, &bad))
-        return 1;
-    layout_scalar_name(instance, (uint32_t)(instance->ends[0] + bad), name, sizeof name);
-    return refuse(why, "input %s is %g; it must be a finite number", name, inputs_of(instance)[bad]);
-}
-
-static int state_finite(const Instance *instance, const double *x, Reason *why) {
-    size_t bad = 0;
-    if (all_finite(x, instance->states, &bad))
-        return 1;
-    return refuse(why, "the new state is not finite, first x[%lu] = %g of %lu", (unsigned long)bad, x[bad],
-                  (unsigned long)instance->states);
-}
-
-/* The state at the start, as long as initialization goes on. */
-static int initialize(Instance *instance, Reason *why) {
-    if (instance->has_state)
-        return 1;
-    if (!prepare(instance, why) || !inputs_finite(instance, why) ||
-        !instance->kernel->initial(instance->self, inputs_of(instance), instance->x, why) ||
-        !state_finite(instance, instance->x, why))
-        return 0;
-    instance->has_state = 1;
-    instance->continuous.known = 0;
-    return 1;
-}
-
-int instance_ready(Instance *instance, Reason *why) {
-    return initialize(instance, why) && prepare(instance, why) && inputs_finite(instance, why);
-}
-
 Status instance_exit_initialization(Instance *instance) {
     Reason why = {""};
     if (instance->mode != MODE_INITIALIZATION)
         return instance_fail(instance, STATUS_ERROR, "initialization mode ends only where it has begun");
-    if (!initialize(instance, &why))
+    if (!evaluate_initial(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     instance->mode = instance->continuous.used ? MODE_EVENT : MODE_STEP;
     return STATUS_OK;
@@ -179,11 +126,26 @@ static Status not_finite(Instance *instance, uint32_t reference, double value) {
     return instance_fail(instance, STATUS_ERROR, "%s cannot be set to %g; it must be a finite number", name, value);
 }
 
+/* Sets one value between events. STATUS_WARNING for a discrete input that would change: it keeps its value until
+   event mode, because a solver looks ahead, and hosts then set inputs of times to come. */
+static Status set_between_events(Instance *instance, uint32_t reference, double value) {
+    char name[200];
+    if (!instance->tunable[reference] || value == instance->values[reference]) {
+        instance->values[reference] = value;
+        return STATUS_OK;
+    }
+    layout_scalar_name(instance, reference, name, sizeof name);
+    if (reference < instance->ends[0])
+        return instance_fail(instance, STATUS_ERROR, "%s changes in event mode only", name);
+    return instance_fail(instance, STATUS_WARNING, "%s changes in event mode only; it stays %g", name,
+                         instance->values[reference]);
+}
+
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values) {
     int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
     Status status = STATUS_OK, worst = STATUS_OK;
     size_t bad = 0;
-    if (!instance->continuous.used && !all_finite(values, count, &bad)) /* a solver's trial is refused later, as a value */
+    if (!instance->continuous.used && !evaluate_all_finite(values, count, &bad)) /* a solver's trial is refused later, as a value */
         return not_finite(instance, references[bad], values[bad]);
     if (!continuous && contiguous(references, count) && references[0] >= instance->ends[0] &&
         references[count - 1] < instance->ends[1]) {
@@ -195,7 +157,7 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
         for (size_t i = 0; i < count; i++) {
             if (!continuous)
                 instance->values[references[i]] = values[i];
-            else if ((status = continuous_set_value(instance, references[i], values[i])) > worst)
+            else if ((status = set_between_events(instance, references[i], values[i])) > worst)
                 worst = status;
             parameters |= references[i] < instance->ends[0];
         }
@@ -212,26 +174,6 @@ Status instance_set(Instance *instance, const uint32_t *references, size_t count
     return worst;
 }
 
-static int know_outputs(Instance *instance, Reason *why) {
-    if (instance->outputs_known)
-        return 1;
-    if (!instance_ready(instance, why))
-        return 0;
-    instance->kernel->outputs(instance->self, continuous_state(instance), inputs_of(instance),
-                              instance->values + instance->ends[1]);
-    return instance->outputs_known = 1;
-}
-
-static int know_observations(Instance *instance, Reason *why) {
-    if (instance->observations_known)
-        return 1;
-    if (!instance_ready(instance, why))
-        return 0;
-    instance->kernel->observe(instance->self, continuous_state(instance), inputs_of(instance),
-                              instance->values + instance->ends[2]);
-    return instance->observations_known = 1;
-}
-
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values) {
     Reason why = {""};
     int outputs = 0, observations = 0, continuous = 0;
@@ -242,8 +184,8 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
         observations |= references[i] >= instance->ends[2] && references[i] < instance->ends[3];
         continuous |= references[i] >= instance->ends[3];
     }
-    if ((outputs && !know_outputs(instance, &why)) || (observations && !know_observations(instance, &why)) ||
-        (continuous && !continuous_show(instance, &why)))
+    if ((outputs && !evaluate_outputs(instance, &why)) || (observations && !evaluate_observations(instance, &why)) ||
+        (continuous && !evaluate_continuous(instance, &why)))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     if (contiguous(references, count))
         memcpy(values, instance->values + references[0], count * sizeof(double));
@@ -268,9 +210,9 @@ static Status make_step(Instance *instance, double h) {
         return instance_fail(instance, STATUS_ERROR, "the communication step size is %g s; it must be positive", h);
     if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
         return STATUS_ERROR;
-    if (inputs_finite(instance, &why) && prepare(instance, &why) &&
-        instance->kernel->step(instance->self, instance->x, inputs_of(instance), h, next, &why) &&
-        state_finite(instance, next, &why))
+    if (evaluate_ready(instance, &why) &&
+        instance->kernel->step(instance->self, instance->x, input_slopes_over_step(instance, h), h, next, &why) &&
+        evaluate_state_finite(instance, next, &why))
         return STATUS_OK;
     instance->stepped = 0;
     return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
@@ -297,9 +239,9 @@ Status instance_step(Instance *instance, double time, double h) {
 double instance_next_event(Instance *instance) {
     Reason why = {""};
     const Kernel *kernel = instance->kernel;
-    if (!kernel->next_event || !instance->has_state || !inputs_finite(instance, &why) || !prepare(instance, &why))
+    if (!kernel->next_event || !instance->has_state || !evaluate_ready(instance, &why))
         return INFINITY;
-    return kernel->next_event(instance->self, instance->x, inputs_of(instance));
+    return kernel->next_event(instance->self, instance->x, evaluate_inputs(instance));
 }
 
 Status instance_enter_event_mode(Instance *instance) {
@@ -323,10 +265,10 @@ Status instance_update_discrete_states(Instance *instance) {
         return instance_fail(instance, STATUS_ERROR, "discrete states are updated in event mode");
     if (!kernel->event)
         return STATUS_OK;
-    if (!inputs_finite(instance, &why) || !prepare(instance, &why))
+    if (!evaluate_ready(instance, &why))
         return instance_fail(instance, STATUS_ERROR, "%s", why.text);
     double *next = instance->before;
-    kernel->event(instance->self, instance->x, inputs_of(instance), instance->event_due, next);
+    kernel->event(instance->self, instance->x, evaluate_inputs(instance), instance->event_due, next);
     instance->before = instance->x;
     instance->x = next;
     instance->event_due = instance->stepped = 0;

@@ -42,6 +42,15 @@ typedef struct {
     double complex *complex_raw, *complex_rates;
 } Continuous;
 
+/* First derivatives of inputs that have slopes: see input_slopes.h. `count` is the number of all inputs, 0 where none
+   has a slope; `places` of slopes among the inputs, 0 for none; `rates` are the derivatives, `used` once any was set;
+   `inputs` is room for what they make of the inputs. */
+typedef struct {
+    int used;
+    size_t count, *places;
+    double *rates, *inputs;
+} InputSlopes;
+
 typedef struct {
     Memory memory;
     Data data;
@@ -63,13 +72,14 @@ typedef struct {
     Mode mode;
     int feedthrough, prepared, has_state, stepped, event_due, outputs_known, observations_known;
     Continuous continuous;
+    InputSlopes slopes;
 } Instance;
 
-/* A saved state; `known` holds parameters and inputs. */
+/* A saved state; `known` counts parameters, inputs and derivatives of inputs. */
 typedef struct {
     char owner[16];
     double time;
-    int mode, has_state, event_due, exchange;
+    int mode, has_state, event_due, exchange, interpolates;
     size_t known, states;
     double numbers[];
 } SavedState;
@@ -80,8 +90,6 @@ Instance *instance_create(const char *name, const char *resources, const char *t
 void instance_free(Instance *instance);
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...);
-/* Whether there are a state, checked parameters and finite inputs, so that equations can be evaluated. */
-int instance_ready(Instance *instance, Reason *why);
 
 /* Times of the experiment; an infinite stop time is none. */
 Status instance_set_experiment(Instance *instance, double start_time, double stop_time);

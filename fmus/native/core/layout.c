@@ -6,8 +6,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "continuous.h"
-
 static const char *const GROUPS[4] = {"parameter", "input", "output", "observation"};
 
 /* The declared variable that holds the scalar at a position of a group; 0 where there is none. */
@@ -60,6 +58,28 @@ int layout_ranges_hold(const Instance *instance, Reason *why) {
     return 1;
 }
 
+/* More than any component has; what damaged data may ask for stays small. */
+#define MOST 1e6
+
+static int is_count(double number) { return number >= 0.0 && number <= MOST && floor(number) == number; }
+
+/* Numbers of continuous states and indicators, where the component has them. */
+static int read_continuous(Instance *instance, Reason *why) {
+    Continuous *continuous = &instance->continuous;
+    Reason absent;
+    const double *counts = data_array(&instance->data, "continuous", 2, &absent);
+    if (!counts)
+        return 1;
+    if (!is_count(counts[0]) || !is_count(counts[1]))
+        return refuse(why, "the component's data declare %g continuous states and %g event indicators", counts[0],
+                      counts[1]);
+    continuous->offered = 1;
+    continuous->count = (size_t)counts[0];
+    continuous->indicators = (size_t)counts[1];
+    continuous->nominals = data_array(&instance->data, "nominals", continuous->count, why);
+    return continuous->nominals != NULL;
+}
+
 int layout_read(Instance *instance, Reason *why) {
     const Data *data = &instance->data;
     const double *counts = data_array(data, "sizes", 4, why);
@@ -73,7 +93,7 @@ int layout_read(Instance *instance, Reason *why) {
         total += (size_t)counts[group];
         instance->ends[group] = total;
     }
-    if (!continuous_read(instance, why))
+    if (!read_continuous(instance, why))
         return 0;
     total += 2 * instance->continuous.count;
     instance->ends[4] = total;

@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "continuous.h"
 #include "instance.h"
 
+static size_t known_of(const Instance *instance) { return instance->ends[1] + instance->slopes.count; }
+
 Status instance_save(Instance *instance, SavedState **state) {
-    size_t known = instance->ends[1];
+    size_t known = known_of(instance), rates = instance->slopes.count;
     SavedState *saved = *state;
     if (saved && (saved->known != known || saved->states != instance->states))
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
@@ -26,7 +27,9 @@ Status instance_save(Instance *instance, SavedState **state) {
     saved->has_state = instance->has_state;
     saved->event_due = instance->event_due;
     saved->exchange = instance->continuous.used;
-    memcpy(saved->numbers, instance->values, known * sizeof(double));
+    saved->interpolates = instance->slopes.used;
+    memcpy(saved->numbers, instance->values, (known - rates) * sizeof(double));
+    memcpy(saved->numbers + known - rates, instance->slopes.rates, rates * sizeof(double));
     if (instance->has_state)
         memcpy(saved->numbers + known, instance->x, instance->states * sizeof(double));
     else
@@ -35,14 +38,16 @@ Status instance_save(Instance *instance, SavedState **state) {
 }
 
 Status instance_restore(Instance *instance, const SavedState *state) {
-    if (!state || state->known != instance->ends[1] || state->states != instance->states ||
+    if (!state || state->known != known_of(instance) || state->states != instance->states ||
         memcmp(state->owner, instance->owner, sizeof state->owner) != 0)
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
     if (state->exchange != instance->continuous.used)
         return instance_fail(instance, STATUS_ERROR, "the FMU state is that of an instance of the other interface type");
     if (memcmp(instance->values, state->numbers, instance->ends[0] * sizeof(double)) != 0)
         instance->prepared = 0;
-    memcpy(instance->values, state->numbers, state->known * sizeof(double));
+    memcpy(instance->values, state->numbers, instance->ends[1] * sizeof(double));
+    memcpy(instance->slopes.rates, state->numbers + instance->ends[1], instance->slopes.count * sizeof(double));
+    instance->slopes.used = state->interpolates;
     memcpy(instance->x, state->numbers + state->known, state->states * sizeof(double));
     instance->time = state->time;
     instance->mode = (Mode)state->mode;
@@ -54,7 +59,7 @@ Status instance_restore(Instance *instance, const SavedState *state) {
 
 void instance_forget(SavedState *state) { free(state); }
 
-#define NUMBERS_BEFORE 7
+#define NUMBERS_BEFORE 8
 #define HEADER (16 + NUMBERS_BEFORE * sizeof(double))
 
 size_t instance_serialized_size(const SavedState *state) {
@@ -63,7 +68,7 @@ size_t instance_serialized_size(const SavedState *state) {
 
 void instance_serialize(const SavedState *state, unsigned char *bytes) {
     double header[NUMBERS_BEFORE] = {state->time,           state->mode,      state->has_state, (double)state->known,
-                                     (double)state->states, state->event_due, state->exchange};
+                                     (double)state->states, state->event_due, state->exchange,  state->interpolates};
     memcpy(bytes, state->owner, 16);
     memcpy(bytes + 16, header, sizeof header);
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
@@ -92,6 +97,7 @@ SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes,
     state->states = (size_t)header[4];
     state->event_due = header[5] != 0.0;
     state->exchange = header[6] != 0.0;
+    state->interpolates = header[7] != 0.0;
     memcpy(state->numbers, bytes + HEADER, count * sizeof(double));
     return state;
 }

@@ -133,16 +133,16 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
 }
 
 /* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
-   step before, as at the start and in model exchange, those of the present inputs. */
+   step before, as at the start and in model exchange, those of the present inputs. Then those one step earlier, zero
+   without two steps. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    if (x[X_H] == 0.0) {
-        store_sum(self, u, z + Z_INTERFACE_FORCE);
-        return;
-    }
+    store_sum(self, u, z + Z_INTERFACE_FORCE);
     for (int i = 0; i < LOAD_SIZE; i++) {
-        StepMean last = {x[X_LOAD + i], x[X_SLOPE + i], x[X_H]};
-        StepMean previous = {x[X_PREVIOUS_LOAD + i], x[X_PREVIOUS_SLOPE + i], x[X_PREVIOUS_H]};
-        z[Z_INTERFACE_FORCE + i] = extrapolated(last, previous);
+        const StepMean last = {x[X_LOAD + i], x[X_SLOPE + i], x[X_H]};
+        const StepMean previous = {x[X_PREVIOUS_LOAD + i], x[X_PREVIOUS_SLOPE + i], x[X_PREVIOUS_H]};
+        const int both = last.h > 0.0 && previous.h > 0.0;
+        if (last.h != 0.0) z[Z_INTERFACE_FORCE + i] = extrapolated(last, previous);
+        z[Z_INTERFACE_FORCE_LAGGED + i] = both ? between(previous, last) : 0.0;
     }
 }
 

@@ -43,8 +43,16 @@ static double stored_energy(const Hinge *hinge, const Grip *grip, const double *
 /* At order 4, from what bushing and latch did over the last steps. */
 static void correct(const double *x, Held *held) {
     for (int i = 0; i < COORDINATE_COUNT; i++)
-        held->bushing[i] = load_now(x + load_place(i), held->bushing[i], x[memory_place(i) + ROUGHNESS]);
-    held->latch = load_now(x + load_place(LATCH_LOAD), held->latch, x[memory_place(HINGE_ANGLE) + ROUGHNESS]);
+        held->bushing[i] = load_with_slopes_now(x + load_place(i), held->bushing[i], x[memory_place(i) + ROUGHNESS]);
+    held->latch = load_with_slopes_now(x + load_place(LATCH_LOAD), held->latch, x[memory_place(HINGE_ANGLE) + ROUGHNESS]);
+}
+
+/* Latch torque, axial and radial force at the communication point before the last step. */
+static void store_lagged_loads(const double *x, double *z) {
+    double y = mid_step_slope_before(x + load_place(1)), across = mid_step_slope_before(x + load_place(2));
+    z[Z_LATCH_TORQUE_LAGGED] = mid_step_slope_before(x + load_place(LATCH_LOAD));
+    z[Z_AXIAL_FORCE_LAGGED] = mid_step_slope_before(x + load_place(0));
+    z[Z_RADIAL_FORCE_LAGGED] = sqrt(y * y + across * across);
 }
 
 /* Angles, torques and forces at the communication point, and energies. Loads follow from the end-point law, at order 4
@@ -77,6 +85,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_POTENTIAL_ENERGY] = stored_energy(hinge, &grip, now.coordinates);
     z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
+    if (!hinge->base.endpoint) store_lagged_loads(x, z);
 }
 
 /* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */

@@ -45,7 +45,8 @@ static inline void *create_connection(const Data *data, const Sizes *sizes, Memo
     }
     if (!read_choice(data, "endpoint", 1, &connection->endpoint, why)) return NULL;
     size_t moments = connection->endpoint ? 0 : MOMENTS;
-    const Sizes own = {PARAMETERS, INPUTS + moments, OUTPUTS + moments, OBSERVATIONS};
+    const size_t observations = OBSERVATIONS + (connection->endpoint ? 0 : LAGGED_LOADS);
+    const Sizes own = {PARAMETERS, INPUTS + moments, OUTPUTS + moments, observations};
     return check_sizes(KIND, sizes, &own, why) ? connection : NULL;
 }
 

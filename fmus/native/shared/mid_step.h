@@ -28,6 +28,14 @@ static inline double extrapolated(StepMean last, StepMean previous) {
     return last.mean + last.slope + bend * (last.h * last.h / 12.0) + unknown * (0.5 * last.h / between);
 }
 
+/* Value at the communication point between two steps whose sizes are above 0, exact for a cubic. */
+static inline double between(StepMean before, StepMean after) {
+    const double a = before.h, b = after.h, whole = a + b;
+    const double means = b * b * (b + 3.0 * a) * before.mean + a * a * (a + 3.0 * b) * after.mean;
+    const double slopes = b * b * (5.0 * a + 3.0 * b) * before.slope - a * a * (3.0 * a + 5.0 * b) * after.slope;
+    return (means + slopes * (1.0 / 3.0)) * (1.0 / (whole * whole * whole));
+}
+
 /* Means over the last two steps, then the sizes of both, 0 where there is none. */
 enum { MID_STEP_SIZE = 4 };
 
@@ -64,6 +72,17 @@ enum { MID_STEP_SLOPE_SIZE = 6 };
 /* Value at the communication point. */
 static inline double mid_step_slope_now(const double *x) {
     return extrapolated((StepMean){x[0], x[1], x[2]}, (StepMean){x[3], x[4], x[5]});
+}
+
+/* Value at the communication point before the last step; zero without two steps. */
+static inline double mid_step_slope_before(const double *x) {
+    if (x[2] <= 0.0 || x[5] <= 0.0) return 0.0;
+    return between((StepMean){x[3], x[4], x[5]}, (StepMean){x[0], x[1], x[2]});
+}
+
+/* Load of a stiff coordinate at the communication point, as `load_now`. */
+static inline double load_with_slopes_now(const double *x, double at_end, double roughness) {
+    return load_now((const double[MID_STEP_SIZE]){x[0], x[3], x[2], x[5]}, at_end, roughness);
 }
 
 /* Before the first step, or after an impulse: only an instant's value is known. */

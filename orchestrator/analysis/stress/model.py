@@ -9,14 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from components import ComponentError, catalogue
+from components import ComponentError
 from components.flexible.finite_elements import FiniteElementModel, PlateNodes
 from components.flexible.modal import ModalData
 from components.flexible.reduction import inertia_relief, orthonormal_modes
-from components.flexible.stress import StressRecovery, face_sheets, stress_recovery
+from components.flexible.stress import StressRecovery, stress_recovery
 
 from ...results.result import Result, ResultError
-from ...scene.bodies import body_model
+from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body
 from ...scene.reader import read_scene
 from ...scene.schema import CheckedScene
@@ -48,12 +48,14 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         )
     scene = _scene(result)
     table = next((table for table in scene.bodies if table.name == body), None)
-    if table is None or table.catalogue is None:
-        raise ResultError(f"{result.name}: {body} is not a body of the catalogue")
+    if table is None or not table.can_bend:
+        raise ResultError(f"{result.name}: {body} is not a body that can bend")
     try:
-        sheets = face_sheets(table.catalogue)
-        masses = tuple((attached.point, attached.mass) for attached in table.attached_masses)
-        model = catalogue.finite_elements(table.catalogue, masses)
+        definition = body_definition(table)
+        sheets = definition.face_sheets
+        if sheets is None:
+            raise ComponentError(_NO_SHEETS)
+        model = definition.finite_elements(table.masses)
         data = body_model(table, flexible=True)
         shapes = _shapes(result, body, table, model, data)
         if model.plate is None:
@@ -78,7 +80,7 @@ def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, d
 
     What the run left out of its modes is part of the static correction.
     """
-    points = catalogue.BODIES[str(table.catalogue)].attachment_points
+    points = body_definition(table).attachment_points
     frequency, modes = orthonormal_modes(model, points, table.fixed_interface_modes)
     whole = body_model(table.model_copy(update={"modes_off": (), "frequencies_off": ()}), flexible=True)
     kept = np.flatnonzero(np.isin(whole.frequency, data.frequency))
@@ -94,6 +96,7 @@ def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, d
     return np.hstack([modes, inertia_relief(model, points, frequency, modes)])
 
 
+_NO_SHEETS = "no face sheets are known of it; give panel.face_sheets, or the panel as a sandwich"
 _CHANGED = "the catalogue's modes are not those of this run; run the scene again with this version"
 
 

@@ -83,7 +83,7 @@ def started(assembly: Assembly, participants: Sequence[Participant], tolerance: 
         largest_step=assembly.largest_step,
         progress=lambda time, h: clock.append((time, perf_counter())),
     )
-    network = Network(participants, assembly.links)
+    network = Network(participants, assembly.links, 4)
     record = Record(network)
     return Started(assembly, record, Master(network, assembly.hinge_lines, record, settings), clock)
 

@@ -55,7 +55,7 @@ class Row:
             self.walls.append(self.outcome.costs.wall_time)
             return
         with self.load(self.assembly) as participants:
-            network = Network(participants, self.assembly.links)
+            network = Network(participants, self.assembly.links, 4)
             master = Master(network, self.assembly.hinge_lines, NoRecorder(), settings)
             start = perf_counter()
             master.initialize(preload=self.assembly.preload)

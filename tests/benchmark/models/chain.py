@@ -32,7 +32,7 @@ FOLDED = ((0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
 
 def panel(*, flexible: bool) -> ModalData:
     """The panel all chains are made of."""
-    return catalogue.amos3_panel1() if flexible else catalogue.amos3_panel1_rigid()
+    return catalogue.entry("amos3_panel1").flexible() if flexible else catalogue.entry("amos3_panel1").rigid()
 
 
 @dataclass(frozen=True)

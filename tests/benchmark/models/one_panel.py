@@ -162,7 +162,7 @@ def couple(
 ) -> tuple[Record, Trial]:
     """Run loaded participants under one of our masters, results in memory; loading is not timed."""
     with loaded as participants:
-        network = Network(participants, assembly.links)
+        network = Network(participants, assembly.links, (settings.order or 4) if master == "implicit" else 2)
         record = Record(network)
         if master == "implicit":
             runner = Master(network, assembly.hinge_lines, record, settings)

@@ -33,12 +33,15 @@ static void misuse(fmi2Component fmu, const Layout *layout) {
     const double bad = NAN;
     const fmi2ValueReference far = 1000000000u, input = (fmi2ValueReference)layout->parameters;
     const fmi2ValueReference output = (fmi2ValueReference)(layout->parameters + layout->inputs);
+    const fmi2Integer order = 1;
     double value = 0.0;
     expect(fmi2DoStep(fmu, 0.0, -1e-3, 1), fmi2Error, "a negative step");
     expect(fmi2DoStep(fmu, 0.0, NAN, 1), fmi2Error, "a step that is no number");
     expect(fmi2GetReal(fmu, &far, 1, &value), fmi2Error, "get of no variable");
     expect(fmi2SetReal(fmu, &far, 1, &value), fmi2Error, "set of no variable");
     expect(fmi2SetReal(fmu, &output, 1, &value), fmi2Error, "set of an output");
+    expect(fmi2SetRealInputDerivatives(fmu, &far, 1, &order, &value), fmi2Error, "derivative of no variable");
+    expect(fmi2SetRealInputDerivatives(fmu, &output, 1, &order, &value), fmi2Error, "derivative of an output");
     expect(fmi2SetFMUstate(fmu, NULL), fmi2Error, "restore of nothing");
     if (layout->inputs) {
         expect(fmi2SetReal(fmu, &input, 1, &bad), fmi2Error, "set of a number that is none");
@@ -53,6 +56,10 @@ static void extremes(fmi2Component fmu, const Layout *layout, fmi2FMUstate state
         for (size_t i = 0; i < layout->inputs; i++)
             layout->values[i] = (i % 2 ? -1.0 : 1.0) * sizes[k];
         expect(fmi2SetReal(fmu, layout->references + layout->parameters, layout->inputs, layout->values), fmi2OK, "set");
+        for (size_t i = 0; i < layout->inputs; i++) { /* some inputs have derivatives */
+            const fmi2Integer order = 1;
+            fmi2SetRealInputDerivatives(fmu, layout->references + layout->parameters + i, 1, &order, layout->values + i);
+        }
         fmi2Status status = fmi2DoStep(fmu, 0.0, 1e-3, 1);
         if (status != fmi2OK)
             expect(status, fmi2Discard, "a step with extreme inputs");

@@ -175,7 +175,7 @@ def test_clamped_flexible_panel_against_its_finite_elements(tmp_path):
     path = tmp_path / "clamped.toml"
     path.write_text(edited(PANEL, ("JOINT", CLAMP)), encoding="utf-8")
     model = model_of(path)
-    elements = catalogue.finite_elements("workbench_panel")
+    elements = catalogue.entry("workbench_panel").finite_elements()
     clamped = np.concatenate([elements.attachment_dofs[name] for name in ("hl_left", "hl_right")])
     inside = np.setdiff1d(np.arange(elements.stiffness.shape[0]), clamped)
     center = elements.point_motions["center"]

@@ -160,7 +160,7 @@ def clamped_frequency():
     sides. The latch stops those about y. A revolute hinge's cross stiffness k resists 2 turns about z, so that
     each side feels 2 k. Turns about x are common.
     """
-    elements = catalogue.finite_elements("workbench_panel")
+    elements = catalogue.entry("workbench_panel").finite_elements()
     dofs = [elements.attachment_dofs[name] for name in ("hl_left", "hl_right")]
     stiffness = sparse.lil_array(elements.stiffness)
     held = []
@@ -199,7 +199,7 @@ def test_two_flexible_panels_make_half_of_one(tmp_path):
     tuning = tune(scene, find_line(scene, "HL"), choose_fidelity(scene, (), ()))
     assert tuning.frequency == pytest.approx(clamped_frequency(), rel=5e-5)
     assert tuning.inertia == pytest.approx(6.2514 / 2.0, rel=1e-4)
-    elements = catalogue.finite_elements("workbench_panel")
+    elements = catalogue.entry("workbench_panel").finite_elements()
     clamped = fixed_interface_frequencies(elements, ("hl_left", "hl_right"), 1)[0] / (2.0 * pi)
     softer = (clamped_frequency() / clamped) ** 2
     assert tuning.structure == pytest.approx(series(4147.8, 4147.8) * softer, rel=5e-4)

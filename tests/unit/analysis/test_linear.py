@@ -332,7 +332,7 @@ def test_flexible_panel_on_a_locked_hinge_has_its_fixed_interface_frequencies(tm
     path.write_text(edited(text, ("JOINT", CLAMP)), encoding="utf-8")
     scene = load_scene(path)
     modes = normal_modes(linearise(placed(scene, (), (), configuration(scene, "deployed"))))
-    elements = catalogue.finite_elements("workbench_panel")
+    elements = catalogue.entry("workbench_panel").finite_elements()
     expected = fixed_interface_frequencies(elements, ("hl_left", "hl_right"), 6) / (2.0 * pi)
     np.testing.assert_allclose(modes.frequencies[:6], expected, rtol=1e-5)
 

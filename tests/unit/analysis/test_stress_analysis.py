@@ -19,7 +19,7 @@ from components import catalogue
 from components.contract.frames import skew
 from components.flexible.modal import ModalData
 from components.flexible.reduction import orthonormal_modes
-from components.flexible.stress import face_sheets, hot_spots, stress_recovery
+from components.flexible.stress import hot_spots, stress_recovery
 from orchestrator.analysis.stress import model as _stress_model
 from orchestrator.analysis.stress.body_acceleration import acceleration_field
 from orchestrator.analysis.stress.hot_spots import Choice
@@ -52,14 +52,22 @@ def _own_cache(tmp_path_factory):
 def _same_finite_elements_once():
     """Finite elements and their modes are made once for all tests here."""
     modes = cache(lambda points, count: orthonormal_modes(_panel(), points, count))
+    built, build = {}, catalogue.BodyDefinition.finite_elements
+
+    def once(definition, masses=()):
+        key = repr((definition, masses))
+        if key not in built:
+            built[key] = build(definition, masses)
+        return built[key]
+
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(catalogue, "finite_elements", cache(catalogue.finite_elements))
+        patch.setattr(catalogue.BodyDefinition, "finite_elements", once)
         patch.setattr(_stress_model, "orthonormal_modes", lambda _, points, count: modes(points, count))
         yield
 
 
 def _panel():
-    return catalogue.finite_elements("amos3_panel1", ())
+    return catalogue.entry("amos3_panel1").finite_elements(())
 
 
 @dataclass(frozen=True)
@@ -104,7 +112,7 @@ def write(path, moved, geometry, eta=None, settings=(), provenance=None):
 
 @pytest.fixture(scope="module")
 def data():
-    return catalogue.amos3_panel1(MODES)
+    return catalogue.entry("amos3_panel1").flexible(MODES)
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +162,7 @@ def direct():
     load = -model.mass_matrix @ (model.rigid_motions[:, :3] @ FELT)
     displacement = np.zeros_like(load)
     displacement[free] = splu(sparse.csc_array(model.stiffness)[free][:, free]).solve(load[free])
-    recovery = stress_recovery(model, face_sheets("amos3_panel1"), displacement[:, None])
+    recovery = stress_recovery(model, catalogue.entry("amos3_panel1").face_sheets, displacement[:, None])
     return recovery.von_mises(np.ones(1)), model.plate.positions
 
 
@@ -332,4 +340,4 @@ def test_a_real_run(tmp_path):
     assert values[0] > 0.1
     refused = stress(path, "--body", "yoke")
     assert refused.exit_code == 1
-    assert "no face sheets are known of 'amos3_yoke'" in refused.stderr
+    assert "yoke: no face sheets are known of it; give panel.face_sheets" in refused.stderr

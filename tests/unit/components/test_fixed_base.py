@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial import Legendre, Polynomial
 
 from components.fixed_base import FixedBase
 
 PLACES = np.array([(0.0, 0.0, 0.0), (0.2, 0.6, -0.1)])
 REFERENCE = np.array([0.1, -0.3, 0.4])
+NODES = np.linspace(0.0, 2.0, 5)
 
 
 def base():
@@ -29,6 +31,11 @@ def load(u):
     return np.concatenate((force.sum(0), moment.sum(0)))
 
 
+def now(component, x, u):
+    """The load at the communication point."""
+    return component.observe(None, x, u)[:6]
+
+
 def test_ports_never_move():
     """Definition of a fixed base, whatever acts on it: poses, rates and first moments of its ports."""
     component = base()
@@ -47,7 +54,7 @@ def test_interface_load_is_the_sum_about_the_reference_point():
     component = base()
     u = wrench(component, 0.0)
     x = component.step(None, component.initial(None, u), u, 0.1)
-    assert component.observe(None, x, u) == pytest.approx(load(u), rel=1e-13)
+    assert now(component, x, u) == pytest.approx(load(u), rel=1e-13)
 
 
 @pytest.mark.parametrize("steps", [(0.1, 0.1), (0.1, 0.03), (0.02, 0.3)])
@@ -59,7 +66,24 @@ def test_load_at_the_communication_point_is_exact_for_linear_loads(steps):
         x = component.step(None, x, wrench(component, time + 0.5 * h), h)
         time += h
     expected = load(wrench(component, time))
-    assert component.observe(None, x, wrench(component, time)) == pytest.approx(expected, rel=1e-12)
+    assert now(component, x, wrench(component, time)) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("sizes", [(0.1, 0.1), (0.1, 0.03), (0.02, 0.3)])
+def test_load_one_step_earlier_is_exact_for_cubic_loads(sizes):
+    """Closed form: what means and slopes of the steps on both sides of a point know; zero before there are two."""
+    component, shape, point = base(), Polynomial([1.0, -2.0, 3.0, -4.0]), 0.7
+    x, time = component.initial(None, wrench(component, 0.0)), point - sizes[0]
+    loads = np.arange(1.0, 13.0)
+    for h in sizes:
+        assert not component.observe(None, x, wrench(component, 0.0))[6:].any()
+        fit = Legendre.fit(time + 0.5 * h * NODES, shape(time + 0.5 * h * NODES), 3, [time, time + h])
+        time += h
+        u = wrench(component, 0.0)
+        u[:12], u[13:] = fit.coef[0] * loads, fit.coef[1] * loads
+        x = component.step(None, x, u, h)
+    expected = load(shape(point) * loads)
+    assert component.observe(None, x, u)[6:] == pytest.approx(expected, rel=1e-12)
 
 
 def test_an_impulse_is_no_lasting_load():

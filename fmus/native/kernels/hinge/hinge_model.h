@@ -12,7 +12,7 @@
 
 enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3, HEAT_CAUSES = 3 };
 
-/* Loads of which the last means are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
+/* Loads of which the last steps are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
 enum { LATCH_LOAD = COORDINATE_COUNT, LOAD_COUNT };
 
 typedef struct Hinge {
@@ -49,8 +49,8 @@ typedef struct StiffLoads {
     MeanLoad bushing[COORDINATE_COUNT], latch;
 } StiffLoads;
 
-/* Where the last means of a load, and the memory of a coordinate, begin in the state. */
-static inline int load_place(int load) { return X_LOADS + MID_STEP_SIZE * load; }
+/* Where the last steps of a load, and the memory of a coordinate, begin in the state. */
+static inline int load_place(int load) { return X_LOADS + MID_STEP_SLOPE_SIZE * load; }
 static inline int memory_place(int coordinate) { return X_MEMORIES + MEMORY_SIZE * coordinate; }
 
 /* Motion of the inputs; the angle is the one nearest the reference. */

@@ -39,14 +39,18 @@ static inline void store_rates_after_impulse(const Motion *new, real *x_next) {
     store_mid_step_start(new->rates[HINGE_ANGLE], x_next + X_SLIDE);
 }
 
+static inline void keep_load(const double *old, const MeanLoad *load, double h, real *x_next) {
+    store_mid_step_slope_after(old, load->force, load->slope, h, x_next);
+}
+
 /* Loads and hinge rate of order 4 with one step more; the latch torque begins where the latch engages. */
 static inline void store_loads(const Hinge *hinge, const double *x, const Grip *grip, const StepMotion *motions,
                                const StiffLoads *loads, double h, real *x_next) {
     const StepMotion *turn = motions + HINGE_ANGLE;
     for (int i = 0; i < COORDINATE_COUNT; i++)
-        store_mid_step_after(x + load_place(i), loads->bushing[i].force, h, x_next + load_place(i));
+        keep_load(x + load_place(i), &loads->bushing[i], h, x_next + load_place(i));
     if (latch_acts(hinge, grip))
-        store_mid_step_after(x + load_place(LATCH_LOAD), loads->latch.force, h, x_next + load_place(LATCH_LOAD));
+        keep_load(x + load_place(LATCH_LOAD), &loads->latch, h, x_next + load_place(LATCH_LOAD));
     store_mid_step_slope_after(x + X_SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
                                x_next + X_SLIDING);
 }
@@ -80,7 +84,7 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
     const double *q = x + X_FRAME, *gap = x + X_GAP;
     Passage passage = {{q[0], q[1], q[2], q[3]}, new->frame, {gap[0], gap[1], gap[2]}, new->gap};
     Loads loads;
-    for (int i = 0; i < LOAD_COUNT * MID_STEP_SIZE; i++) x_next[X_LOADS + i] = 0.0;
+    for (int i = 0; i < LOAD_COUNT * MID_STEP_SLOPE_SIZE; i++) x_next[X_LOADS + i] = 0.0;
     store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
     if (commanded(u, U_IMPULSE)) {
         loads = impulse_loads(hinge, x, grip, new, h);

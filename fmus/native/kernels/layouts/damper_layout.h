@@ -15,5 +15,6 @@ enum { X_ANGLE = 0, X_FRAME = 1, X_SWING = 5, X_WRENCH = 7, X_SLOPES = 19, X_RAT
 enum { U_IMPULSE = 26, INPUTS = 27 };
 enum { OUTPUTS = 12 };
 enum { Z_ANGULAR_RATE = 0, Z_DAMPER_TORQUE = 1, Z_DISSIPATED_ENERGY = 2, OBSERVATIONS = 3 };
+#define LAGGED_LOADS 0
 
 #endif

@@ -6,15 +6,15 @@ from scipy import linalg, sparse
 from scipy.sparse.linalg import splu
 
 from components import catalogue
-from components.catalogue.body import rigid_with_masses, with_masses
-from components.catalogue.yoke import parallel_yoke, yoke_tube
+from components.catalogue.definition import rigid_with_masses, with_masses
+from components.catalogue.frame import Frame, Path
 from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
-from components.flexible.finite_elements import Plate
 from components.flexible.joined import joined
 from components.flexible.modal import ModalData
-from components.flexible.panel import HingeArm, Panel, panel_model
+from components.flexible.panel import panel_model
+from components.flexible.plate import HingeArm, Panel, Plate
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 BRACKET = (("center", 0.40),)
@@ -48,7 +48,7 @@ def test_first_frequency_with_a_bracket():
     The reduced body must have the root to round-off (B12): it holds that mode as a fixed-interface mode. Below
     the bare panel's first frequency the receptance rises, so there is one root, where the sign changes.
     """
-    bare = catalogue.finite_elements("workbench_panel")
+    bare = catalogue.entry("workbench_panel").finite_elements()
     held = np.concatenate([bare.attachment_dofs[name] for name in ("hl_left", "hl_right")])
     free = np.setdiff1d(np.arange(bare.stiffness.shape[0]), held)
     stiffness, mass = bare.stiffness[free][:, free], bare.mass_matrix[free][:, free]
@@ -58,9 +58,9 @@ def test_first_frequency_with_a_bracket():
         receptance = deflection @ splu(sparse.csc_array(stiffness - omega**2 * mass)).solve(deflection)
         return omega**2 * 0.40 * receptance - 1.0
 
-    first = clamped_frequencies(catalogue.workbench_panel(10, BRACKET), 2)[0]
+    first = clamped_frequencies(catalogue.entry("workbench_panel").flexible(10, BRACKET), 2)[0]
     assert equation(first * (1 - 1e-7)) < 0.0 < equation(first * (1 + 1e-7))
-    assert first < 0.99 * clamped_frequencies(catalogue.workbench_panel(10), 2)[0]
+    assert first < 0.99 * clamped_frequencies(catalogue.entry("workbench_panel").flexible(10), 2)[0]
 
 
 def test_coarse_panel_with_a_bracket():
@@ -83,12 +83,12 @@ def test_coarse_panel_with_a_bracket():
 @pytest.mark.parametrize("masses", [BRACKET, (("hl1_left", 0.7), ("hold_down", 0.2), ("hl1_left", 0.3))])
 def test_rigid_and_flexible_bodies_agree(masses):
     """Two ways: sums over the finite elements' samples against parallel axes; also of the reduced body."""
-    model = catalogue.finite_elements("bepicolombo_inboard", masses)
-    rigid = catalogue.bepicolombo_inboard_rigid(masses)
+    model = catalogue.entry("bepicolombo_inboard").finite_elements(masses)
+    rigid = catalogue.entry("bepicolombo_inboard").rigid(masses)
     assert rigid.mass == pytest.approx(model.mass, rel=1e-12)
     np.testing.assert_allclose(rigid.center_of_mass, model.center_of_mass, atol=1e-12)
     np.testing.assert_allclose(rigid.inertia, model.inertia, atol=1e-11)
-    flexible = catalogue.bepicolombo_inboard(0, masses)
+    flexible = catalogue.entry("bepicolombo_inboard").flexible(0, masses)
     np.testing.assert_allclose(flexible.inertia, rigid.inertia, atol=1e-11)
 
 
@@ -104,7 +104,7 @@ def test_two_point_masses_and_a_body():
 
 def test_amos3_sheet_stays_with_masses():
     """Bookkeeping: masses come on top of the sheet's totals."""
-    body = catalogue.amos3_panel2_rigid(BRACKET)
+    body = catalogue.entry("amos3_panel2").rigid(BRACKET)
     assert body.mass == pytest.approx(7.78 + 0.40)
     assert body.center_of_mass[0] == pytest.approx((7.78 * 0.7742 + 0.40 * 0.805) / 8.18)
 
@@ -112,10 +112,14 @@ def test_amos3_sheet_stays_with_masses():
 def test_masses_are_part_of_the_cache(tmp_path, monkeypatch):
     """Bookkeeping: other masses are another body; the same ones are read bit for bit."""
     monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path))
-    bare, light, heavy = (catalogue.amos3_yoke(2, m) for m in ((), (("guide", 0.1),), (("guide", 0.2),)))
+    bare, light, heavy = (
+        catalogue.entry("amos3_yoke").flexible(2, m) for m in ((), (("guide", 0.1),), (("guide", 0.2),))
+    )
     assert bare.mass + 0.2 == pytest.approx(light.mass + 0.1) == pytest.approx(heavy.mass)
     assert len(list(tmp_path.iterdir())) == 3
-    np.testing.assert_array_equal(catalogue.amos3_yoke(2, (("guide", 0.1),)).frequency, light.frequency)
+    np.testing.assert_array_equal(
+        catalogue.entry("amos3_yoke").flexible(2, (("guide", 0.1),)).frequency, light.frequency
+    )
 
 
 @pytest.mark.parametrize(
@@ -129,15 +133,18 @@ def test_masses_are_part_of_the_cache(tmp_path, monkeypatch):
 )
 def test_impossible_masses(masses, told):
     """Messages say what is wrong, of flexible and rigid bodies."""
-    for entry in (lambda m: catalogue.amos3_yoke(2, m), catalogue.amos3_yoke_rigid):
+    for entry in (
+        lambda m: catalogue.entry("amos3_yoke").flexible(2, m),
+        catalogue.entry("amos3_yoke").rigid,
+    ):
         with pytest.raises(ComponentError, match=told):
             entry(masses)
 
 
 def test_unknown_entry():
     """The message lists the entries."""
-    with pytest.raises(ComponentError, match="'moon'; entries are workbench_panel, amos3_yoke"):
-        catalogue.finite_elements("moon")
+    with pytest.raises(ComponentError, match="'moon'; entries are amos3_yoke, amos3_panel2"):
+        catalogue.entry("moon").finite_elements()
 
 
 def test_weld_of_two_beams():
@@ -163,8 +170,11 @@ def test_plate_on_two_legs():
     seats = tuple(HingeArm(f"yoke_{side}", y, **arm) for side, y in (("left", 0.15), ("right", -0.15)))
     plate = Plate(0.6, 0.5, 3.0, (900.0, 900.0, 200.0, 60.0), (1e7, 1e7, 1e6, 1e6))
     panel = panel_model(Panel(plate, seats, {"center": (0.7, 0.0)}, 0.4, 0.2))
-    tube = yoke_tube()
-    model = joined(panel, parallel_yoke({"length": 0.4, "foot_y": 0.15, "mass": 0.6}, tube))
+    tube = catalogue.entry("amos3_yoke").frame.members[0].section
+    sides = (("left", 0.15), ("right", -0.15))
+    ends = {f"{end}_{side}": (x, y, 0.0) for side, y in sides for end, x in (("hl1", 0.0), ("yoke", 0.4))}
+    legs = tuple(Path(side, (f"hl1_{side}", f"yoke_{side}"), tube, 4, 0.3) for side, _ in sides)
+    model = joined(panel, Frame(tuple(ends.items()), legs).model(tuple(ends)))
     assert set(model.attachment_dofs) == {"hl1_left", "hl1_right"}
     rigid = model.displacement @ model.rigid_motions
     arms = np.concatenate([np.hstack([np.eye(3), -skew(p)]) for p in model.positions])

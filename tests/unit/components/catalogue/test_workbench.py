@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from components import catalogue
-from components.flexible.finite_elements import Plate
-from components.flexible.panel import HingeArm, Panel, panel_model
+from components.flexible.panel import panel_model
+from components.flexible.plate import HingeArm, Panel, Plate
 from components.flexible.reduction import craig_bampton, fixed_interface_frequencies, free_frequencies
 
 POINTS = ("hl_left", "hl_right")
@@ -27,7 +27,7 @@ def _own_cache(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def workbench():
-    return catalogue.finite_elements("workbench_panel")
+    return catalogue.entry("workbench_panel").finite_elements()
 
 
 def test_fixed_interface_frequencies(workbench):
@@ -69,7 +69,7 @@ def test_mass_properties(workbench):
 
 def test_rigid_twin():
     """Data sheet, without the hinge hardware: 7.482 kg, 0.8050 m, 1.4029 and 6.2514 kg m²; the rest closed form."""
-    rigid = catalogue.workbench_panel_rigid()
+    rigid = catalogue.entry("workbench_panel").rigid()
     assert rigid.mass == pytest.approx(7.482, abs=5e-4)
     np.testing.assert_allclose(rigid.center_of_mass, [0.805, 0.0, 0.0], rtol=1e-12)
     assert rigid.inertia[1, 1] == pytest.approx(1.4029, abs=5e-5)
@@ -80,7 +80,7 @@ def test_rigid_twin():
 
 def test_rigid_twin_with_hardware_is_the_flexible_body(workbench):
     """Bookkeeping: 0.05 kg at each hinge is all the two differ in."""
-    rigid = catalogue.workbench_panel_rigid((("hl_left", 0.05), ("hl_right", 0.05)))
+    rigid = catalogue.entry("workbench_panel").rigid((("hl_left", 0.05), ("hl_right", 0.05)))
     assert rigid.mass == pytest.approx(workbench.mass)
     np.testing.assert_allclose(rigid.center_of_mass, workbench.center_of_mass, atol=1e-12)
     np.testing.assert_allclose(rigid.inertia, workbench.inertia, atol=1e-12)
@@ -96,8 +96,8 @@ def test_stiffness_at_the_hinge_line(workbench):
 
 def test_rigid_arms():
     """Data sheet: with rigid arms the first clamped mode is 8.551 Hz."""
-    data = catalogue.catalogue_data("workbench")["plate"]
-    plate = Plate(1.5, 1.16, 4.30, tuple(data["bending"]), tuple(data["membrane"]))
+    data = catalogue.entry("workbench_panel").panel.plate
+    plate = Plate(1.5, 1.16, 4.30, data.bending, data.membrane)
     arms = tuple(HingeArm(name, y, point_mass=0.05) for name, y in (("l", 0.565), ("r", -0.565)))
     found = fixed_interface_frequencies(panel_model(Panel(plate, arms)), ("l", "r"), 1)[0]
     assert found / (2 * np.pi) == pytest.approx(8.551, rel=0.005)

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from scipy import linalg
 
-from components.catalogue import cached
 from components.contract.component import ComponentError
 from components.contract.frames import skew
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
-from components.flexible.finite_elements import Plate
 from components.flexible.modal import ModalData, default_damping, inertia_invariants, rigid_motion
-from components.flexible.panel import HingeArm, Panel, panel_model
+from components.flexible.panel import panel_model
+from components.flexible.plate import HingeArm, Panel, Plate
 from components.flexible.reduction import (
     craig_bampton,
     fixed_interface_frequencies,
@@ -288,34 +287,3 @@ def test_impossible_reductions_are_refused():
         craig_bampton(model, [], 2)
     with pytest.raises(ComponentError, match="must not be negative"):
         craig_bampton(model, points, -1)
-
-
-@pytest.mark.parametrize("damage", [None, b"", b"not an archive", "half"])
-def test_cache(tmp_path, monkeypatch, damage):
-    """Bookkeeping: a second call reads the file bit for bit; a damaged file is rebuilt silently."""
-    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path / "new"))
-    model, points = MODELS["frame"]
-    calls = []
-
-    def build():
-        calls.append(1)
-        return craig_bampton(model, points, 2)
-
-    first = cached(build, {"k": 1})
-    (file,) = (tmp_path / "new").iterdir()
-    if damage is not None:
-        file.write_bytes(file.read_bytes()[:2000] if damage == "half" else damage)
-    second = cached(build, {"k": 1})
-    assert len(calls) == (1 if damage is None else 2)
-    for name, value in first.to_arrays().items():
-        np.testing.assert_array_equal(second.to_arrays()[name], value)
-    cached(build, {"k": 2})
-    assert len(list((tmp_path / "new").iterdir())) == 2
-
-
-def test_cache_that_cannot_be_written(tmp_path, monkeypatch):
-    """A cache directory that is a file costs only the time."""
-    blocked = tmp_path / "file"
-    blocked.write_text("")
-    monkeypatch.setenv("FANFOLD_CACHE", str(blocked))
-    assert cached(lambda: craig_bampton(*MODELS["frame"], 0), {}).frequency.size == 6

@@ -8,8 +8,8 @@ from scipy.sparse.linalg import eigsh
 from skfem.helpers import dd, ddot
 
 from components.contract.component import ComponentError
-from components.flexible.finite_elements import Plate
-from components.flexible.panel import HingeArm, Panel, PlateElements, panel_model, sandwich_stiffness
+from components.flexible.panel import PlateElements, panel_model
+from components.flexible.plate import HingeArm, Panel, Plate, sandwich_stiffness
 
 NU = 0.3
 UNIT = Plate(1.0, 1.0, 1.0, (1.0, 1.0, NU, 0.5 * (1 - NU)), (1.0, 1.0, NU, 0.5 * (1 - NU)))

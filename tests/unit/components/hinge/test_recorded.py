@@ -70,6 +70,31 @@ def test_bushing_forces_of_a_rough_motion_are_those_of_the_means():
     assert found == pytest.approx(1.5 * forces[3] - 0.5 * forces[2], rel=2e-3)
 
 
+def test_loads_one_step_earlier():
+    """Closed form: between steps of one size the mean of both means and a third of what their slopes differ by."""
+    component, c = hinge(
+        structure={"latch": "kinematic"},
+        order=4.0,
+        lock_stiffness=1e8,
+        translational_stiffness=(1e6, 3e6, 4e6),
+    )
+    x, wrenches = None, []
+    for turn, moment in zip(TURNS, (0.0, 1e-7, -2e-7, 3e-7), strict=True):
+        offset = (4e2 * turn, turn, 3e2 * turn)
+        u = inputs(component, port_motion(), port_motion(offset, (0.0, turn, 0.0)), latch_command=1.0)
+        u = with_moments(component, u, moment * np.array([[0.0] * 6, [1.0, 2.0, 3.0, 0.0, 1.0, 0.0]]))
+        x = component.initial(c, u) if x is None else component.step(c, x, u, H)
+        y = component.outputs(c, x, u)
+        names = ("force", "torque", "force_slope", "torque_slope")
+        wrenches.append([y[component.output_layout[f"outboard.{name}"]] for name in names])
+    (f0, t0, fs0, ts0), (f1, t1, fs1, ts1) = wrenches[-2:]
+    force, torque = 0.5 * (f0 + f1) + (fs0 - fs1) / 3.0, 0.5 * (t0 + t1) + (ts0 - ts1) / 3.0
+    found = observed(component, c, x, u)
+    assert found["latch_torque_lagged"] == pytest.approx(torque[1], rel=1e-5)
+    assert found["axial_force_lagged"] == pytest.approx(force[1], rel=1e-5)
+    assert found["radial_force_lagged"] == pytest.approx(np.hypot(force[0], force[2]), rel=1e-5)
+
+
 def test_friction_sees_the_rate_at_the_communication_point():
     """Closed form: a rate that grows as a parabola, of which each step tells mean and moment."""
     component, c = hinge(order=4.0, friction_preload=1.0, stiction_velocity=10.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from components.numerics.mid_step import MidStep, MidStepSlope, StepMean, extrapolated
+from components.numerics.mid_step import MidStep, MidStepSlope, StepMean, between, extrapolated
 
 SIZES = [(0.1, 0.1), (0.05, 0.2), (0.3, 0.01)]
 
@@ -46,6 +46,28 @@ def test_a_jump_before_a_short_step_leaves_no_more_than_its_share():
     last = StepMean(0.5 * (start + end), 0.5 * (end - start), h)
     found = extrapolated(last, StepMean(0.0, 0.0, previous_h))
     assert found == pytest.approx(end, abs=1.1 * start * h / previous_h)
+
+
+@pytest.mark.parametrize(("h", "previous_h"), SIZES)
+def test_cubic_between_two_steps_is_exact(h, previous_h):
+    """Closed form: means and slopes on both sides of a point know a cubic, whatever the sizes of the steps."""
+    u = Polynomial([1.0, -2.0, 3.0, -4.0])
+    steps = of_step(u, 0.7, previous_h), of_step(u, 0.7 + h, h)
+    assert between(*steps) == pytest.approx(u(0.7), rel=1e-10)
+    last = MidStepSlope.starting(0.0).after(*steps[0]).after(*steps[1])
+    assert last.before() == between(*steps)
+
+
+def test_error_between_equal_steps_is_of_order_four():
+    """Closed form: u = t^4 is missed by h^4 / 360 times its fourth derivative, 24."""
+    u, h = Polynomial([0.0, 0.0, 0.0, 0.0, 1.0]), 0.1
+    assert between(of_step(u, 0.0, h), of_step(u, h, h)) == pytest.approx(-24.0 * h**4 / 360.0, rel=1e-10)
+
+
+def test_nothing_lies_between_fewer_than_two_steps():
+    """Rule: zero until there are two."""
+    one = MidStepSlope.starting(4.0).after(1.0, 0.5, 0.1)
+    assert MidStepSlope.starting(4.0).before() == one.before() == 0.0
 
 
 def test_a_first_step_has_its_own_slope_only():

@@ -16,11 +16,11 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import load_scene
-from tests.benchmark.order.panel import FINEST, SETTLED, Followed, errors, follow, run
+from tests.benchmark.order.panel import FINEST, SETTLED, WINDOW, Followed, errors, follow, run
 from tests.references.native_fmus import needs_native
 
 pytestmark = needs_native
-TWO_PANELS = Path(__file__).parents[1] / "scenes" / "two_flexible_panels.toml"
+TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_flexible_panels.toml"
 JOINT = 2e6
 STEPS = {"spring": (2e-3, 1e-3, 5e-4), "lock": (1e-3, 5e-4, 2.5e-4)}
 """H (s) where vibration dominates: what the impulse of a lock leaves in the modes reaches to higher frequencies."""
@@ -41,6 +41,24 @@ def test_a_held_panel_is_of_order_four(holds):
     four = errors(JOINT, holds, 4, STEPS[holds])
     assert slope(STEPS[holds], four) >= 3.5
     assert np.all(four <= 0.1 * errors(JOINT, holds, 2, STEPS[holds]))
+
+
+def recorded(holds, h):
+    """Loads at common points (points, 2): latch torque of both hinges, interface torque about their line."""
+    record = run(JOINT, holds, h, 4).record
+    points = record.events[0][0] + SETTLED + STEPS[holds][0] * np.arange(1, round(WINDOW / STEPS[holds][0]))
+    rows = np.searchsorted(record.times, points - 0.5 * FINEST)
+    latch = sum(record.signal(f"{side}_hinge", "latch_torque") for side in ("left", "right"))
+    return np.stack([latch, record.signal("base", "interface_torque")[:, 1]], axis=1)[rows]
+
+
+@pytest.mark.parametrize("holds", ["spring", "lock"])
+def test_recorded_loads_are_of_order_four(holds):
+    """At the communication points themselves, by the mean and slope of the steps on both sides."""
+    exact = recorded(holds, FINEST)
+    found = [np.linalg.norm(recorded(holds, h) - exact, axis=0) for h in STEPS[holds]]
+    lost = np.array(found) / np.linalg.norm(exact, axis=0)
+    assert min(slope(STEPS[holds], column) for column in lost.T) >= 3.5
 
 
 @cache

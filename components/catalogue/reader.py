@@ -1,0 +1,303 @@
+"""A table -> the definition of a body: plate, hinge arms, inserts, beams, attached masses, the rigid twin.
+
+The keys are those of the catalogue's data sheets and of `[body.panel]`, `[body.frame]` in scene files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from math import inf, isnan, nan
+from typing import Any, Literal
+
+from ..flexible.beam_frame import BeamSection, tube_section
+from ..flexible.laminate import Layer, laminate_stiffness
+from ..flexible.plate import HingeArm, Panel, Plate, sandwich_stiffness
+from ..flexible.stress import FaceSheets
+from .definition import BodyDefinition, PointMasses, RigidTwin
+from .frame import Frame, Path, SpreadMass
+from .tables import Convert, Table, TableError, stated
+
+_Edge = Literal["inboard", "outboard"]
+_EDGES: tuple[_Edge, ...] = ("inboard", "outboard")
+_SIDES = (("left", 1.0), ("right", -1.0))
+_UNKNOWN: tuple[float, ...] = (nan, nan, nan, nan)
+_NO_SECTION = BeamSection(0.0, 0.0, 0.0, 0.0)
+
+
+def read_body(raw: Mapping[str, Any], convert: Convert = stated) -> BodyDefinition:
+    """The body of a table; TableError with everything that is wrong with it.
+
+    convert: how values are written, by default as in data sheets.
+    """
+    problems: list[str] = []
+    table = Table(raw, "", convert, problems)
+    panel, sheets = _panel(table.table("panel", required=False))
+    frame, joints, frame_nodes = _frame(table.table("frame", required=False))
+    arms = [arm.name for arm in panel.arms] if panel else []
+    ends = (*joints, *(name for name in arms if frame is None or name not in dict(frame.joints)))
+    nodes = (*(panel.nodes if panel else ()), *frame_nodes)
+    twin, masses = _twin(table.table("rigid_twin", required=False)), _masses(table, (*ends, *nodes))
+    table.close()
+    if panel is None and frame is None and not problems:
+        problems.append("give a table panel, a table frame, or both")
+    if not problems:
+        problems += [f"panel: {problem}" for problem in (panel.problems() if panel else ())]
+        problems += _lost(ends, nodes)
+    if problems:
+        raise TableError(problems)
+    return BodyDefinition(panel, frame, ends, nodes, masses, twin, sheets)
+
+
+def _lost(ends: tuple[str, ...], nodes: tuple[str, ...]) -> list[str]:
+    """Problems of the points of a whole body."""
+    names = [*ends, *nodes]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    found = [f"two points are called {name!r}; rename one" for name in twice]
+    if not ends:
+        found.append(
+            "no point can be connected to; give panel.hinge_lines, panel.arms or panel.inserts, or name joints of "
+            "the frame in frame.attachment_points"
+        )
+    return found
+
+
+def _panel(table: Table | None) -> tuple[Panel | None, FaceSheets | None]:
+    if table is None:
+        return None, None
+    plate, sheets = _plate(table)
+    arm = _arm(table.table("arm", required=False))
+    arms = tuple(_arms(table, arm))
+    start = table.number(
+        "start", "m", "any", max((a.length for a in arms if a.edge == "inboard"), default=0.0)
+    )
+    center = {"center": (start + 0.5 * plate.length, 0.0)}
+    nodes = center | {name: (x, y) for name, (x, y) in table.places("nodes", 2).items()}
+    inserts = tuple(_insert(entry) for entry in table.entries("inserts"))
+    size = table.number("element_size", "m", default=0.05)
+    table.close()
+    return Panel(plate, (*arms, *inserts), nodes, start, size), sheets
+
+
+def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
+    """The plate, and the sheets that carry its stress where they are known."""
+    length, width = table.number("length", "m"), table.number("width", "m")
+    areal_mass = table.number("areal_mass", "kg/m2")
+    kind = table.one_of("stiffness", "sandwich", "layers")
+    bending, membrane = _UNKNOWN, _UNKNOWN
+    sheets = None
+    if kind == "stiffness" and (given := table.table("stiffness")):
+        bending, membrane = given.numbers("bending", "N.m", 4), given.numbers("membrane", "N/m", 4)
+        given.close()
+    elif kind == "sandwich" and (given := table.table("sandwich")):
+        bending, membrane, sheets = _sandwich(given)
+    elif kind == "layers":
+        layers = [_layer(entry) for entry in table.entries("layers")]
+        if not layers:
+            table.note("layers", "is empty; give at least one")
+        elif all(layer.is_known for layer in layers):
+            bending, membrane, problem = laminate_stiffness(layers)
+            if problem:
+                table.note("layers", problem)
+    for name, values in (("bending", bending), ("membrane", membrane)):
+        if min(values[0], values[1], values[3]) <= 0.0 or values[2] ** 2 >= values[0] * values[1]:
+            told = f"is {list(values)} in {name}; 11, 22, 66 and 11 x 22 - 12 x 12 of a plate are positive"
+            table.note(kind, told)
+    plate = Plate(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane))
+    return plate, _face_sheets(table, sheets)
+
+
+def _orthotropic(values: Sequence[float]) -> tuple[float, float, float, float]:
+    first, second, mixed, twist = values
+    return first, second, mixed, twist
+
+
+def _sandwich(table: Table) -> tuple[tuple[float, ...], tuple[float, ...], FaceSheets | None]:
+    """Bending and membrane stiffness of two isotropic skins on a core, and these skins."""
+    skin, core = table.number("skin", "m"), table.number("core", "m")
+    modulus, ratio = table.number("youngs_modulus", "Pa"), table.number("poisson_ratio", "1", "any")
+    if abs(ratio) >= 1.0:
+        table.note("poisson_ratio", f"is {ratio:g}; it must be between -1 and 1")
+        ratio = nan
+    shear = table.number("shear_modulus", "Pa", default=0.5 * modulus / (1.0 + ratio))
+    table.close()
+    sheets = FaceSheets.sandwich(skin, core + skin) if skin > 0.0 and core > 0.0 else None
+    return *sandwich_stiffness(skin, core, modulus, ratio, shear), sheets
+
+
+def _layer(table: Table) -> Layer:
+    modulus = table.number("youngs_modulus", "Pa")
+    layer = Layer(
+        table.number("thickness", "m"),
+        modulus,
+        table.number("transverse_modulus", "Pa", default=modulus),
+        table.number("poisson_ratio", "1", "any"),
+        table.number("shear_modulus", "Pa"),
+        table.number("angle", "rad", "any", 0.0),
+    )
+    table.close()
+    return layer
+
+
+def _face_sheets(table: Table, sheets: FaceSheets | None) -> FaceSheets | None:
+    given = table.table("face_sheets", required=False)
+    if given is None:
+        return sheets
+    solid = given.one_of("thickness", "skin") == "thickness"
+    thickness = given.number("thickness" if solid else "skin", "m")
+    distance = 0.0 if solid else given.number("distance", "m")
+    given.close()
+    if not thickness > 0.0 or not (solid or distance > 0.0):
+        return None
+    return FaceSheets.solid(thickness) if solid else FaceSheets.sandwich(thickness, distance)
+
+
+def _arm(table: Table | None) -> HingeArm:
+    """What all arms have in common."""
+    if table is None:
+        return HingeArm("", nan, length=0.0)
+    arm = _changed(table, HingeArm("", nan, length=0.0))
+    table.close()
+    return arm
+
+
+def _changed(table: Table, arm: HingeArm) -> HingeArm:
+    """An arm with the values of a table in place of its own."""
+    section = arm.section
+    if (stiffness := table.table("stiffness", required=False)) is not None:
+        section = _stiffness(stiffness)
+        stiffness.close()
+    return replace(
+        arm,
+        y=table.number("y", "m", "any", arm.y),
+        length=table.number("length", "m", "zero or positive", arm.length),
+        section=None if table.flag("rigid", default=section is None) else section,
+        point_mass=table.number("point_mass", "kg", "zero or positive", arm.point_mass),
+        patch=table.number("patch", "m", default=arm.patch),
+    )
+
+
+def _stiffness(table: Table) -> BeamSection:
+    """A massless section."""
+    return BeamSection(
+        table.number("axial", "N"),
+        table.number("bending_y", "N.m2"),
+        table.number("bending_z", "N.m2"),
+        table.number("torsion", "N.m2"),
+    )
+
+
+def _arms(table: Table, common: HingeArm) -> list[HingeArm]:
+    """Those given one by one, then two on every hinge line, left at +y and right at -y."""
+    arms = []
+    for entry in table.entries("arms"):
+        arm = replace(_changed(entry, common), name=entry.text("name"))
+        edge = entry.text("edge", _EDGES, "inboard")
+        arms.append(replace(arm, edge="outboard" if edge == "outboard" else "inboard"))
+        if isnan(arm.y) and "y" not in entry:
+            entry.note("y", "is missing")
+        entry.close()
+    if (lines := table.table("hinge_lines", required=False)) is not None:
+        named = {edge: lines.text(edge, default="") for edge in _EDGES}
+        if isnan(common.y):
+            table.note("arm.y", "is missing; hinge_lines have their arms at + and - y")
+        for edge, line in named.items():
+            for side, sign in _SIDES if line else ():
+                arms.append(replace(common, name=f"{line}_{side}", y=sign * common.y, edge=edge))
+        lines.close()
+    return arms
+
+
+def _insert(table: Table) -> HingeArm:
+    """A rigid insert inside the plate with an attachment point in its middle."""
+    insert = HingeArm(
+        table.text("name"),
+        table.number("y", "m", "any"),
+        length=0.0,
+        point_mass=table.number("point_mass", "kg", "zero or positive", 0.0),
+        patch=table.number("patch", "m", default=0.03),
+        x=table.number("x", "m", "any"),
+    )
+    table.close()
+    return insert
+
+
+def _frame(table: Table | None) -> tuple[Frame | None, tuple[str, ...], tuple[str, ...]]:
+    """The frame, and which of its joints are attachment points and nodes."""
+    if table is None:
+        return None, (), ()
+    joints = table.places("joints", 3)
+    if "joints" not in table:
+        table.note("joints", "is missing")
+    common = _section(table)
+    members = tuple(_member(entry, common, joints) for entry in table.entries("members"))
+    if not members:
+        table.note("members", "is missing; a frame needs at least one")
+    spread = None
+    if (given := table.table("spread_mass", required=False)) is not None:
+        spread = SpreadMass(
+            given.texts("members", 1, [path.name for path in members]),
+            given.number("mass", "kg"),
+            given.number("center_of_mass", "m", "any"),
+            given.number("inertia", "kg.m2"),
+        )
+        given.close()
+    met = list(dict.fromkeys(name for path in members for name in path.joints))
+    ends, nodes = table.texts("attachment_points", 0, met), table.texts("nodes", 0, met)
+    table.close()
+    return Frame(tuple(joints.items()), members, spread), ends, nodes
+
+
+def _member(table: Table, common: BeamSection | None, joints: Collection[str]) -> Path:
+    section = _section(table) or common
+    if section is None:
+        table.note("tube", "is missing; give tube or section, of the member or of the whole frame")
+    mass = table.number("mass", "kg", default=inf)
+    path = Path(
+        table.text("name"),
+        table.texts("joints", 2, joints),
+        section or _NO_SECTION,
+        table.count("elements", 8),
+        None if mass == inf else mass,
+    )
+    table.close()
+    return path
+
+
+def _section(table: Table) -> BeamSection | None:
+    """The section of beams, if it is given here."""
+    if (tube := table.table("tube", required=False)) is not None:
+        diameter, wall = tube.number("diameter", "m"), tube.number("wall", "m")
+        if wall > 0.5 * diameter:
+            tube.note("wall", f"is {wall:g} m; a tube of {diameter:g} m has a wall of half of that at most")
+        moduli = tube.number("youngs_modulus", "Pa"), tube.number("shear_modulus", "Pa")
+        density = tube.number("density", "kg/m3")
+        tube.close()
+        return tube_section(diameter, wall, *moduli, density) if diameter > wall > 0.0 else _NO_SECTION
+    if (given := table.table("section", required=False)) is not None:
+        mass, radius = given.number("line_mass", "kg/m"), given.number("gyration_radius", "m")
+        section = replace(_stiffness(given), line_mass=mass, gyration_radius=radius)
+        given.close()
+        return section
+    return None
+
+
+def _masses(table: Table, points: Collection[str]) -> PointMasses:
+    found = []
+    for entry in table.entries("attached_masses"):
+        found.append((entry.text("point", points), entry.number("mass", "kg")))
+        entry.close()
+    return tuple(found)
+
+
+def _twin(table: Table | None) -> RigidTwin:
+    if table is None:
+        return RigidTwin()
+    mass = table.number("mass", "kg", default=inf)
+    center = table.number("center_of_mass", "m", "any", inf)
+    inertia = table.number("inertia", "kg.m2", default=inf)
+    twin = RigidTwin(
+        table.flag("hardware", True), *(None if value == inf else value for value in (mass, center, inertia))
+    )
+    table.close()
+    return twin

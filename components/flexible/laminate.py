@@ -1,0 +1,88 @@
+"""Stiffness of a laminated plate by classical lamination theory (Jones 1999, chapter 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from ..contract.component import Vector
+
+_NEGLIGIBLE = 1e-9
+"""Of the largest stiffness: coupling that only round-off makes."""
+Stiffness = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """An orthotropic layer in plane stress."""
+
+    thickness: float
+    """m"""
+    youngs_modulus: float
+    """along its fibres, Pa"""
+    transverse_modulus: float
+    """across them, Pa"""
+    poisson_ratio: float
+    """strain across per strain along them under tension along them"""
+    shear_modulus: float
+    """Pa"""
+    angle: float = 0.0
+    """from x to the fibres, rad"""
+
+    @property
+    def is_known(self) -> bool:
+        """Whether none of its numbers is NaN."""
+        return not np.isnan(astuple(self)).any()
+
+    def stiffness(self) -> Vector:
+        """Plane-stress stiffness (3, 3) in the axes of the plate, Pa."""
+        minor = self.poisson_ratio * self.transverse_modulus / self.youngs_modulus
+        scale = 1.0 - self.poisson_ratio * minor
+        own = np.array(
+            [
+                [self.youngs_modulus / scale, minor * self.youngs_modulus / scale, 0.0],
+                [minor * self.youngs_modulus / scale, self.transverse_modulus / scale, 0.0],
+                [0.0, 0.0, self.shear_modulus],
+            ]
+        )
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        # strains in the layer's axes from those in the plate's, shear as the whole angle
+        turn = np.array(
+            [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+        )
+        result: Vector = turn.T @ own @ turn
+        return result
+
+
+def laminate_stiffness(layers: Sequence[Layer]) -> tuple[Stiffness, Stiffness, str]:
+    """Bending (N m) and membrane (N/m) stiffness 11, 22, 12, 66 of layers from bottom to top about the middle.
+
+    The third is a sentence where the plate would couple stretching with bending, or shear with either, which an
+    orthotropic plate does not; it is empty otherwise.
+    """
+    heights = np.cumsum([0.0, *(layer.thickness for layer in layers)])
+    heights -= 0.5 * heights[-1]
+    membrane, coupling, bending = (
+        sum(
+            (
+                layer.stiffness() * (b**k - a**k) / k
+                for layer, a, b in zip(layers, heights, heights[1:], strict=False)
+            ),
+            np.zeros((3, 3)),
+        )
+        for k in (1, 2, 3)
+    )
+    problem = ""
+    if np.abs(coupling).max() > _NEGLIGIBLE * np.sqrt(membrane.max() * bending.max()):
+        problem = (
+            "the layers are not symmetric about the middle, so the plate would bend when it is stretched"
+        )
+    elif max(np.abs(m[:2, 2]).max() / m.max() for m in (membrane, bending)) > _NEGLIGIBLE:
+        problem = "the layers are not balanced, so the plate would twist when it is bent or stretched"
+    return _orthotropic(bending), _orthotropic(membrane), problem
+
+
+def _orthotropic(stiffness: Vector) -> Stiffness:
+    return float(stiffness[0, 0]), float(stiffness[1, 1]), float(stiffness[0, 1]), float(stiffness[2, 2])

@@ -1,0 +1,141 @@
+"""What a panel is: an orthotropic plate with fittings that carry its attachment points; stiffness of sandwiches.
+
+Frame: x outboard along the wing, y along the hinge lines with its origin in the middle, z normal to the plate, whose
+mid-plane is z = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Literal
+
+from .beam_frame import BeamSection
+from .finite_elements import Rectangle
+
+_ROUNDING = 1e-9  # m
+_MOST_ELEMENTS = 20_000  # half a minute, and modes far beyond those that a deployment needs
+
+
+def sandwich_stiffness(
+    skin: float, core: float, youngs_modulus: float, poisson_ratio: float, shear_modulus: float
+) -> tuple[tuple[float, float, float, float], tuple[float, float, float, float]]:
+    """Bending (N m) and membrane (N/m) stiffness of two equal skins on a core that only spaces them.
+
+    skin, core: thickness (m) of one skin and of the core; moduli (Pa) of the skin, equal along x and y.
+    Thin skins (Allen 1969): A = 2 E t / (1 - nu²), D = A d² / 4 with d = core + skin.
+    """
+    plane = 2.0 * skin * youngs_modulus / (1.0 - poisson_ratio**2)
+    membrane = (plane, plane, poisson_ratio * plane, 2.0 * skin * shear_modulus)
+    lever = (core + skin) ** 2 / 4.0
+    a11, a22, a12, a66 = membrane
+    return (a11 * lever, a22 * lever, a12 * lever, a66 * lever), membrane
+
+
+@dataclass(frozen=True)
+class Plate:
+    """Rectangular orthotropic plate, its energy ½[D11 w,xx² + D22 w,yy² + 2 D12 w,xx w,yy + 4 D66 w,xy²]."""
+
+    length: float
+    """along x, m"""
+    width: float
+    """along y, m"""
+    areal_mass: float
+    """kg/m2"""
+    bending: tuple[float, float, float, float]
+    """D11, D22, D12, D66, N m"""
+    membrane: tuple[float, float, float, float]
+    """A11, A22, A12, A66, N/m"""
+
+
+@dataclass(frozen=True)
+class HingeArm:
+    """Fitting that carries an attachment point: a rigid insert patch at the plate's edge, then a massless arm.
+
+    Without a `section` the arm is a rigid link. An insert inside the plate has its own x instead of an edge and an
+    arm; its attachment point is in its middle.
+    """
+
+    name: str
+    y: float
+    """m"""
+    edge: Literal["inboard", "outboard"] = "inboard"
+    length: float = 0.055
+    """from the plate's edge to the attachment point, m"""
+    section: BeamSection | None = None
+    point_mass: float = 0.0
+    """at the attachment point, kg"""
+    patch: float = 0.030
+    """side of the square patch, m"""
+    x: float | None = None
+    """of the middle of an insert inside the plate, m"""
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Plate with hinge arms; `nodes` are further points (name -> x, y) a scene may load."""
+
+    plate: Plate
+    arms: tuple[HingeArm, ...] = ()
+    nodes: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    plate_start: float = 0.055
+    """x of the plate's inboard edge, m"""
+    element_size: float = 0.05
+    """largest side of an element, m"""
+
+    def ends(self, arm: HingeArm) -> tuple[float, float]:
+        """X of an arm's root on the plate and of its attachment point, m."""
+        if arm.x is not None:
+            return arm.x, arm.x
+        if arm.edge == "inboard":
+            return self.plate_start, self.plate_start - arm.length
+        end = self.plate_start + self.plate.length
+        return end, end + arm.length
+
+    def patch(self, arm: HingeArm) -> Rectangle:
+        """Ranges of x and y of an arm's rigid insert, m."""
+        root, half = self.ends(arm)[0], 0.5 * arm.patch
+        y = (arm.y - half, arm.y + half)
+        if arm.x is not None:
+            return (root - half, root + half), y
+        return ((root, root + arm.patch) if arm.edge == "inboard" else (root - arm.patch, root)), y
+
+    def problems(self) -> Iterator[str]:
+        """What cannot be of inserts and nodes, as sentences."""
+        inside = (
+            (self.plate_start, self.plate_start + self.plate.length),
+            (-0.5 * self.plate.width, 0.5 * self.plate.width),
+        )
+        elements = self.plate.length * self.plate.width / self.element_size**2
+        if elements > _MOST_ELEMENTS:
+            yield (
+                f"elements of {self.element_size:g} m make {elements:.3g} of them, more than {_MOST_ELEMENTS};"
+                " check length and width, or give a larger element_size"
+            )
+        for arm in self.arms:
+            if not _within(self.patch(arm), inside):
+                yield f"the insert patch of hinge arm {arm.name!r} reaches beyond the plate"
+        for one, other in combinations(self.arms, 2):
+            if _overlap(self.patch(one), self.patch(other)):
+                yield f"the insert patches of {one.name!r} and {other.name!r} overlap; make one of them"
+        for name, (x, y) in self.nodes.items():
+            if not _within(((x, x), (y, y)), inside):
+                (x0, x1), (y0, y1) = inside
+                yield (
+                    f"node {name!r} at x = {x:g} m, y = {y:g} m is outside the plate, which reaches"
+                    f" from x = {x0:g} to {x1:g} m and from y = {y0:g} to {y1:g} m"
+                )
+
+
+def _within(inner: Rectangle, outer: Rectangle) -> bool:
+    return all(
+        low - _ROUNDING <= a and b <= high + _ROUNDING
+        for (a, b), (low, high) in zip(inner, outer, strict=True)
+    )
+
+
+def _overlap(one: Rectangle, other: Rectangle) -> bool:
+    return all(
+        a < high - _ROUNDING and low < b - _ROUNDING for (a, b), (low, high) in zip(one, other, strict=True)
+    )

@@ -1,0 +1,112 @@
+/* The equations of an instance at its present values: see evaluate.h. */
+
+#include "evaluate.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "layout.h"
+
+static int prepare(Instance *instance, Reason *why) {
+    if (!instance->prepared)
+        instance->prepared =
+            layout_ranges_hold(instance, why) && instance->kernel->prepare(instance->self, instance->values, why);
+    return instance->prepared;
+}
+
+double *evaluate_inputs(const Instance *instance) { return instance->values + instance->ends[0]; }
+
+/* Their sum is finite then, but for absurdly large ones, which are looked at singly. */
+int evaluate_all_finite(const double *numbers, size_t count, size_t *bad) {
+    double sum = 0.0;
+    for (size_t i = 0; i < count; i++)
+        sum += numbers[i] * 0.0;
+    if (sum == 0.0)
+        return 1;
+    for (*bad = 0; *bad < count && isfinite(numbers[*bad]);)
+        ++*bad;
+    return *bad == count;
+}
+
+static int inputs_finite(const Instance *instance, Reason *why) {
+    size_t bad = 0;
+    char name[200];
+    if (evaluate_all_finite(evaluate_inputs(instance), instance->sizes.inputs, &bad))
+        return 1;
+    layout_scalar_name(instance, (uint32_t)(instance->ends[0] + bad), name, sizeof name);
+    return refuse(why, "input %s is %g; it must be a finite number", name, evaluate_inputs(instance)[bad]);
+}
+
+int evaluate_state_finite(const Instance *instance, const double *x, Reason *why) {
+    size_t bad = 0;
+    if (evaluate_all_finite(x, instance->states, &bad))
+        return 1;
+    return refuse(why, "the new state is not finite, first x[%lu] = %g of %lu", (unsigned long)bad, x[bad],
+                  (unsigned long)instance->states);
+}
+
+int evaluate_initial(Instance *instance, Reason *why) {
+    if (instance->has_state)
+        return 1;
+    if (!prepare(instance, why) || !inputs_finite(instance, why) ||
+        !instance->kernel->initial(instance->self, evaluate_inputs(instance), instance->x, why) ||
+        !evaluate_state_finite(instance, instance->x, why))
+        return 0;
+    instance->has_state = 1;
+    instance->continuous.known = 0;
+    return 1;
+}
+
+int evaluate_ready(Instance *instance, Reason *why) {
+    return evaluate_initial(instance, why) && prepare(instance, why) && inputs_finite(instance, why);
+}
+
+const double *evaluate_state(Instance *instance) {
+    Continuous *continuous = &instance->continuous;
+    if (!continuous->used || !instance->kernel->complete)
+        return instance->x;
+    if (!continuous->known) {
+        memcpy(continuous->completed, instance->x, instance->states * sizeof(double));
+        instance->kernel->complete(instance->self, continuous->completed);
+        continuous->known = 1;
+    }
+    return continuous->completed;
+}
+
+int evaluate_rates(Instance *instance, double *rates, Reason *why) {
+    return instance->kernel->rates(instance->self, instance->x, evaluate_state(instance),
+                                   instance->values + instance->ends[0], rates, why);
+}
+
+void evaluate_states(const Instance *instance, double *states) {
+    for (size_t i = 0; i < instance->continuous.count; i++)
+        states[i] = instance->x[instance->continuous.places[i]];
+}
+
+int evaluate_continuous(Instance *instance, Reason *why) {
+    double *states = instance->values + instance->ends[3];
+    if (!evaluate_ready(instance, why) || !evaluate_rates(instance, states + instance->continuous.count, why))
+        return 0;
+    evaluate_states(instance, states);
+    return 1;
+}
+
+int evaluate_outputs(Instance *instance, Reason *why) {
+    if (instance->outputs_known)
+        return 1;
+    if (!evaluate_ready(instance, why))
+        return 0;
+    instance->kernel->outputs(instance->self, evaluate_state(instance), evaluate_inputs(instance),
+                              instance->values + instance->ends[1]);
+    return instance->outputs_known = 1;
+}
+
+int evaluate_observations(Instance *instance, Reason *why) {
+    if (instance->observations_known)
+        return 1;
+    if (!evaluate_ready(instance, why))
+        return 0;
+    instance->kernel->observe(instance->self, evaluate_state(instance), evaluate_inputs(instance),
+                              instance->values + instance->ends[2]);
+    return instance->observations_known = 1;
+}

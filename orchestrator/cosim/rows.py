@@ -1,0 +1,79 @@
+"""Rows on their way to a recorder: the last one waits for what components know better one step later."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from components import LAGGED, Layout
+
+from .participant import Participant, Vector
+
+
+class Recorder(Protocol):
+    """Takes what happened, in order."""
+
+    def append(self, time: float, values: Sequence[Vector]) -> None:
+        """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Something switched."""
+
+
+def recorded_layout(layout: Layout) -> Layout:
+    """What is recorded of observations: all but the lagged ones, which correct others."""
+    return Layout(q for q in layout.quantities if not q.name.endswith(LAGGED))
+
+
+class Rows:
+    """Hands observations and scene channels on to a recorder, each accepted step's when the next one is known.
+
+    observations: of all participants in order; scene: channels. Both are read when a row comes.
+    """
+
+    def __init__(
+        self, recorder: Recorder, participants: Sequence[Participant], observations: Vector, scene: Vector
+    ) -> None:
+        self._recorder = recorder
+        self._now, self._held = (observations, scene), (observations.copy(), scene.copy())
+        self._time: float | None = None
+        layouts = [p.observation_layout for p in participants]
+        first = np.cumsum([0, *(layout.size for layout in layouts)]).tolist()
+        self._slices = [
+            slice(a, a + recorded_layout(layout).size) for a, layout in zip(first, layouts, strict=False)
+        ]
+        pairs = [pair for a, layout in zip(first, layouts, strict=False) for pair in _pairs(a, layout)]
+        self._known, self._corrected = np.array(pairs, dtype=int).reshape(-1, 2).T
+
+    def add(self, time: float) -> None:
+        """A row that stands as it is."""
+        self.release()
+        self._append(time, *self._now)
+
+    def hold(self, time: float, *, continues: bool) -> None:
+        """A row that the next one may correct; continues: what is held comes right before, and nothing jumped."""
+        observations, scene = self._held
+        if continues:
+            observations[self._corrected] = self._now[0][self._known]
+        self.release()
+        observations[:], scene[:] = self._now
+        self._time = time
+
+    def release(self) -> None:
+        """Hand on what is held."""
+        if self._time is not None:
+            self._append(self._time, *self._held)
+            self._time = None
+
+    def _append(self, time: float, observations: Vector, scene: Vector) -> None:
+        self._recorder.append(time, [*(observations[part] for part in self._slices), scene])
+
+
+def _pairs(first: int, layout: Layout) -> Iterator[tuple[int, int]]:
+    """Places of every scalar of a lagged observation, and of the one it tells again."""
+    for quantity in layout.quantities:
+        if quantity.name.endswith(LAGGED):
+            known, corrected = layout[quantity.name], layout[quantity.name.removesuffix(LAGGED)]
+            yield from ((first + known.start + i, first + corrected.start + i) for i in range(quantity.size))

@@ -1,0 +1,406 @@
+"""Tables of bodies: what they mean, and a sentence for everything that cannot be."""
+
+import os
+import subprocess
+import sys
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from components import ComponentError
+from components.catalogue import TableError, entry, entry_table, read_body
+from components.flexible.plate import sandwich_stiffness
+from components.flexible.reduction import fixed_interface_frequencies
+
+
+def si(value, unit, sign):
+    """Plain numbers only."""
+    if isinstance(value, str | bool) or (sign == "positive" and value <= 0):
+        raise ValueError(f"is {value!r}; it must be {sign} {unit}")
+    return float(value)
+
+
+SKINS = {"skin": 0.2e-3, "core": 0.02, "youngs_modulus": 70e9, "poisson_ratio": 0.3}
+PANEL = {
+    "length": 1.1,
+    "width": 0.7,
+    "areal_mass": 3.2,
+    "sandwich": SKINS,
+    "arm": {"y": 0.25, "length": 0.04, "patch": 0.06},
+    "hinge_lines": {"inboard": "root", "outboard": "tip"},
+    "element_size": 0.2,
+}
+TUBE = {"diameter": 0.03, "wall": 0.002, "youngs_modulus": 70e9, "shear_modulus": 27e9, "density": 2700.0}
+FRAME = {
+    "tube": TUBE,
+    "joints": {"a": [0.0, 0.0, 0.0], "l": [0.8, 0.4, 0.0], "r": [0.8, -0.4, 0.0]},
+    "members": [
+        {"name": "left", "joints": ["a", "l"]},
+        {"name": "right", "joints": ["a", "r"]},
+        {"name": "bar", "joints": ["l", "r"]},
+    ],
+    "attachment_points": ["a", "l", "r"],
+}
+
+
+def changed(table, path, value):
+    """A copy with one value put in its place, or taken away where the value is None."""
+    found = deepcopy(table)
+    *steps, last = path.split(".")
+    inner = found
+    for step in steps:
+        inner = inner[int(step)] if isinstance(inner, list) else inner.setdefault(step, {})
+    if value is None:
+        del inner[last]
+    else:
+        inner[last] = value
+    return found
+
+
+def panel(path=None, value=None):
+    return read_body({"panel": changed(PANEL, path, value) if path else PANEL}, si)
+
+
+def frame(path=None, value=None):
+    return read_body({"frame": changed(FRAME, path, value) if path else FRAME}, si)
+
+
+BAD_PANELS = [
+    ("length", 1e6, "elements of 0.2 m make 1.75e+07 of them, more than 20000; check length and width"),
+    ("length", None, "panel.length: is missing"),
+    ("length", -1.0, "panel.length: is -1.0; it must be positive m"),
+    ("length", True, "panel.length: is True"),
+    ("lenght", 2.0, "panel.lenght: is not a known key; did you mean length; keys are"),
+    ("colour", 2.0, "panel.colour: is not a known key; keys are areal_mass, arm, arms,"),
+    ("sandwich.skins", 0.1, "panel.sandwich.skins: is not a known key; did you mean skin; keys are"),
+    ("sandwich.poisson_ratio", 1.5, "panel.sandwich.poisson_ratio: is 1.5; it must be between -1 and 1"),
+    ("sandwich", None, "panel: give one of stiffness, sandwich, layers; it has none"),
+    ("layers", [], "panel: give one of stiffness, sandwich, layers; it has sandwich and layers"),
+    ("sandwich", 3.0, "panel.sandwich: is 3.0; it must be a table"),
+    ("arm.y", None, "panel.arm.y: is missing; hinge_lines have their arms at + and - y"),
+    ("arm.y", 0.4, "panel: the insert patch of hinge arm 'root_left' reaches beyond the plate"),
+    ("arm.y", 0.01, "panel: the insert patches of 'root_left' and 'root_right' overlap; make one of them"),
+    ("arm.patch", 0.6, "the insert patches of 'root_left' and"),
+    ("arm.patch", 1.2, "the insert patch of hinge arm 'tip_left' reaches beyond the plate"),
+    ("arm.stiffness", {"axial": 1.0}, "panel.arm.stiffness.bending_y: is missing"),
+    ("arm.rigid", 1, "panel.arm.rigid: is 1; it must be true or false"),
+    (
+        "hinge_lines.inbord",
+        "x",
+        "panel.hinge_lines.inbord: is not a known key; did you mean inboard; keys are",
+    ),
+    ("hinge_lines.inboard", "2nd", "panel.hinge_lines.inboard: is '2nd'; a name starts with a letter"),
+    ("hinge_lines.outboard", "root", "two points are called 'root_left'; rename one"),
+    (
+        "hinge_lines",
+        None,
+        "no point can be connected to; give panel.hinge_lines, panel.arms or panel.inserts",
+    ),
+    (
+        "arms",
+        [{"name": "third", "y": 0.0, "edge": "top"}],
+        "panel.arms.third.edge: is 'top'; it must be one of inb",
+    ),
+    ("arms", [{"y": 0.0}], "panel.arms[1].name: is missing"),
+    ("arms", 3, "panel.arms: is 3; it must be an array of tables"),
+    (
+        "nodes",
+        {"sensor": [2.0, 0.0]},
+        "panel: node 'sensor' at x = 2 m, y = 0 m is outside the plate, which reaches",
+    ),
+    ("nodes", {"sensor": [0.5]}, "panel.nodes.sensor: is [0.5]; give a list of 2 values in m"),
+    (
+        "inserts",
+        [{"name": "lock", "x": 1.139, "y": 0.0}],
+        "patch of hinge arm 'lock' reaches beyond the plate",
+    ),
+    ("inserts", [{"name": "lock", "x": 0.06, "y": 0.25}], "patches of 'root_left' and 'lock' overlap"),
+    ("element_size", 0.0, "panel.element_size: is 0.0; it must be positive m"),
+    (
+        "face_sheets",
+        {"thickness": 0.001, "skin": 0.001},
+        "panel.face_sheets: give one of thickness, skin; it has thick",
+    ),
+]
+BAD_FRAMES = [
+    ("tube.wall", 0.02, "frame.tube.wall: is 0.02 m; a tube of 0.03 m has a wall of half of that at most"),
+    (
+        "tube",
+        None,
+        "frame.members.left.tube: is missing; give tube or section, of the member or of the whole frame",
+    ),
+    ("joints", None, "frame.joints: is missing"),
+    ("members", [], "frame.members: is missing; a frame needs at least one"),
+    ("members.0.joints", ["a", "z"], "frame.members.left.joints: there is no 'z'; those are a, l, r"),
+    ("members.0.joints", ["a"], "frame.members.left.joints: is ['a']; give 2 names or more, none twice"),
+    ("members.0.elements", 0, "frame.members.left.elements: is 0; it must be a whole number from 1 on"),
+    ("attachment_points", ["b"], "frame.attachment_points: there is no 'b'; those are a, l, r"),
+    ("attachment_points", "a", "frame.attachment_points: is 'a'; it must be a list of names"),
+    ("spread_mass", {"members": ["left"]}, "frame.spread_mass.mass: is missing"),
+]
+
+
+def told_of(build, path, value):
+    with pytest.raises(TableError) as caught:
+        build(path, value)
+    return caught.value.problems
+
+
+@pytest.mark.parametrize(("path", "value", "sentence"), BAD_PANELS)
+def test_impossible_panels(path, value, sentence):
+    """Messages: one sentence with the key, and nothing else that follows from it."""
+    problems = told_of(panel, path, value)
+    assert any(sentence in problem for problem in problems), problems
+
+
+@pytest.mark.parametrize(("path", "value", "sentence"), BAD_FRAMES)
+def test_impossible_frames(path, value, sentence):
+    """Messages: one sentence with the key."""
+    problems = told_of(frame, path, value)
+    assert any(sentence in problem for problem in problems), problems
+
+
+def test_all_problems_at_once():
+    """Messages: five mistakes are five sentences."""
+    table = {"panel": {**PANEL, "length": -1, "width": None, "colour": 1, "nodes": {"a": 3}}, "fram": {}}
+    with pytest.raises(TableError) as caught:
+        read_body(table, si)
+    assert [problem.partition(": ")[0] for problem in caught.value.problems] == [
+        "panel.length", "panel.width", "panel.nodes.a", "panel.colour", "fram",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("table", [{}, {"panel": 3}, {"frame": []}, {"rigid_twin": {"mass": 1.0}}])
+def test_no_body(table):
+    """Messages: a table without a body."""
+    with pytest.raises(TableError, match=r"give a table panel, a table frame, or both|it must be a table"):
+        read_body(table, si)
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        ((1.5, "mm"), "panel.length: is 1.5 mm; the unit must be m"),
+        (1.5, "panel.length: is 1.5; state value, unit and source"),
+        ((True, "m"), "panel.length: is True; it must be a finite number"),
+        ((float("inf"), "m"), "panel.length: is inf; it must be a finite number"),
+        ((0.0, "m"), "panel.length: is 0.0; it must be positive"),
+    ],
+)
+def test_data_sheets_state_units(value, told):
+    """Messages: a value without its unit, or with another, is none."""
+    with pytest.raises(TableError, match=told):
+        read_body(changed(entry_table("workbench_panel"), "panel.length", value))
+
+
+def test_sandwich():
+    """Two ways: the plate of skins and core, with the shear modulus of an isotropic skin; its sheets carry stress."""
+    plate, sheets = panel().panel.plate, panel().face_sheets
+    expected = sandwich_stiffness(0.2e-3, 0.02, 70e9, 0.3, 70e9 / 2.6)
+    np.testing.assert_allclose([plate.bending, plate.membrane], expected, rtol=1e-12)
+    assert sheets.per_force == pytest.approx(1 / 0.4e-3)
+    assert sheets.per_moment == pytest.approx(1 / (0.2e-3 * 0.0202))
+
+
+def test_skins_of_another_thickness_are_another_body(tmp_path, monkeypatch):
+    """The cache is keyed by content: what was told to stay at 18.48 Hz with twice the skin now follows (issue 11).
+
+    Closed form: bending stiffness is that of skins times their distance squared, masses are as stated, arms rigid.
+    """
+    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path))
+    thin, thick = panel().flexible(2), panel("sandwich.skin", 0.4e-3).flexible(2)
+    ratio = np.sqrt(2.0) * 20.4 / 20.2
+    found = [
+        fixed_interface_frequencies(body.finite_elements(), ("root_left", "root_right"), 1)[0]
+        for body in (panel(), panel("sandwich.skin", 0.4e-3))
+    ]
+    assert found[1] / found[0] == pytest.approx(ratio, rel=1e-9)
+    assert thick.frequency[0] / thin.frequency[0] == pytest.approx(ratio, rel=1e-9)
+    files = len(list(tmp_path.iterdir()))
+    np.testing.assert_array_equal(panel().flexible(2).frequency, thin.frequency)
+    assert len(list(tmp_path.iterdir())) == files == 2
+
+
+_COLD = """
+import hashlib
+from components.catalogue import entry
+body = entry("amos3_panel2").flexible(6)
+print(hashlib.sha256(b"".join(body.to_arrays()[name].tobytes() for name in ("frequency", "invariant9"))).hexdigest())
+"""
+
+
+def test_bodies_do_not_depend_on_threads(tmp_path):
+    """R25: cold caches under other numbers of threads hold the same bits."""
+    digests = set()
+    for threads in ("1", "2", "4"):
+        environment = {**os.environ, "FANFOLD_CACHE": str(tmp_path / threads)}
+        environment |= {"OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads}
+        command = [sys.executable, "-c", _COLD]
+        digests.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
+    assert len(digests) == 1
+
+
+def test_impossible_rigid_twin(tmp_path, monkeypatch):
+    """Messages: an inertia that no frame of these tubes has, whose sections alone have more."""
+    monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path))
+    body = read_body({"frame": FRAME, "rigid_twin": {"inertia": 1e-6}}, si)
+    with pytest.raises(
+        ComponentError, match=r"rigid_twin.inertia is 1e-06 kg.m2; .*violate the triangle inequality"
+    ):
+        body.rigid()
+
+
+LAYER = {"thickness": 1e-3, "youngs_modulus": 70e9, "poisson_ratio": 0.3, "shear_modulus": 27e9}
+
+
+@pytest.mark.parametrize(
+    ("layers", "told"),
+    [
+        ([], "panel.layers: is empty; give at least one"),
+        (
+            [LAYER, {**LAYER, "youngs_modulus": 9e9}],
+            "panel.layers: the layers are not symmetric about the middle",
+        ),
+        ([{**LAYER, "thickness": 0}], r"panel.layers\[1\].thickness: is 0; it must be positive m"),
+        ([{**LAYER, "poisson_ratio": 1.2}], "panel.layers: is .* of a plate are positive"),
+        ([{**LAYER, "modulus": 1.0}], r"panel.layers\[1\].modulus: is not a known key"),
+    ],
+)
+def test_impossible_layers(layers, told):
+    """Messages: what is no plate."""
+    table = changed(PANEL, "sandwich", None) | {"layers": layers}
+    with pytest.raises(TableError, match=told):
+        read_body({"panel": table}, si)
+
+
+def test_layers_make_a_plate():
+    """Closed form: one isotropic layer, D11 = E t³ / 12 (1 - nu²)."""
+    plate = read_body({"panel": changed(PANEL, "sandwich", None) | {"layers": [LAYER]}}, si).panel.plate
+    assert plate.bending[0] == pytest.approx(70e9 * 1e-9 / 12 / 0.91, rel=1e-12)
+
+
+def test_rigid_twin_of_an_unsymmetric_panel():
+    """Closed form: a point mass beside the middle moves the centre of mass and makes products of inertia."""
+    mass, x, y = 3.2 * 1.1 * 0.7, 0.04 + 0.55, 0.1
+    table = {
+        "panel": changed(PANEL, "nodes.box", [x + 0.2, y]),
+        "attached_masses": [{"point": "box", "mass": 2.0}],
+    }
+    twin = read_body(table, si).rigid()
+    share = 2.0 / (mass + 2.0)
+    np.testing.assert_allclose(twin.center_of_mass, [x + share * 0.2, share * y, 0.0], atol=1e-12)
+    product = -mass * share * 0.2 * y
+    plate = mass * np.array([0.7**2, 1.1**2]) / 12 + mass * share * np.array([y**2, 0.2**2])
+    expected = [[plate[0], product, 0.0], [product, plate[1], 0.0], [0.0, 0.0, plate.sum()]]
+    np.testing.assert_allclose(twin.inertia, expected, atol=1e-12)
+    assert twin.inertia[0, 2] == 0.0
+    flexible = read_body(table, si).flexible(0)
+    np.testing.assert_allclose(flexible.inertia, twin.inertia, atol=1e-11)
+
+
+def test_insert_inside_the_plate():
+    """Two ways: rigid motions of all samples are those of their places and store no energy; an insert stiffens."""
+    body = panel("inserts", [{"name": "lock", "x": 0.6, "y": 0.1, "point_mass": 0.3}])
+    model = body.finite_elements()
+    assert body.attachment_points == ("root_left", "root_right", "tip_left", "tip_right", "lock")
+    np.testing.assert_allclose(model.point_positions["lock"], [0.6, 0.1, 0.0])
+    assert model.mass == pytest.approx(3.2 * 1.1 * 0.7 + 0.3)
+    forces = model.stiffness @ model.rigid_motions
+    assert np.abs(forces).max() < 1e-9 * np.abs(model.stiffness).max()
+    moved = (model.displacement @ model.rigid_motions).reshape(-1, 3, 6)
+    np.testing.assert_allclose(moved[:, :, :3], np.broadcast_to(np.eye(3), (len(moved), 3, 3)), atol=1e-12)
+    turned = np.cross([0.0, 1.0, 0.0], model.positions)
+    np.testing.assert_allclose(moved[:, :, 4], turned, atol=1e-12)
+    held = [
+        fixed_interface_frequencies(model, points, 1)[0] for points in (("root_left",), ("root_left", "lock"))
+    ]
+    assert held[1] > 1.5 * held[0]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_spread_mass_has_the_stated_totals(seed):
+    """Sums over the samples of frames that nobody chose: mass, centre of mass and inertia are those stated."""
+    dice = np.random.default_rng(seed)
+    length, foot = dice.uniform(0.4, 3.0), dice.uniform(0.1, 1.0)
+    table = changed(FRAME, "joints.l", [length, foot, 0.0])
+    table["joints"]["r"] = [length, -foot, 0.0]
+    bare = read_body({"frame": table}, si).finite_elements()
+    extra, middle, half = 2.0 * bare.mass, dice.uniform(0.4, 0.6) * length, dice.uniform(0.1, 0.3) * length
+    mass = bare.mass + extra
+    center = (bare.mass * bare.center_of_mass[0] + extra * middle) / mass
+    around = 0.5 * 0.25 * (0.03**2 + 0.026**2) / 2.0 * (1.0 + foot**2 / (foot**2 + length**2))
+    about = bare.inertia[1, 1] + bare.mass * (bare.center_of_mass[0] - center) ** 2
+    inertia = about + extra * ((middle - center) ** 2 + half**2 / 3.0 + around)
+    table["spread_mass"] = {
+        "members": ["left", "right"],
+        "mass": mass,
+        "center_of_mass": center,
+        "inertia": inertia,
+    }
+    loaded = read_body({"frame": table}, si).finite_elements()
+    assert loaded.mass == pytest.approx(mass, rel=1e-12)
+    assert loaded.center_of_mass[0] == pytest.approx(center, rel=1e-12)
+    assert loaded.inertia[1, 1] == pytest.approx(inertia, rel=1e-12)
+    stations = loaded.positions[loaded.masses > 0.0][:, 0]
+    assert stations.min() < middle - half < middle + half < stations.max()
+
+
+@pytest.mark.parametrize(
+    ("spread", "told"),
+    [
+        ({"mass": 0.1}, "more than the 0.1 kg stated of it"),
+        ({"inertia": 9.0}, "leave no even spread"),
+        ({"center_of_mass": 2.0}, "leave no even spread"),
+        ({"members": ["left", "bar"]}, "must be straight, of one length, and run from one x to one other"),
+    ],
+)
+def test_impossible_spread_mass(spread, told):
+    """Messages say what cannot be."""
+    stated = {"members": ["left", "right"], "mass": 3.0, "center_of_mass": 0.42, "inertia": 0.2}
+    body = frame("spread_mass", stated | spread)
+    with pytest.raises(ComponentError, match=told):
+        body.finite_elements()
+
+
+def test_panel_on_a_frame():
+    """Bookkeeping: where an arm and a joint have one name they are welded, and are no point any more."""
+    table = {"panel": changed(PANEL, "start", 0.8), "frame": deepcopy(FRAME)}
+    table["panel"]["hinge_lines"] = {"outboard": "tip"}
+    table["panel"]["arms"] = [{"name": name, "y": y, "length": 0.0} for name, y in (("l", 0.2), ("r", -0.2))]
+    table["frame"]["joints"] |= {"l": [0.8, 0.2, 0.0], "r": [0.8, -0.2, 0.0]}
+    table["frame"]["attachment_points"] = ["a"]
+    body = read_body(table, si)
+    assert body.points == ("a", "tip_left", "tip_right", "center")
+    model = body.finite_elements()
+    assert set(model.point_positions) == set(body.points)
+    assert model.mass == pytest.approx(3.2 * 1.1 * 0.7 + entry_mass(table))
+
+
+def entry_mass(table):
+    """Mass of the tubes of a frame."""
+    places = {name: np.array(at) for name, at in table["frame"]["joints"].items()}
+    lengths = [
+        np.linalg.norm(places[m["joints"][1]] - places[m["joints"][0]]) for m in table["frame"]["members"]
+    ]
+    return 2700.0 * np.pi * (0.015**2 - 0.013**2) * sum(lengths)
+
+
+def test_member_with_a_mass():
+    """Closed form: a rod of 1 kg and 0.8 m about its end, and its tube's rotary inertia about its own axis."""
+    table = {"tube": TUBE, "joints": {"a": [0, 0, 0], "b": [0.8, 0, 0]}, "attachment_points": ["a"]}
+    table["members"] = [{"name": "rod", "joints": ["a", "b"], "mass": 1.0}]
+    model = read_body({"frame": table}, si).finite_elements()
+    tube = 2700.0 * np.pi * (0.015**2 - 0.013**2) * 0.8
+    own = tube * 0.5 * (0.015**2 + 0.013**2)
+    np.testing.assert_allclose(
+        np.diag(model.inertia), [own, 0.8**2 / 12 + own / 2, 0.8**2 / 12 + own / 2], rtol=1e-12
+    )
+    table["members"][0]["mass"] = 0.1
+    with pytest.raises(ComponentError, match=r"member 'rod' has 0.1 kg, less than the 0.380"):
+        read_body({"frame": table}, si).finite_elements()
+
+
+def test_entries_are_found_once():
+    """Bookkeeping: an entry is read once."""
+    assert entry("amos3_yoke") is entry("amos3_yoke")

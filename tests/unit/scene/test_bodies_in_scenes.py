@@ -1,0 +1,177 @@
+"""Bodies written into a scene file: panels, frames, changes to the catalogue's, and bodies like others."""
+
+import json
+from contextlib import suppress
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from components import catalogue
+from orchestrator.scene import SceneError
+from orchestrator.scene.bodies import body_definition, body_model
+from orchestrator.scene.body_tables import Body
+
+PANEL = {
+    "length": "1.1 m",
+    "width": "700 mm",
+    "areal_mass": "3.2 kg/m2",
+    "sandwich": {"skin": "0.2 mm", "core": "20 mm", "youngs_modulus": "70 GPa", "poisson_ratio": 0.3},
+    "arm": {"y": "0.25 m", "length": "40 mm", "patch": "60 mm", "point_mass": "50 g"},
+    "hinge_lines": {"inboard": "root", "outboard": "tip"},
+    "element_size": "0.2 m",
+}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _own_cache(tmp_path_factory):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FANFOLD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+def wing(**changes):
+    """Two panels on a fixed base, the second like the first."""
+    scene = fanfold.Scene("own", until="4 s", tolerance=1e-3)
+    base = scene.base(points={"left": (0, 0.25, 0), "right": (0, -0.25, 0)})
+    first = scene.body("first", panel=PANEL, fixed_interface_modes=2)
+    second = scene.body("second", **{"like": first, "panel": {"hinge_lines": {"outboard": ""}}} | changes)
+    ends = {"inner": (base, first, "90 deg"), "outer": (first, second, "180 deg")}
+    for line, (a, b, angle) in ends.items():
+        points = (
+            (("left", "root_left"), ("right", "root_right"))
+            if a == base
+            else (("tip_left", "root_left"), ("tip_right", "root_right"))
+        )
+        scene.hinge_line(
+            line, a, b,
+            axis="+y" if a == base else "-y",
+            aligned_angle=angle,
+            hinges={f"{line}_{side}": pair for side, pair in zip(("left", "right"), points, strict=True)},
+            motor={"stowed": "2 N.m", "deployed": "1.5 N.m"},
+            latch={"stiffness": 2000, "outboard_stiffness": 2000, "effective_inertia": 0.8},
+        )  # fmt: skip
+    return scene
+
+
+def test_like_another_body():
+    """Bookkeeping: the second has what the first has, but for what it says itself."""
+    first, second = wing().check().bodies
+    assert (second.name, second.fixed_interface_modes, second.like) == ("second", 2, None)
+    plates = [body_definition(body).panel.plate for body in (first, second)]
+    assert plates[0] == plates[1]
+    assert body_definition(second).points == ("root_left", "root_right", "center")
+    other = wing(panel={"width": "0.8 m", "hinge_lines": {"outboard": ""}}).check().bodies[1]
+    assert body_definition(other).panel.plate.width == 0.8
+
+
+def test_units_are_those_of_scenes():
+    """Two ways: texts with units, and plain numbers in SI units."""
+    plate = body_definition(wing().check().bodies[0]).panel.plate
+    plain = {
+        "length": 1.1,
+        "width": 0.7,
+        "areal_mass": 3.2,
+        "hinge_lines": {"inboard": "a"},
+        "arm": {"y": 0.25},
+    }
+    plain["sandwich"] = {"skin": 0.2e-3, "core": 0.02, "youngs_modulus": 70e9, "poisson_ratio": 0.3}
+    other = body_definition(Body(name="other", panel=plain)).panel.plate
+    np.testing.assert_allclose([plate.bending, plate.membrane], [other.bending, other.membrane], rtol=1e-12)
+    assert (plate.length, plate.areal_mass) == (other.length, other.areal_mass)
+    assert plate.width == pytest.approx(other.width, rel=1e-15)
+
+
+def test_catalogue_with_changes():
+    """Bookkeeping: a change to an entry of the catalogue leaves the rest of it, and the entry, as they are."""
+    entry = catalogue.entry("amos3_panel1")
+    changed = body_definition(Body(name="b", catalogue="amos3_panel1", panel={"width": "1.3 m"}))
+    assert changed.panel.plate.width == 1.3
+    assert changed.panel.plate.bending == entry.panel.plate.bending
+    assert changed.twin == entry.twin
+    assert catalogue.entry("amos3_panel1").panel.plate.width == 1.16
+    assert body_definition(Body(name="b", catalogue="amos3_panel1")) is entry
+
+
+def test_runs_in_all_fidelities_and_has_stresses(tmp_path):
+    """A wing of one's own, from its file: latches rigid and flexible, twins agree, and its result has stresses."""
+    path = wing().save(tmp_path / "own.toml")
+    rigid = fanfold.simulate(path, rigid="all", estimate=False)
+    mixed = fanfold.simulate(path, rigid="second", estimate=False, save=tmp_path / "own.h5")
+    assert set(rigid.latch_times) == {"inner", "outer"}
+    for line, time in rigid.latch_times.items():
+        assert mixed.latch_times[line] == pytest.approx(time, rel=0.1)
+    found = fanfold.stress(tmp_path / "own.h5", "first")
+    assert found is not None
+    for body in fanfold.load(path).check().bodies:
+        stiff, soft = body_model(body, flexible=False), body_model(body, flexible=True)
+        assert soft.frequency.size == 2 + 6 * len(body_definition(body).attachment_points) - 6
+        assert stiff.mass == pytest.approx(soft.mass, rel=1e-12)
+        np.testing.assert_allclose(stiff.inertia, soft.inertia, atol=1e-11)
+
+
+def test_settings_reach_into_tables():
+    """Bookkeeping: a value of a table can be set and varied, and bodies that are like it follow."""
+    scene = wing().with_settings({"body.first.panel.sandwich.skin": "0.4 mm"})
+    for body in scene.check().bodies:
+        assert body_definition(body).face_sheets.per_force == pytest.approx(1 / 0.8e-3)
+
+
+BAD = {
+    "unit": (
+        {"panel": {"length": "1.1 kg"}},
+        "body.second.panel.length: is '1.1 kg'; give a number, a space and",
+    ),
+    "key": (
+        {"panel": {"lenght": 1}},
+        "body.second.panel.lenght: is not a known key; did you mean length; keys are",
+    ),
+    "patch": (
+        {"panel": {"arm": {"y": 0.5}}},
+        "body.second.panel: the insert patch of hinge arm 'root_left' reaches",
+    ),
+    "unknown": ({"like": "third"}, "body.second.like: there is no body 'third'; bodies are first, second"),
+    "circle": ({"like": "second"}, "body.second.like: second -> second is a circle"),
+    "no table": ({"panel": 3}, "body.second.panel: is 3"),
+    "two sources": ({"rigid": {"mass": 1, "inertia": [1, 1, 1], "points": {}}}, "body.second: give either a"),
+    "unknown entry": ({"catalogue": "moon"}, "there is no catalogue entry 'moon'; entries are"),
+    "no point": (
+        {"attached_masses": [{"point": "top", "mass": 1}]},
+        "a mass is attached to 'top'; the body's points",
+    ),
+    "twin": (
+        {"rigid_twin": {"mass": "-1 kg"}},
+        "body.second.rigid_twin.mass: is '-1 kg'; it must be positive",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_impossible_tables(kind):
+    """Messages: what is wrong with a body, with file and key."""
+    changes, told = BAD[kind]
+    with pytest.raises(SceneError) as caught:
+        wing(**changes).check()
+    assert any(told in problem for problem in caught.value.problems), caught.value.problems
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_table_ends_in_a_traceback(seed):
+    """Random damage to a table: a body, or sentences; never another exception."""
+    dice = np.random.default_rng(seed)
+    table = json.loads(json.dumps(PANEL))
+    values = [-1, 0, 1e9, "x", "1 kg", True, [], {}, [1, 2], {"a": 1}, "3 m", 1e-9, float("nan"), None]
+    for _ in range(dice.integers(1, 4)):
+        inner = table
+        while True:
+            key = str(dice.choice(list(inner)))
+            if not isinstance(inner[key], dict) or not inner[key] or dice.random() < 0.3:
+                break
+            inner = inner[key]
+        value = values[dice.integers(len(values))]
+        if value is None:
+            del inner[key]
+        else:
+            inner[key] = value
+    with suppress(fanfold.FanfoldError):
+        assert body_definition(Body(name="b", panel=table)).points
