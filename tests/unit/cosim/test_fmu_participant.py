@@ -17,7 +17,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit import solvers
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.participant import ParticipantError, in_process
+from orchestrator.cosim.participant import InProcess, ParticipantError, in_process
 from orchestrator.results.result import Result
 from orchestrator.run.run import RunError, as_fmus, run
 from orchestrator.scene import find_scene, load_scene
@@ -192,8 +192,7 @@ def test_tolerance_that_cannot_be_met(tmp_path):
     """Bad input: a connection that answers at random; the error names it, its residual, time and step."""
     assembly = scene(tmp_path)
     part = next(p for p in assembly.parts if p.name == "brake")
-    brake = in_process([part])[0]
-    brake.component = FaultyDamper("noise", **part.structure)
+    brake = InProcess(part.name, FaultyDamper("noise", **part.structure), part.start)
     load = with_brake(assembly, brake)
     sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.1, load=load)
     assert "t = 0.000000 s does not converge" in sentence
