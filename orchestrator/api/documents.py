@@ -6,17 +6,25 @@ from pathlib import Path
 
 from ..results import compare as comparing
 from ..results.compare import Comparison
+from ..results.differences import scene_note
 from ..results.result import Result as Record
 from ..results.result import ResultError
 from .result import Result
+from .warnings import warn
 
 ResultLike = Record | str | Path
 """A result, or the file of one."""
 
 
 def compare(a: ResultLike, b: ResultLike) -> Comparison:
-    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s)."""
-    return comparing.compare(opened(a), opened(b))
+    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s).
+
+    A FanfoldWarning tells where they are of different scenes.
+    """
+    first, second = opened(a), opened(b)
+    if note := scene_note(first, second):
+        warn(note)
+    return comparing.compare(first, second)
 
 
 def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Path]:

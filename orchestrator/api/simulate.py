@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,6 +23,7 @@ from ..scene.table import SceneError
 from ..scene.units import Sign, to_si
 from .progress import chosen
 from .result import Result
+from .warnings import warn
 
 if TYPE_CHECKING:
     from ..analysis.scene_check import SceneCheck
@@ -33,10 +32,6 @@ SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
-
-
-class FanfoldWarning(UserWarning):
-    """A sentence on a run that is not as it should be."""
 
 
 def scenes() -> tuple[str, ...]:
@@ -104,7 +99,7 @@ def simulate(
         None if save is None else Path(save),
         estimate=estimate,
         progress=chosen(progress),
-        warn=_warn,
+        warn=warn,
     )
     return Result.of(found.outcome.result, found)
 
@@ -127,7 +122,7 @@ def export(
     """
     checked = load(scene).check_one_run()
     if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
-        _warn(sentence)
+        warn(sentence)
     assembly = assemble(checked, listed(rigid), listed(flexible), wrench_mode)
     return run.export(assembly, Path(folder), backend, fmi, sources)
 
@@ -170,11 +165,3 @@ def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> f
         return to_si(value, unit, sign)
     except ValueError as error:
         raise SceneError([f"{what} {error}"]) from None
-
-
-def _warn(sentence: str) -> None:
-    """Warn where the code stands that called us."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
-        level, frame = level + 1, frame.f_back
-    warnings.warn(sentence, FanfoldWarning, stacklevel=level)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..results.compare import Comparison
 
 _NUMBER = 7
+_DIFFERENCES = 12
 
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
@@ -50,6 +51,7 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     from rich.console import Console
 
     from ..results.compare import by_component, end_note, labels
+    from ..results.differences import differences, scene_note
 
     first, second = fanfold.Result.open(a), fanfold.Result.open(b)
     found, names = fanfold.compare(first, second), labels(first, second)
@@ -63,6 +65,8 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     say: Callable[[str], None] = lambda text: console.print(text, soft_wrap=True, highlight=False)  # noqa: E731
     if note := end_note(first, second, names):
         say(note)
+    for one in differences(first, second)[:_DIFFERENCES] if not scene_note(first, second) else ():
+        say(f"different: {one.key}: {one.a or '-'} | {one.b or '-'}")
     for name, result, signals in zip(names, (first, second), (found.only_a, found.only_b), strict=True):
         if not result.complete:
             say(f"{name} was interrupted at {result.time[-1]:.6g} s")
@@ -74,11 +78,15 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
 
 
 def _as_dict(a: Result, b: Result, found: Comparison, pictures: Sequence[Path]) -> dict[str, Any]:
+    from ..results.differences import differences, scene_note
+
     return {
         "a": str(a.path),
         "b": str(b.path),
         "complete": [a.complete, b.complete],
         "rows": [row.as_dict() for row in found.rows],
+        "different_scenes": scene_note(a, b) or None,
+        "differences": [one._asdict() for one in differences(a, b)],
         "only_a": found.only_a,
         "only_b": found.only_b,
         "pictures": [str(path) for path in pictures],

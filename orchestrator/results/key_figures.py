@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from components import SUPPLIED_ENERGY
+
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked
 from .estimated_errors import Key, doubts, estimated_errors
@@ -377,6 +379,8 @@ def _force_extremes(result: Result, name: str) -> dict[str, tuple[float, float]]
 
 
 def _motor_energy(result: Result, until: float) -> float:
-    """Energy that all motorisation springs released up to a time (J)."""
-    names = result.recording("motor_energy")
-    return float(sum(np.interp(until, result.time, result.signal(name, "motor_energy")) for name in names))
+    """Energy that all motorisation springs released and all other components supplied up to a time (J)."""
+    springs = result.recording("motor_energy")
+    others = [name for name in result.recording(SUPPLIED_ENERGY) if name not in (*springs, "scene")]
+    given = [(name, "motor_energy") for name in springs] + [(name, SUPPLIED_ENERGY) for name in others]
+    return float(sum(np.interp(until, result.time, result.signal(*one)) for one in given))

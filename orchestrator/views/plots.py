@@ -183,12 +183,14 @@ def damper_torques(result: Result) -> Figure | None:
 
 
 def drive_torques(result: Result) -> Figure | None:
-    """Torque of every drive."""
-    names = result.recording("drive_torque")
-    if not names:
+    """Torque of every drive, and of every motor that is no spring of a hinge."""
+    hinges = {hinge for line in result.hinge_lines for hinge in line.hinges}
+    motors = [name for name in result.recording("motor_torque") if name not in hinges]
+    curves = _curves(result, [*result.recording("drive_torque"), *motors], ("drive_torque", "motor_torque"))
+    if not curves:
         return None
     figure, (axes,) = new_figure("Drive torque", [1.0])
-    draw(axes, result.time, [(name, result.signal(name, "drive_torque")) for name in names])
+    draw(axes, result.time, curves)
     finish(axes, result, "drive torque, N.m")
     return figure
 

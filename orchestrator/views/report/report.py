@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from html import escape
 
 from ...results.compare import by_component, cells, compare, end_note, labels
+from ...results.differences import scene_note
 from ...results.key_figures import headline, headline_rows
 from ...results.result import Result
 
@@ -87,6 +88,8 @@ def _comparison(result: Result, other: Result) -> Iterator[str]:
     yield paragraph(f"A is {_file(result)}, B is {_file(other)}.")
     if not other.complete:
         yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
+    if note := scene_note(result, other):
+        yield paragraph(f"Warning: {note}.", "warning")
     if note := end_note(result, other, names):
         yield paragraph(f"{note}.")
     rows = [(row.quantity, row.of, *cells(row), row.unit) for row in found.rows]
