@@ -82,11 +82,10 @@ def _check_scene(choice: SceneChoice, folder: Path | None, as_json: bool) -> boo
 
 def _print(found: SceneCheck, folder: Path) -> None:
     """Doubts, tables, and the file of the picture."""
-    from rich.console import Console
-
     from .scene_tables import scene_tables
+    from .tables import terminal
 
-    console = Console()
+    console = terminal()
     for table in scene_tables(found):
         console.print(table)
     for sentence in found.warnings:

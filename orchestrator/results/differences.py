@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
+from .parts import json_of
 from .result import Result
 
 _TOLD = 2
@@ -62,10 +63,10 @@ def distinctions(a: Result, b: Result) -> tuple[str, str]:
 def _asked_for(result: Result) -> dict[str, str]:
     """Texts by key."""
     known = result.provenance
-    flexible = _json(known.get("flexible", "[]"))
+    flexible = json_of(known.get("flexible", "[]"))
     found = {"flexible": ", ".join(map(str, flexible)) or "none" if isinstance(flexible, list) else ""}
     found |= {name: known[name] for name in _SETTINGS if name in known}
-    tree = _json(known.get("scene_tree", "{}"))
+    tree = json_of(known.get("scene_tree", "{}"))
     found |= {key: text for key, text in _leaves("", tree) if key not in _DESCRIPTIVE}
     return {
         key: text for key, text in found.items() if not key.startswith("scene.") or key[6:] not in _SETTINGS
@@ -82,11 +83,3 @@ def _leaves(key: str, value: object) -> Iterator[tuple[str, str]]:
             yield from _leaves(f"{key}.{entry.get('name', k)}", entry)
     else:
         yield key, value if isinstance(value, str) else json.dumps(value)
-
-
-def _json(text: str) -> object:
-    """What a text of the provenance holds; nothing where it is not JSON."""
-    try:
-        return json.loads(text)
-    except (ValueError, RecursionError):
-        return None

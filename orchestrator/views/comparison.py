@@ -20,7 +20,7 @@ from ..results.key_figures import latch_times, line_latch_torque
 from ..results.result import Result
 from ..results.round_off import noise_floor
 from .plots import OTHER_FORCES, Drawing
-from .style import COLOURS, STYLE, WIDTH
+from .style import COLOURS, STYLE, WIDTH, as_written
 
 Vector = NDArray[np.float64]
 Both = tuple[Result, Result]
@@ -64,7 +64,9 @@ def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
                 caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
                 told = zip(names, distinctions(a, b), (a, b), strict=True)
                 curves = tuple(_curve_name(*one) for one in told)
-                yield Drawing(name, caption, _overlay(title, panels, columns, (curves[0], curves[1])))
+                yield Drawing(
+                    name, caption, as_written(_overlay(title, panels, columns, (curves[0], curves[1])))
+                )
 
 
 def _curve_name(name: str, different: str, result: Result) -> str:

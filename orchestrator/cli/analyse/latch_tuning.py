@@ -82,15 +82,16 @@ def _of_wing(found: WingTuning) -> str:
     """What was found for a wing, in sentences."""
     return (
         f"{found.line}: {found.stiffness:.5g} N.m/rad give the rigid wing {found.check:.5g} Hz in {found.direction}, "
-        f"where the flexible one has {found.frequency:.5g} Hz; with the scene's stiffness it has {found.present:.5g} Hz\n"
+        f"where the flexible one has {found.frequency:.5g} Hz; the scene's gives {found.present:.5g} Hz\n"
         f"to use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} N.m/rad', and no less for a "
         "side that is given"
     )
 
 
 def _print(tuning: Tuning) -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from ..tables import terminal
 
     table = Table(title=f"latch spring of {tuning.line}")
     table.add_column("quantity")
@@ -112,4 +113,4 @@ def _print(tuning: Tuning) -> None:
             per_hinge = value / tuning.springs * pi / 180.0
             table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
     table.add_row("check: rigid pair with it", f"{tuning.check:.7g}", "Hz")
-    Console().print(table)
+    terminal().print(table)

@@ -96,10 +96,9 @@ def command(
     resisting ones, each times its uncertainty factor. ECSS rule: ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque
     less 1.25 TD and TL over the same sum.
     """
-    from rich.console import Console
-
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
+    from ..tables import terminal
     from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
 
     refuse_idle("--until", "--restart")
@@ -112,7 +111,7 @@ def command(
     folder = output or Path(".".join((scene.name, *scene.chosen)))
     pictures = fanfold.plot(found, folder)
     if not as_json:
-        console = Console()
+        console = terminal()
         console.print(margin_table(found))
         for sentence in sentences_without_margin(found.without):
             console.print(sentence, highlight=False)
