@@ -26,6 +26,8 @@ from .result import Result
 from .warnings import warn
 
 if TYPE_CHECKING:
+    from fmus.check.check import Problem
+
     from ..analysis.scene_check import SceneCheck
 
 SceneLike = Scene | str | Path
@@ -127,11 +129,14 @@ def export(
     return run.export(assembly, Path(folder), backend, fmi, sources)
 
 
-def check(fmu: str | Path) -> list[str]:
-    """Every problem of an FMU as a sentence; empty where there is none."""
+def check(fmu: str | Path, run: bool = True) -> list[Problem]:
+    """Every problem of an FMU as a sentence; empty where there is none.
+
+    `kind` of each: "breaks the standard", "Fanfold needs" or "advice". run: whether it makes two steps.
+    """
     from fmus import check_fmu
 
-    return list(check_fmu(Path(fmu)))
+    return check_fmu(fmu, run)
 
 
 def check_scene(
