@@ -5,8 +5,13 @@ from __future__ import annotations
 import hashlib
 import io
 import zipfile
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePosixPath
 
+LARGEST_BYTES = 256_000_000
+MOST_MEMBERS = 10_000
+"""Of an archive that is unpacked; FMUs have a few dozen members of some MB."""
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -21,6 +26,26 @@ def zip_bytes(files: Mapping[str, bytes], below: bytes = b"") -> bytes:
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)
     return buffer.getvalue()
+
+
+def archive_problems(path: Path) -> Iterator[str]:
+    """What keeps an archive from being unpacked: too much, members that lead out of the folder, damaged contents."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = archive.infolist()
+            size = sum(member.file_size for member in members)
+            if size > LARGEST_BYTES or len(members) > MOST_MEMBERS:
+                limits = f"{LARGEST_BYTES / 1e6:.0f} MB in {MOST_MEMBERS} files are taken"
+                yield f"it would unpack to {size / 1e6:.0f} MB in {len(members)} files; at most {limits}"
+                return
+            for member in members:
+                parts = PurePosixPath(member.filename.replace("\\", "/")).parts
+                if ".." in parts or parts[:1] == ("/",):
+                    yield f"its member {member.filename!r} leads out of the folder that it is unpacked to"
+            if (damaged := archive.testzip()) is not None:
+                yield f"its member {damaged!r} is damaged"
+    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+        yield f"the archive is damaged ({error})"
 
 
 def digest_of(files: Mapping[str, bytes]) -> str:

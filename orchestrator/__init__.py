@@ -27,19 +27,20 @@ if TYPE_CHECKING:
     from .api.analyses import step_study as step_study
     from .api.analyses import stress as stress
     from .api.analyses import torque_margin as torque_margin
+    from .api.analyses import wing_latch_tuning as wing_latch_tuning
     from .api.cache import cache as cache
     from .api.documents import compare as compare
     from .api.documents import plot_comparison as plot_comparison
     from .api.documents import report as report
     from .api.pictures import plot as plot
     from .api.result import Result as Result
-    from .api.simulate import FanfoldWarning as FanfoldWarning
     from .api.simulate import check as check
     from .api.simulate import check_scene as check_scene
     from .api.simulate import export as export
     from .api.simulate import load as load
     from .api.simulate import scenes as scenes
     from .api.simulate import simulate as simulate
+    from .api.warnings import FanfoldWarning as FanfoldWarning
     from .scene.builder import Scene as Scene
 
 _HOMES = {
@@ -56,12 +57,13 @@ _HOMES = {
     "stress": "orchestrator.api.analyses",
     "torque_margin": "orchestrator.api.analyses",
     "cache": "orchestrator.api.cache",
+    "wing_latch_tuning": "orchestrator.api.analyses",
     "compare": "orchestrator.api.documents",
     "plot_comparison": "orchestrator.api.documents",
     "report": "orchestrator.api.documents",
     "plot": "orchestrator.api.pictures",
     "Result": "orchestrator.api.result",
-    "FanfoldWarning": "orchestrator.api.simulate",
+    "FanfoldWarning": "orchestrator.api.warnings",
     "check": "orchestrator.api.simulate",
     "check_scene": "orchestrator.api.simulate",
     "export": "orchestrator.api.simulate",

@@ -11,6 +11,7 @@ import tempfile
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Literal, Self
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -18,6 +19,8 @@ import fmpy
 from fmpy import platform, platform_tuple, sharedLibraryExtension
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from ..archive import archive_problems
 
 _DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z")
 _STATE_FLAGS = {
@@ -28,37 +31,70 @@ _TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
 _SCHEMAS = Path(fmpy.__file__).parent / "schema"
 _TRIAL = Path(__file__).with_name("smoke_run.py")
 _TRIAL_SECONDS = 120
+_LARGEST_DESCRIPTION = 50_000_000
+"""Bytes, of a quarter of a million variables; a schema takes minutes for more."""
+Kind = Literal["breaks the standard", "Fanfold needs", "advice"]
 
 
-def check_fmu(path: str | Path) -> list[str]:
-    """Every problem found in an FMU 2.0 or 3.0 for co-simulation, as sentences; an empty list means it is fine."""
-    path = Path(path)
+class Problem(str):
+    """A problem of an FMU as a sentence, and of which kind it is."""
+
+    kind: Kind
+
+    def __new__(cls, text: str, kind: Kind = "breaks the standard") -> Self:
+        """A sentence of a kind."""
+        problem = super().__new__(cls, text)
+        problem.kind = kind
+        return problem
+
+
+def check_fmu(path: str | Path, run: bool = True) -> list[Problem]:
+    """Every problem found in an FMU 2.0 or 3.0 for co-simulation; an empty list means it is fine.
+
+    run: whether to make two steps, in a process of its own, of an FMU that breaks the standard nowhere.
+    """
+    found = dict.fromkeys(_problems(Path(path), run))
+    return [one if isinstance(one, Problem) else Problem(one) for one in found]
+
+
+def _problems(path: Path, run: bool) -> list[str]:
     if not path.is_file():
         return [f"there is no file {path}"]
     if not zipfile.is_zipfile(path):
         return [f"{path.name} is not a zip archive"]
+    if damaged := list(archive_problems(path)):
+        return damaged
     with zipfile.ZipFile(path) as archive:
-        members = set(archive.namelist())
+        members = {member.filename: member.file_size for member in archive.infolist()}
         if "modelDescription.xml" not in members:
             return [f"{path.name} has no modelDescription.xml"]
+        if members["modelDescription.xml"] > _LARGEST_DESCRIPTION:
+            return [
+                f"modelDescription.xml has more than {_LARGEST_DESCRIPTION / 1e6:.0f} MB, too much to check"
+            ]
         text = archive.read("modelDescription.xml")
         terminals = archive.read(_TERMINALS) if _TERMINALS in members else None
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         return [f"modelDescription.xml is not well-formed: {error}"]
-    version = root.get("fmiVersion", "")
-    if version not in ("2.0", "3.0") or root.find("CoSimulation") is None:
+    if root.get("fmiVersion", "") not in ("2.0", "3.0") or root.find("CoSimulation") is None:
         return [f"{path.name} is not an FMU 2.0 or 3.0 for co-simulation"]
-    problems = [*_validated(path), *_common_problems(root), *_missing_binary(root, members)]
-    if version == "2.0":
-        problems.extend(_problems_of_2(root))
-    else:
-        problems.extend(_problems_of_3(root))
-        problems.extend(_terminal_problems(root, terminals))
-    if not problems:
-        problems.extend(_trial_problems(path))
-    return list(dict.fromkeys(problems))
+    missing = list(_missing_binary(root, set(members)))
+    problems = [*_validated(path), *_common_problems(root), *missing, *_structured(root, terminals)]
+    if run and not missing and all(isinstance(problem, Problem) for problem in problems):
+        problems += _trial_problems(path)
+    return problems
+
+
+def _structured(root: Element, terminals: bytes | None) -> list[str]:
+    """What each version of FMI has in variables, structure and terminals."""
+    try:
+        if root.get("fmiVersion") == "2.0":
+            return list(_problems_of_2(root))
+        return [*_problems_of_3(root), *_terminal_problems(root, terminals)]
+    except ValueError:
+        return ["ModelStructure has indices or references that are no numbers"]
 
 
 def _validated(path: Path) -> list[str]:
@@ -70,12 +106,12 @@ def _common_problems(root: Element) -> Iterator[str]:
     """What every version of FMI has in the root element and as capabilities."""
     date = root.get("generationDateAndTime")
     if date is not None and not _DATE.fullmatch(date):
-        yield f"generationDateAndTime is {date!r}; it must look like 2026-11-21T02:00:00Z"
+        yield Problem(f"generationDateAndTime is {date!r}; it must look like 2026-11-21T02:00:00Z", "advice")
     if root.get("variableNamingConvention") != "structured":
-        yield "variableNamingConvention is not structured"
+        yield Problem("variableNamingConvention is not structured", "advice")
     for flag in _STATE_FLAGS[root.get("fmiVersion", "")]:
         if root.find(f"CoSimulation[@{flag}='true']") is None:
-            yield f"{flag} is not true, so no step can be repeated"
+            yield Problem(f"{flag} is not true, so no step can be repeated", "Fanfold needs")
 
 
 def _problems_of_2(root: Element) -> Iterator[str]:
@@ -83,7 +119,7 @@ def _problems_of_2(root: Element) -> Iterator[str]:
     for variable in variables:
         real = variable.find("Real")
         if real is not None and not real.get("unit") and not real.get("declaredType"):
-            yield f"Real variable {variable.get('name')} has no unit"
+            yield Problem(f"Real variable {variable.get('name')} has no unit", "advice")
     by_index = dict(enumerate(variables, 1))
     for group in ("Outputs", "InitialUnknowns"):
         listed = _listed(root.findall(f"ModelStructure/{group}/Unknown"), "index")
@@ -94,7 +130,7 @@ def _problems_of_3(root: Element) -> Iterator[str]:
     variables = root.findall("ModelVariables/*")
     for variable in variables:
         if variable.tag == "Float64" and not variable.get("unit") and not variable.get("declaredType"):
-            yield f"Float64 variable {variable.get('name')} has no unit"
+            yield Problem(f"Float64 variable {variable.get('name')} has no unit", "advice")
     by_reference = {int(v.get("valueReference", "0")): v for v in variables}
     for group in ("Output", "InitialUnknown"):
         listed = _listed(root.findall(f"ModelStructure/{group}"), "valueReference")
@@ -145,7 +181,7 @@ def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
     folder = platform if root.get("fmiVersion") == "2.0" else platform_tuple
     binary = f"binaries/{folder}/{identifier}{sharedLibraryExtension}"
     if binary not in members:
-        yield f"there is no binary for this platform, {binary}"
+        yield Problem(f"there is no binary for this platform, {binary}", "Fanfold needs")
 
 
 def _trial_problems(path: Path) -> Iterator[str]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ..analysis.frequency_response import FrequencyResponse
     from ..analysis.impact import Impact
     from ..analysis.latch_tuning import Kind, Tuning
+    from ..analysis.latch_tuning_of_wing import WingTuning
     from ..analysis.mode_study import ModeStudy
     from ..analysis.modes import Modes
     from ..analysis.statics.configuration import Configuration, Named
@@ -240,6 +241,24 @@ def latch_tuning(
         stiffness_of,
         in_si(hinge_stiffness, "N.m/rad", "the stiffness of the hinges", "positive"),
     )
+
+
+def wing_latch_tuning(
+    scene: SceneLike,
+    line: str,
+    *,
+    frequency: Quantity | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+) -> WingTuning:
+    """The latch spring of a hinge line that gives the whole rigid wing, deployed, the frequency of the flexible one.
+
+    frequency: to meet, Hz; by default that of the flexible wing's lowest mode in the direction of the rigid one's.
+    """
+    from ..analysis.latch_tuning_of_wing import tune_wing
+
+    wanted = in_si(frequency, "Hz", "the frequency", "positive")
+    return tune_wing(load(scene).check_one_run(), line, listed(rigid), listed(flexible), wanted)
 
 
 def mode_study(

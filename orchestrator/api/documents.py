@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 
 from ..results import compare as comparing
 from ..results.compare import Comparison
+from ..results.differences import scene_note
 from ..results.result import Result as Record
-from ..results.result import ResultError
+from ..results.result import ResultError, reason
 from .result import Result
+from .warnings import warn
 
 ResultLike = Record | str | Path
 """A result, or the file of one."""
 
 
 def compare(a: ResultLike, b: ResultLike) -> Comparison:
-    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s)."""
-    return comparing.compare(opened(a), opened(b))
+    """Two results side by side: latch-up and peaks of loads in `rows`, with ratios and shifts in time (s).
+
+    A FanfoldWarning tells where they are of different scenes.
+    """
+    first, second = opened(a), opened(b)
+    if note := scene_note(first, second):
+        warn(note)
+    return comparing.compare(first, second)
 
 
 def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Path]:
@@ -45,7 +54,15 @@ def report(
     files = {one.path.resolve() for one in (first, second) if one is not None and one.path is not None}
     if target.resolve() in files:
         raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
-    target.write_text(html(first, second, frames), encoding="utf-8")
+    text = html(first, second, frames)
+    part = target.with_name(f"{target.name}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(target)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        raise ResultError(f"{target}: the report cannot be written ({reason(error)})") from None
     return target
 
 

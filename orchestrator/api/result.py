@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, Self
 from ..results import key_figures
 from ..results.estimated_errors import ESTIMATED_ERRORS
 from ..results.key_figures import Headline
+from ..results.parts import Scalar
 from ..results.result import Result as Record
-from ..results.result import ResultError, Scalar
+from ..results.result import ResultError
 from ..results.result_file import save
 from ..results.signal import Instant, Side, Signal, instant
 from ..run.progress import Progress

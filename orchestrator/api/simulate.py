@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -25,18 +23,17 @@ from ..scene.table import SceneError
 from ..scene.units import Sign, to_si
 from .progress import chosen
 from .result import Result
+from .warnings import warn
 
 if TYPE_CHECKING:
+    from fmus.check.check import Problem
+
     from ..analysis.scene_check import SceneCheck
 
 SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
-
-
-class FanfoldWarning(UserWarning):
-    """A sentence on a run that is not as it should be."""
 
 
 def scenes() -> tuple[str, ...]:
@@ -104,7 +101,7 @@ def simulate(
         None if save is None else Path(save),
         estimate=estimate,
         progress=chosen(progress),
-        warn=_warn,
+        warn=warn,
     )
     return Result.of(found.outcome.result, found)
 
@@ -127,16 +124,19 @@ def export(
     """
     checked = load(scene).check_one_run()
     if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
-        _warn(sentence)
+        warn(sentence)
     assembly = assemble(checked, listed(rigid), listed(flexible), wrench_mode)
     return run.export(assembly, Path(folder), backend, fmi, sources)
 
 
-def check(fmu: str | Path) -> list[str]:
-    """Every problem of an FMU as a sentence; empty where there is none."""
+def check(fmu: str | Path, run: bool = True) -> list[Problem]:
+    """Every problem of an FMU as a sentence; empty where there is none.
+
+    `kind` of each: "breaks the standard", "Fanfold needs" or "advice". run: whether it makes two steps.
+    """
     from fmus import check_fmu
 
-    return list(check_fmu(Path(fmu)))
+    return check_fmu(fmu, run)
 
 
 def check_scene(
@@ -170,11 +170,3 @@ def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> f
         return to_si(value, unit, sign)
     except ValueError as error:
         raise SceneError([f"{what} {error}"]) from None
-
-
-def _warn(sentence: str) -> None:
-    """Warn where the code stands that called us."""
-    level, frame = 2, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals["__name__"].partition(".")[0] == "orchestrator":
-        level, frame = level + 1, frame.f_back
-    warnings.warn(sentence, FanfoldWarning, stacklevel=level)

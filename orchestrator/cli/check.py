@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the picture of a scene."
 )
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output, of a scene.")
+@click.option("--run/--no-run", default=True, help="Whether FMUs make two steps, in a process of their own.")
 def command(
     what: tuple[str, ...],
     variants: tuple[str, ...],
@@ -32,30 +33,37 @@ def command(
     flexible: frozenset[str],
     output: Path | None,
     as_json: bool,
+    run: bool,
 ) -> None:
     """Check a SCENE without running it, or FMUs: files that end with .fmu; exit code 1 if there is any problem.
+
+    An FMU breaks the standard, lacks what Fanfold needs, or is given advice, which alone is no problem.
 
     Of a scene: problems, what is hardly meant, tables of bodies, lines and expected travels, and a picture.
     """
     fmus = [one for one in what if Path(one).suffix.lower() == ".fmu"]
     if fmus and len(fmus) == len(what):
-        sys.exit(1 if _check_fmus(fmus) else 0)
+        sys.exit(1 if _check_fmus(fmus, run) else 0)
     if len(what) > 1:
         raise click.UsageError("give one scene, or FMUs only")
     choice = SceneChoice(what[0], variants, settings, rigid, flexible)
     sys.exit(1 if _check_scene(choice, output, as_json) else 0)
 
 
-def _check_fmus(paths: list[str]) -> bool:
-    """Print every problem of FMUs; whether there is any."""
+def _check_fmus(paths: list[str], run: bool) -> bool:
+    """Print every problem of FMUs; whether there is any beyond advice."""
+    from ..results.parts import printable  # takes its time, which --help need not
+
     found = False
     for path in paths:
         if not Path(path).is_file():
             raise click.BadParameter(f"file {path!r} does not exist")
-        problems = fanfold.check(path)
-        found = found or bool(problems)
-        for problem in problems or ["no problem found"]:
-            click.echo(f"{Path(path).name}: {problem}")
+        problems = fanfold.check(path, run)
+        found = found or any(problem.kind != "advice" for problem in problems)
+        for problem in problems:
+            click.echo(f"{Path(path).name}: {problem.kind}: {printable(problem)}")
+        if not problems:
+            click.echo(f"{Path(path).name}: no problem found")
     return found
 
 
@@ -82,11 +90,10 @@ def _check_scene(choice: SceneChoice, folder: Path | None, as_json: bool) -> boo
 
 def _print(found: SceneCheck, folder: Path) -> None:
     """Doubts, tables, and the file of the picture."""
-    from rich.console import Console
-
     from .scene_tables import scene_tables
+    from .tables import terminal
 
-    console = Console()
+    console = terminal()
     for table in scene_tables(found):
         console.print(table)
     for sentence in found.warnings:

@@ -18,10 +18,13 @@ if TYPE_CHECKING:
     from ..results.compare import Comparison
 
 _NUMBER = 7
+_DIFFERENCES = 12
 
 
 def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     """The comparison as a table for a terminal; A and B are the two results."""
+    from rich.text import Text
+
     from ..results.compare import cells
     from .tables import plain_table
 
@@ -34,7 +37,7 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     for row in found.rows:
         a, b, ratio, time_a, _, shift = cells(row)
         if row.quantity != previous:
-            table.add_row(f"[bold]{row.quantity}[/]")
+            table.add_row(Text(row.quantity, style="bold"))
         table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, row.unit)
         previous = row.quantity
     return table
@@ -47,9 +50,9 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     """Set result B against result A: table of peaks and shifts in time, overlays."""
-    from rich.console import Console
-
     from ..results.compare import by_component, end_note, labels
+    from ..results.differences import differences, scene_note
+    from .tables import terminal
 
     first, second = fanfold.Result.open(a), fanfold.Result.open(b)
     found, names = fanfold.compare(first, second), labels(first, second)
@@ -58,11 +61,13 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(_as_dict(first, second, found, pictures)))
         return
-    console = Console()
+    console = terminal()
     console.print(comparison_table(found, names))
     say: Callable[[str], None] = lambda text: console.print(text, soft_wrap=True, highlight=False)  # noqa: E731
     if note := end_note(first, second, names):
         say(note)
+    for one in differences(first, second)[:_DIFFERENCES] if not scene_note(first, second) else ():
+        say(f"different: {one.key}: {one.a or '-'} | {one.b or '-'}")
     for name, result, signals in zip(names, (first, second), (found.only_a, found.only_b), strict=True):
         if not result.complete:
             say(f"{name} was interrupted at {result.time[-1]:.6g} s")
@@ -74,11 +79,15 @@ def command(a: Path, b: Path, output: Path | None, as_json: bool) -> None:
 
 
 def _as_dict(a: Result, b: Result, found: Comparison, pictures: Sequence[Path]) -> dict[str, Any]:
+    from ..results.differences import differences, scene_note
+
     return {
         "a": str(a.path),
         "b": str(b.path),
         "complete": [a.complete, b.complete],
         "rows": [row.as_dict() for row in found.rows],
+        "different_scenes": scene_note(a, b) or None,
+        "differences": [one._asdict() for one in differences(a, b)],
         "only_a": found.only_a,
         "only_b": found.only_b,
         "pictures": [str(path) for path in pictures],

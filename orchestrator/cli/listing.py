@@ -10,10 +10,11 @@ import orchestrator as fanfold
 @click.command("list")
 def command() -> None:
     """Scenes that come with Fanfold, and the components they are made of."""
-    from rich.console import Console
     from rich.table import Table
 
     from components import REGISTRY
+
+    from .tables import terminal
 
     scenes = Table("scene", "description", "bodies", "variants")
     for name in fanfold.scenes():
@@ -23,6 +24,6 @@ def command() -> None:
     kinds = Table("component", "what it is")
     for kind, component in sorted(REGISTRY.items()):
         kinds.add_row(kind, (component.__doc__ or "").strip().splitlines()[0])
-    console = Console()
+    console = terminal()
     console.print(scenes)
     console.print(kinds)

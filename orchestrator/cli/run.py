@@ -108,11 +108,9 @@ def _content(result: Result, verified: list[Verified] | None) -> dict[str, objec
 
 def _report(result: Result, verified: list[Verified] | None) -> None:
     """What a run found, for people."""
-    from rich.console import Console
+    from .tables import headline_table, terminal
 
-    from .tables import headline_table
-
-    console, costs = Console(), result.costs
+    console, costs = terminal(), result.costs
     console.print(headline_table(result.headline))
     console.print(
         f"{costs['steps']} steps ({costs['rejected_steps']} rejected), {costs['iterations']} iterations, "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from rich.markup import escape
 from rich.table import Table
 
 from ..analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck
@@ -44,7 +43,7 @@ def _table(title: str, texts: Sequence[str], numbers: Sequence[str], rows: Itera
     for heading in numbers:
         table.add_column(heading, justify="right", no_wrap=True)
     for row in rows:
-        table.add_row(*map(escape, row))
+        table.add_row(*row)
     return table
 
 

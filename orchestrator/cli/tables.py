@@ -6,9 +6,15 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.table import Table
 
 from ..results.key_figures import Headline, headline_rows
+
+
+def terminal() -> Console:
+    """Where tables and sentences go; names are shown as they are, whatever a terminal or rich would take them for."""
+    return Console(markup=False, emoji=False)
 
 
 class Column(NamedTuple):

@@ -26,7 +26,7 @@ def estimated_errors(result: Result) -> dict[Key, float]:
     text = str(result.statistics.get(ESTIMATED_ERRORS, "[]"))
     try:
         return {(str(quantity), str(of)): float(error) for quantity, of, error in json.loads(text)}
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         raise ResultError(f"{result.name}: the estimated errors of the result are damaged") from None
 
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from components import SUPPLIED_ENERGY
 from components.contract.roles import INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
@@ -393,6 +394,8 @@ def _by_component(found: Iterable[tuple[str, str, T]]) -> dict[str, dict[str, T]
 
 
 def _motor_energy(result: Result, until: float) -> float:
-    """Energy that all motorisation springs released up to a time (J)."""
-    names = result.recording("motor_energy")
-    return float(sum(np.interp(until, result.time, result.signal(name, "motor_energy")) for name in names))
+    """Energy that all motorisation springs released and all other components supplied up to a time (J)."""
+    springs = result.recording("motor_energy")
+    others = [name for name in result.recording(SUPPLIED_ENERGY.name) if name not in (*springs, "scene")]
+    given = [(name, "motor_energy") for name in springs] + [(name, SUPPLIED_ENERGY.name) for name in others]
+    return float(sum(np.interp(until, result.time, result.signal(*one)) for one in given))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from ..assembly import Geometry, HingeLine
-from .result import Event, Meaning, Result, Scalar, Vector
+from .parts import Event, Meaning, Scalar
+from .result import Result, Vector
 
 if TYPE_CHECKING:
     from components import Layout

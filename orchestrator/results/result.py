@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import h5py
 import numpy as np
@@ -16,30 +15,21 @@ from numpy.typing import NDArray
 from components import FanfoldError
 
 from ..assembly import Geometry, HingeLine
+from . import parts
+from .parts import Event, Meaning, Scalar
 
 Vector = NDArray[np.float64]
-Event = tuple[float, str, str]
-Scalar = float | int | str
 
 FORMAT = "fanfold result"
 FORMAT_VERSION = 1
-HDF5_ERRORS = (OSError, RuntimeError, KeyError, ValueError)
+HDF5_ERRORS = (
+    OSError, RuntimeError, KeyError, ValueError, TypeError, AttributeError, IndexError, OverflowError, MemoryError,
+)  # fmt: skip
+"""What h5py and NumPy raise of files whose bytes are not what they should be."""
 
 
 class ResultError(FanfoldError):
     """A sentence for the user: what is wrong with a result, or what it does not hold."""
-
-
-class Meaning(NamedTuple):
-    """What a signal means: unit in FMI syntax, a sentence, and its role, see `components.contract.roles`."""
-
-    unit: str
-    description: str
-    role: str = ""
-
-    def attributes(self) -> dict[str, str]:
-        """By name, as files have them; no role where there is none."""
-        return {name: text for name, text in self._asdict().items() if text or name != "role"}
 
 
 @dataclass(frozen=True)
@@ -76,15 +66,15 @@ class Result:
                     raise ResultError(f"{path}: the result was written by a later version of Fanfold")
                 found = cls(
                     path,
-                    _time(file),
-                    _events(file["events"]),
-                    {name: _scalar(value) for name, value in file["statistics"].attrs.items()},
-                    {name: _text(text) for name, text in file["provenance"].items()},
-                    tuple(_hinge_line(line) for line in json.loads(_text(file["hinge_lines"]))),
-                    {name: _geometry(group) for name, group in file["geometry"].items()},
+                    parts.times(file),
+                    parts.events(file["events"]),
+                    {name: parts.scalar(value) for name, value in file["statistics"].attrs.items()},
+                    {name: parts.text(text) for name, text in file["provenance"].items()},
+                    parts.hinge_lines(file["hinge_lines"]),
+                    {name: parts.geometry(file, name) for name in file["geometry"]},
                     bool(file.attrs["complete"]),
-                    {name: _catalogue(group) for name, group in file["signals"].items()},
-                    _nouns={n: str(g.attrs.get("noun", "")) for n, g in file["signals"].items()},
+                    {name: parts.catalogue(name, group) for name, group in file["signals"].items()},
+                    _nouns={name: parts.noun(group) for name, group in file["signals"].items()},
                 )
         except HDF5_ERRORS as error:
             raise ResultError(f"{path}: the result is damaged and cannot be read ({reason(error)})") from None
@@ -153,7 +143,7 @@ class Result:
             return self._signals[component, variable]
         try:
             with _open_file(self.path) as file:
-                values: Vector = file["signals"][component][variable][: self.time.size]
+                values = parts.signal(file["signals"][component][variable], variable, self.time.size)
         except HDF5_ERRORS as error:
             raise ResultError(
                 f"{self.name}: {component}.{variable} is damaged and cannot be read ({reason(error)})"
@@ -180,40 +170,3 @@ def reason(error: BaseException) -> str:
     if isinstance(error, OSError) and error.errno:
         return os.strerror(error.errno)
     return (str(error).splitlines() or [type(error).__name__])[0].rstrip(".")
-
-
-def _time(file: Any) -> Vector:  # noqa: ANN401
-    """Times of the rows that every signal has; fewer than some have where a run was interrupted."""
-    lengths = [d.shape[0] for group in file["signals"].values() for d in group.values()]
-    time: Vector = file["time"][: min(lengths, default=None)]
-    return time[np.isfinite(time)]
-
-
-def _events(folder: Any) -> list[Event]:  # noqa: ANN401
-    components, texts = folder["component"].asstr()[:], folder["event"].asstr()[:]
-    times = folder["time"][:].tolist()
-    return [(time, str(name), str(text)) for time, name, text in zip(times, components, texts, strict=False)]
-
-
-def _text(dataset: Any) -> str:  # noqa: ANN401
-    return str(dataset.asstr()[()])
-
-
-def _scalar(value: Any) -> Scalar:  # noqa: ANN401
-    found: Scalar = value.item() if isinstance(value, np.generic) else value
-    return found
-
-
-def _catalogue(group: Any) -> dict[str, Meaning]:  # noqa: ANN401
-    return {
-        name: Meaning(str(d.attrs["unit"]), str(d.attrs["description"]), str(d.attrs.get("role", "")))
-        for name, d in group.items()
-    }
-
-
-def _geometry(group: Any) -> Geometry:  # noqa: ANN401
-    return Geometry(group["positions"][:], group["shapes"][:], group["faces"][:])
-
-
-def _hinge_line(fields: dict[str, Any]) -> HingeLine:
-    return HingeLine(**{**fields, "hinges": tuple(fields["hinges"])})

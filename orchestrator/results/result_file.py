@@ -27,8 +27,9 @@ import numpy as np
 
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
+from .parts import Event, Scalar
 from .recorder import SignalGroup
-from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Event, Result, ResultError, Scalar, Vector, reason
+from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Result, ResultError, Vector, reason
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _ROWS = 1000

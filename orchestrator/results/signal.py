@@ -10,7 +10,8 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from .result import Event, Result, ResultError, Vector
+from .parts import Event
+from .result import Result, ResultError, Vector
 
 Side = Literal["before", "after"]
 """Which of the values that an instant may have: those before or those after what happens there."""

@@ -107,7 +107,7 @@ class Harness(Table):
     def _table(self) -> Self:
         if len(self.angle) < 2 or len(self.angle) != len(self.resisting_torque):
             raise ValueError("give at least two angles and as many torques")
-        if any(b <= a for a, b in pairwise(self.angle)):
+        if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(self.angle)):
             raise ValueError("the angles of the table must increase")
         return self
 
@@ -123,7 +123,7 @@ class MeasuredLatch(Table):
         if len(self.deflection) < 2 or len(self.deflection) != len(self.torque):
             raise ValueError("give at least two deflections and as many torques")
         for values in (self.deflection, self.torque):
-            if any(b <= a for a, b in pairwise(values)):
+            if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(values)):
                 raise ValueError("deflections and torques must increase")
         return self
 

@@ -102,7 +102,9 @@ def _read(path: Path) -> Tree:
         raise SceneError(
             [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
         ) from None
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except RecursionError:
+        raise SceneError([f"{path.name}: its values are nested too deeply to be those of a scene"]) from None
+    except (OSError, ValueError) as error:
         raise SceneError([f"{path.name}: {error}"]) from None
 
 

@@ -23,7 +23,7 @@ class Header(Table):
     description: str = ""
     until: Duration
     tolerance: Annotated[PositiveRatio, Field(ge=1e-10, le=0.1)] = 1e-4
-    largest_step: Duration = 0.02
+    largest_step: Annotated[Duration, Field(ge=1e-7)] = 0.02
     preload: bool = False
     gravity: Acceleration = ORIGIN
     phases: tuple[Name, ...] = ()

@@ -100,14 +100,24 @@ class EntryReader:
 
     def _nothing_to_change(self, entry: str) -> str:
         """What a layer's entry that cannot stand alone lacks most likely: the right name of another."""
-        array, _, name = entry.rpartition(".")
-        listed: Any = self.tree
-        for step in array.split("."):
-            by_name = {e["name"]: e for e in listed} if isinstance(listed, list) else listed
-            listed = by_name[step]
+        array, name, listed = self._array_of(entry)
         known = [e["name"] for e in listed if f"{array}.{e['name']}" not in self._added]
         kind = array.rpartition(".")[2].removesuffix("s")  # hinges of a line
         return f"there is no {kind} {name!r} to change; those are {', '.join(known) or 'none'}"
+
+    def _array_of(self, entry: str) -> tuple[str, str, list[Tree]]:
+        """Key of the array of an entry, the name of the entry, and the array; names may have dots by mistake."""
+        place, inside, rest = "", self.tree, entry
+        while True:
+            key = next(key for key in inside if rest.startswith(f"{key}."))
+            place, listed, rest = f"{place}{key}", inside[key], rest[len(key) + 1 :]
+            if isinstance(listed, list):
+                here = next(e for e in listed if rest == e["name"] or rest.startswith(f"{e['name']}."))
+                if rest == here["name"]:
+                    return place, rest, listed
+                inside, place, rest = here, f"{place}.{here['name']}.", rest[len(here["name"]) + 1 :]
+            else:
+                inside, place = listed, f"{place}."
 
 
 def _is_lack(entry: str, at: str, sentence: str) -> bool:
@@ -156,18 +166,19 @@ def _key(key: str, raw: object, location: tuple[int | str, ...]) -> str:
 
 def keys_of(model: type[Table], location: Sequence[int | str]) -> list[str]:
     """Keys of the table at a place inside a table."""
-    for step in location:
-        if isinstance(step, str):
-            model = next(found for found in _models(model.model_fields[step].annotation))
-    return list(model.model_fields)
+    kind: Any = model
+    for step in location:  # positions, and names in mappings, stay within a type
+        fields = (table.model_fields for table in _models(kind))
+        kind = next(
+            (known[step].annotation for known in fields if isinstance(step, str) and step in known), kind
+        )
+    return [name for table in _models(kind) for name in table.model_fields]
 
 
 def _models(kind: Any) -> Iterator[type[Table]]:  # noqa: ANN401 - a type
     """Tables within a type such as tuple[Hinge, ...] or Latch | None."""
-    if isinstance(kind, type) and not get_args(kind):
-        if issubclass(kind, Table):
-            yield kind
-        return
+    if isinstance(kind, type) and not get_args(kind) and issubclass(kind, Table):
+        yield kind
     for part in get_args(kind):
         yield from _models(part)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import Any, Final, NamedTuple
 
 import matplotlib as mpl
@@ -14,10 +15,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..results.compare import in_either, labels
+from ..results.differences import distinctions
 from ..results.key_figures import latch_times, line_latch_torque
 from ..results.result import Result
+from ..results.round_off import noise_floor
 from .plots import Drawing, loads_by_kind, loads_title
-from .style import COLOURS, STYLE, WIDTH
+from .style import COLOURS, STYLE, WIDTH, as_written
 
 Vector = NDArray[np.float64]
 Both = tuple[Result, Result]
@@ -26,6 +29,8 @@ _RUNS: Final[tuple[dict[str, Any], ...]] = (
     {"color": COLOURS[0], "linestyle": "-", "linewidth": 1.5},
     {"color": COLOURS[1], "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
 )
+_LEGEND_WIDTH = 52
+"""Characters of a line of the legend."""
 _AFTER_LATCH = 1.5
 _BEFORE_LATCH = 0.05
 
@@ -56,12 +61,15 @@ def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
     """Every overlay that the signals of at least one result allow."""
     with mpl.rc_context(STYLE):
         for name, (title, panels_of, columns) in (_OVERLAYS | _overlays_of_loads(a, b)).items():
-            panels = panels_of((a, b))
+            panels = _with_values(panels_of((a, b)))
             if panels:
                 names = labels(a, b)
                 caption = f"{title}: {names[0]} drawn through, {names[1]} dashed."
-                curves = tuple(_curve_name(text, result) for text, result in zip(names, (a, b), strict=True))
-                yield Drawing(name, caption, _overlay(title, panels, columns, (curves[0], curves[1])))
+                told = zip(names, distinctions(a, b), (a, b), strict=True)
+                curves = tuple(_curve_name(*one) for one in told)
+                yield Drawing(
+                    name, caption, as_written(_overlay(title, panels, columns, (curves[0], curves[1])))
+                )
 
 
 def _overlays_of_loads(a: Result, b: Result) -> dict[str, Overlay]:
@@ -75,9 +83,11 @@ def _overlays_of_loads(a: Result, b: Result) -> dict[str, Overlay]:
     return found
 
 
-def _curve_name(name: str, result: Result) -> str:
-    """For the legend."""
-    return name if result.complete else f"{name}, interrupted at t = {result.time[-1]:.6g} s"
+def _curve_name(name: str, different: str, result: Result) -> str:
+    """For the legend: a name, and what is different."""
+    whole = f"{name}: {different}" if different else name
+    lines = "\n".join(wrap(whole, _LEGEND_WIDTH))
+    return lines if result.complete else f"{lines}, interrupted at t = {result.time[-1]:.6g} s"
 
 
 def _overlay(title: str, panels: Sequence[Panel], columns: int, names: tuple[str, str]) -> Figure:
@@ -109,6 +119,24 @@ def _signal(result: Result, name: str, variable: str, column: int = 0) -> tuple[
     if not result.has(name, variable):
         return None
     return result.time, result.signal(name, variable).reshape(result.time.size, -1)[:, column]
+
+
+def _with_values(panels: Sequence[Panel]) -> list[Panel]:
+    """Panels that show more than zero or round-off beside others of their unit."""
+    largest: dict[str, float] = {}
+    for panel in panels:
+        unit = panel.label.rpartition(",")[2]
+        largest[unit] = max(largest.get(unit, 0.0), _largest(panel))
+    floors = {unit: noise_floor([value]) for unit, value in largest.items()}
+    return [panel for panel in panels if _largest(panel) > floors[panel.label.rpartition(",")[2]]]
+
+
+def _largest(panel: Panel) -> float:
+    """Largest magnitude of its curves."""
+    return max(
+        (float(np.abs(curve[1]).max()) for curve in panel.curves if curve is not None and curve[1].size),
+        default=0.0,
+    )
 
 
 def _angles(both: Both) -> list[Panel]:

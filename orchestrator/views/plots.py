@@ -19,7 +19,7 @@ from components.contract.roles import DISSIPATION, INTERFACE_LOAD, LOAD
 from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
 from ..results.result import Result, ResultError
 from .shapes import shapes
-from .style import COLOURS, STYLE, draw, finish, new_figure, tell_of_interruption
+from .style import COLOURS, STYLE, as_written, draw, finish, new_figure, tell_of_interruption
 
 Vector = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def draw_all(result: Result) -> Iterator[Drawing]:
             figure = draw_it()
             if figure is not None:
                 tell_of_interruption(figure, result)
-                yield Drawing(name, caption, figure)
+                yield Drawing(name, caption, as_written(figure))
 
 
 def draw_one(result: Result, name: str) -> Drawing:
@@ -65,7 +65,7 @@ def draw_one(result: Result, name: str) -> Drawing:
     if figure is None:
         raise ResultError(f"{result.name}: it has no signals for the figure {name!r}")
     tell_of_interruption(figure, result)
-    return Drawing(name, caption, figure)
+    return Drawing(name, caption, as_written(figure))
 
 
 def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]]]:
@@ -115,7 +115,7 @@ def deployment_angles(result: Result) -> Figure | None:
 def latch_torques(result: Result) -> Figure | None:
     """Latch torque of every hinge line; close-ups of each line's own ringing, until another one latches."""
     times = latch_times(result)
-    lines = [line for line in result.hinge_lines if line.name in times]
+    lines = [line for line in result.hinge_lines if times.get(line.name, np.inf) < result.time[-1]]
     if not lines:
         return None
     figure, axes = new_figure("Latch torque, sum over the hinges of a line", [1.4] + [1.0] * len(lines))
@@ -226,7 +226,8 @@ def steps(result: Result) -> Figure | None:
         )
         panel.set_xlim(result.time[0], result.time[-1])
         finish(panel, result, label)
-    axes[0].set_yscale("log")
+    if np.any(result.signal("scene", "step_size") > 0.0):  # none where a run ended after its first row
+        axes[0].set_yscale("log")
     axes[1].yaxis.set_major_locator(MaxNLocator(integer=True))
     return figure
 

@@ -74,6 +74,18 @@ def finish(axes: Axes, result: Result, label: str) -> None:
         )
 
 
+def as_written(figure: Figure) -> Figure:
+    """The figure with all names as they are: a dollar sign in one begins no formula."""
+    texts = [*figure.texts, *(text for legend in figure.legends for text in legend.get_texts())]
+    for axes in figure.axes:
+        texts += [*axes.texts, axes.title, axes.xaxis.label, axes.yaxis.label]
+        legend = axes.get_legend()
+        texts += legend.get_texts() if legend is not None else []
+    for text in texts:
+        text.set_parse_math(False)
+    return figure
+
+
 def tell_of_interruption(figure: Figure, result: Result) -> None:
     """Say in the title of a figure that its run did not come to its end."""
     if not result.complete:

@@ -9,7 +9,7 @@ import pytest
 
 from components import ComponentError
 from fmus import check_fmu
-from fmus.archive import zip_bytes
+from fmus.archive import LARGEST_BYTES, MOST_MEMBERS, zip_bytes
 from fmus.description.units import base_unit
 from tests.conformance.programs.driver import built
 from tests.conformance.programs.toy import Toy
@@ -82,6 +82,51 @@ def test_problem_is_named(good, tmp_path, member, pattern, replacement, sentence
     problems = check_fmu(spoiled(good, tmp_path, member, pattern, replacement))
     assert any(sentence in problem for problem in problems), problems
     assert all("\n" not in problem for problem in problems)
+
+
+def test_advice_does_not_stop_the_trial_run(good, tmp_path):
+    """House rules stopped the run of a foreign FMU, and nobody could tell them from breaches of the standard."""
+    flat = spoiled(good, tmp_path, DESCRIPTION, b'"structured"', b'"flat"')
+    (advice,) = check_fmu(flat)
+    assert advice.kind == "advice"
+    with zipfile.ZipFile(flat) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    (entry,) = (name for name in files if re.fullmatch(ENTRY, name))
+    flat.write_bytes(
+        zip_bytes({**files, entry: files[entry].replace(b"class Slave", b"raise OSError\n\nclass Slave")})
+    )
+    kinds = [problem.kind for problem in check_fmu(flat)]
+    assert kinds == ["advice", "breaks the standard"]
+    assert [problem.kind for problem in check_fmu(flat, run=False)] == ["advice"]
+
+
+def test_what_fanfold_needs_is_told_apart(good, tmp_path):
+    path = spoiled(good, tmp_path, ".*linux64.*|.*darwin64.*", b"", None)
+    assert "Fanfold needs" in {problem.kind for problem in check_fmu(path)}
+
+
+def test_archives_that_cannot_be_unpacked_are_told_of(good, tmp_path):
+    """Members that lead out of the folder, bombs by size and by number, damaged contents: R19 and R20."""
+    with zipfile.ZipFile(good) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    path = tmp_path / "bad.fmu"
+    path.write_bytes(zip_bytes({**files, "../../evil": b"x"}))
+    assert "'../../evil' leads out of the folder" in check_fmu(path)[0]
+    path.write_bytes(zip_bytes({**files, "resources/zeros": bytes(LARGEST_BYTES)}))
+    assert "it would unpack to" in check_fmu(path)[0]
+    path.write_bytes(zip_bytes({**files, **{f"resources/{k}": b"" for k in range(MOST_MEMBERS)}}))
+    assert "files are taken" in check_fmu(path)[0]
+    content = bytearray(zip_bytes(files))
+    with zipfile.ZipFile(good) as archive:
+        start = archive.getinfo("modelDescription.xml").header_offset + 60
+    content[start : start + 20] = bytes(20)
+    path.write_bytes(bytes(content))
+    assert "damaged" in check_fmu(path)[0]
+
+
+def test_indices_that_are_no_numbers_are_told(good, tmp_path):
+    path = spoiled(good, tmp_path, DESCRIPTION, b'<Unknown index="[0-9]*"', b'<Unknown index="x"')
+    assert any("index" in problem for problem in check_fmu(path))
 
 
 def test_files_that_are_no_fmu(tmp_path):

@@ -8,7 +8,7 @@ to line, dampers give none at rest.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ...scene.builder import Scene
 from .rules import LIMIT, RULES, Found, margins
 from .standard import FACTORS, FactorKind
 from .sweep import FrictionKind, driven_lines, sweep
-from .undriven import without_margin
+from .undriven import uncounted, without_margin
 
 _BASE, _COLD = "base", "cold"
 
@@ -30,6 +30,8 @@ class TorqueMargin:
     friction: FrictionKind
     lines: tuple[Found, ...]
     without: Mapping[str, Mapping[str, str]]
+    uncounted: Mapping[str, str] = field(default_factory=dict)
+    """components that drive and are part of no margin, and why"""
 
     @property
     def passes(self) -> bool:
@@ -48,6 +50,7 @@ class TorqueMargin:
                 for case, reasons in self.without.items()
                 for line, reason in reasons.items()
             ],
+            "uncounted": dict(self.uncounted),
         }
 
 
@@ -77,7 +80,8 @@ def torque_margin(
     _refuse_unknown_lines(cases, extra or {})
     found = find_margins(cases, positions, factors, friction, extra)
     without = {case: without_margin(one) for case, one in cases.items()}
-    return TorqueMargin(factors, friction, tuple(found), without)
+    left_out = {name: why for one in cases.values() for name, why in uncounted(one).items()}
+    return TorqueMargin(factors, friction, tuple(found), without, left_out)
 
 
 def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str, object]) -> None:

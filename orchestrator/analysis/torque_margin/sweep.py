@@ -29,6 +29,7 @@ from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
 from .rules import LineTorques
+from .undriven import MOTOR_TORQUE, motors
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
@@ -37,8 +38,13 @@ _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 
 def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
-    """Lines that a motorisation spring opens; SceneError if there are none."""
-    lines = tuple(line for line in scene.hinge_lines if line.motor is not None and not line.held)
+    """Lines that a motorisation spring or another motor opens; SceneError if there are none."""
+    others = {name for names in motors(scene).values() for name in names}
+    lines = tuple(
+        line
+        for line in scene.hinge_lines
+        if not line.held and (line.motor is not None or line.name in others)
+    )
     if not lines:
         raise SceneError(
             [
@@ -99,7 +105,7 @@ def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
     assembly = assemble(scene, rigid={"all"})
     settled = _equilibrium(assembly)
     parts = {part.name: part for part in assembly.parts}
-    return {
+    found = {
         line.name: sum(
             (
                 _opening_torques(parts[hinge.name], line.axis, settled[hinge.name], friction)
@@ -109,6 +115,11 @@ def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
         )
         for line in driven_lines(scene)
     }
+    for motor, names in motors(scene).items():
+        place = settled[motor].observation_layout[MOTOR_TORQUE]
+        for name in names:
+            found[name][0] += float(settled[motor].observe()[place][0])
+    return found
 
 
 def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:

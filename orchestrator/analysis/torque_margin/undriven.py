@@ -1,22 +1,69 @@
-"""Lines of a scene that have no torque margin of their own, and why."""
+"""What drives beside motorisation springs, and lines of a scene that have no torque margin of their own, and why."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
+from components import REGISTRY, SUPPLIED_ENERGY
+
 from ...scene import CheckedScene
+from ...scene.component_connections import component_values
+from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
 
 _CABLE, _DRIVE = "ccl", "drive"
+MOTOR_TORQUE = "motor_torque"
+"""Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
+
+
+def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
+    """Connections that tell a motor torque, and the lines that each opens: those between its own two bodies."""
+    found = {}
+    for connection in scene.connections:
+        if MOTOR_TORQUE in _observed(connection):
+            ends = tuple(
+                connection.ports[side].body for side in ("inboard", "outboard") if side in connection.ports
+            )
+            lines = [one for one in scene.hinge_lines if (one.inboard, one.outboard) == ends and not one.held]
+            found[connection.name] = tuple(line.name for line in lines)
+    return found
+
+
+def uncounted(scene: CheckedScene) -> dict[str, str]:
+    """Components that drive and have no part in any margin, by name, and why."""
+    counted = motors(scene)
+    found = {
+        name: "its ports are not at the inboard and the outboard body of a line that moves"
+        for name, lines in counted.items()
+        if not lines
+    }
+    for connection in scene.connections:
+        if connection.name not in counted and _drives(connection):
+            found[connection.name] = "its torque follows from the angle that it commands"
+    return found
+
+
+def _observed(connection: Connection) -> set[str]:
+    """Names of what a connection's component observes."""
+    structure, _ = component_values(connection, "mean")
+    return {
+        quantity.name for quantity in REGISTRY[connection.kind](**structure).observation_layout.quantities
+    }
+
+
+def _drives(connection: Connection) -> bool:
+    """Whether its component supplies energy."""
+    return SUPPLIED_ENERGY.name in _observed(connection)
 
 
 def without_margin(scene: CheckedScene) -> dict[str, str]:
     """Why a line has no margin of its own, by line: it is held, or has no motor; then what turns or keeps it."""
     found = {}
+    others = {name for names in motors(scene).values() for name in names}
     for line in scene.hinge_lines:
         if line.held:
             found[line.name] = "held in this scene, so without motion"
-        elif line.motor is None:
+        elif line.motor is None and line.name not in others:
             found[line.name] = f"no motor{_what_turns(scene, line)}"
     return found
 
@@ -39,11 +86,11 @@ def _named(what: str, names: list[str]) -> str:
 
 
 def _movers(scene: CheckedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
-    """Name, kind and bodies of everything that can turn a line without a motor: drives, then cable loops."""
+    """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops."""
     others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
-    for name, (kind, bodies) in others.items():
-        if kind == _DRIVE:
-            yield name, kind, bodies
+    for connection in scene.connections:
+        if _drives(connection):
+            yield connection.name, _DRIVE, others[connection.name][1]
     for loop in scene.loops:
         yield loop.name, _CABLE, (loop.pulley_1.body, loop.pulley_2.body)
     for name, (kind, bodies) in others.items():

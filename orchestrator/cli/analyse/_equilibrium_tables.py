@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rich.console import Console
-
 from ...analysis.equilibrium import Equilibrium
 from ...results.round_off import noise_floor
 from ...scene.units import degrees_text
-from ..tables import Column, plain_table, tables_that_fit
+from ..tables import Column, plain_table, tables_that_fit, terminal
 
 _BASE_LOADS = (("force", "N"), ("torque", "N.m"))
 _NUMBER = 7
@@ -32,7 +30,7 @@ def print_loads(found: Equilibrium) -> None:
     for connection, name, value, unit in shown:
         table.add_row("" if connection == previous else connection, name, f"{value:.5g}", unit)
         previous = connection
-    console = Console()
+    console = terminal()
     console.print(table)
     left_out = len(rows) - len(shown)
     if left_out:
@@ -78,7 +76,7 @@ def print_sweep(found: Sequence[Equilibrium]) -> None:
     angles = [
         Column(f"{line},\ndeg", [degrees_text(one.angles[line], 2) for one in found]) for line in first.angles
     ]
-    console = Console()
+    console = terminal()
     for table in tables_that_fit("quasi-static sweep", angles, columns, console.width):
         console.print(table)
 

@@ -30,9 +30,9 @@ def report_study(
     if content is not None:
         click.echo(json.dumps(content))
         return
-    from rich.console import Console
+    from ..tables import terminal
 
-    console = Console()
+    console = terminal()
     console.print(latch_table(f"{study.scene}: against {study.against}", study.shown, study.reference))
     for table in further:
         console.print(table)

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from ...analysis.torque_margin.margins import TorqueMargin
 from ...analysis.torque_margin.restart import CaseRestart, Restart
-from ...analysis.torque_margin.rules import LIMIT, LineTorques, Margins
+from ...analysis.torque_margin.rules import LIMIT, RULE_TEXTS, LineTorques, Margins
 from ...scene.units import degrees_text
 from ..tables import plain_table
 
@@ -24,6 +24,8 @@ def margin_table(found: TorqueMargin) -> Table:
     for name in ("margin", "at,\ndeg", "driving,\nN.m", "resisting,\nN.m"):
         table.add_column(name, justify="right", min_width=5)
     table.add_column("verdict")
+    table.caption = "\n".join(f"{rule} rule: {text}" for rule, text in RULE_TEXTS.items())
+    table.caption_justify = "left"
     lines = list(dict.fromkeys(one.line for one in found.lines))
     for one in sorted(found.lines, key=lambda one: lines.index(one.line)):
         for rule in one.margins:

@@ -90,10 +90,10 @@ def command(
 
 
 def _print(found: FrequencyResponse) -> None:
-    from rich.console import Console
     from rich.table import Table
 
     from ...analysis.frequency_response import peaks
+    from ..tables import terminal
 
     table = Table(title="largest resonances")
     for heading in ("output", "unit"):
@@ -106,4 +106,4 @@ def _print(found: FrequencyResponse) -> None:
             table.add_row(response.name, response.unit, "none", "")
         for frequency, size in found_peaks:
             table.add_row(response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}")
-    Console().print(table)
+    terminal().print(table)

@@ -67,7 +67,7 @@ def command(result: Path, output: Path | None, as_json: bool) -> None:
     if not found:
         click.echo("nothing touched; no picture was drawn")
         return
-    from rich.console import Console
+    from ..tables import terminal
 
-    Console().print(impact_table(found))
+    terminal().print(impact_table(found))
     click.echo(picture)

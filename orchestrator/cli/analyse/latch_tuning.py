@@ -15,6 +15,7 @@ from ..types import Number, given_quantity
 
 if TYPE_CHECKING:
     from ...analysis.latch_tuning import Kind, Tuning
+    from ...analysis.latch_tuning_of_wing import WingTuning
 
 
 def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> float | None:
@@ -37,6 +38,10 @@ def _stiffness(_: click.Context, __: click.Parameter, value: str | None) -> floa
     "--hinge-stiffness", "hinges", callback=_stiffness, metavar="VALUE",
     help="Measured stiffness of the line's hinges together with its unit, such as 51.3N.m/deg.",
 )  # fmt: skip
+@click.option(
+    "--wing", is_flag=True,
+    help="Against the whole deployed wing instead of the two bodies of the line alone.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
@@ -44,9 +49,18 @@ def command(
     frequency: float | None,
     kind: Kind | None,
     hinges: float | None,
+    wing: bool,
     as_json: bool,
 ) -> None:
     """Tune the latch spring of a hinge line of SCENE for its rigid model."""
+    if wing:
+        if kind is not None or hinges is not None:
+            raise click.UsageError(
+                "--stiffness-of and --hinge-stiffness are of the pair; leave them out with --wing"
+            )
+        whole = fanfold.wing_latch_tuning(choice.load(), name, frequency=frequency, **choice.fidelities)
+        click.echo(json.dumps(whole.as_dict()) if as_json else _of_wing(whole))
+        return
     tuning = fanfold.latch_tuning(
         choice.load(),
         name,
@@ -64,9 +78,20 @@ def command(
         click.echo(f"latch law: {degrees(angle):9.4f} deg {torque:9.4f} N.m")
 
 
+def _of_wing(found: WingTuning) -> str:
+    """What was found for a wing, in sentences."""
+    return (
+        f"{found.line}: {found.stiffness:.5g} N.m/rad give the rigid wing {found.check:.5g} Hz in {found.direction}, "
+        f"where the flexible one has {found.frequency:.5g} Hz; the scene's gives {found.present:.5g} Hz\n"
+        f"to use it: --set 'hinge_line.{found.line}.latch.stiffness={found.stiffness:.5g} N.m/rad', and no less for a "
+        "side that is given"
+    )
+
+
 def _print(tuning: Tuning) -> None:
-    from rich.console import Console
     from rich.table import Table
+
+    from ..tables import terminal
 
     table = Table(title=f"latch spring of {tuning.line}")
     table.add_column("quantity")
@@ -88,4 +113,4 @@ def _print(tuning: Tuning) -> None:
             per_hinge = value / tuning.springs * pi / 180.0
             table.add_row(f"{what} stiffness, each of {tuning.springs}", f"{per_hinge:.6g}", "N.m/deg")
     table.add_row("check: rigid pair with it", f"{tuning.check:.7g}", "Hz")
-    Console().print(table)
+    terminal().print(table)

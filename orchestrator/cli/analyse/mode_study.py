@@ -89,7 +89,7 @@ def command(
         folder=folder,
         progress=progress,
     )
-    from rich.console import Console
+    from ..tables import terminal
 
-    tables = frequency_tables(study.body, study.frequencies, Console().width)
+    tables = frequency_tables(study.body, study.frequencies, terminal().width)
     report_study(study.latch_up, folder, study.as_dict() if as_json else None, tables)

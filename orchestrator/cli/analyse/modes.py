@@ -63,9 +63,7 @@ def command(
 
 
 def _print(found: Modes) -> None:
-    from rich.console import Console
-
-    from ..tables import plain_table
+    from ..tables import plain_table, terminal
 
     table = plain_table("normal modes; effective masses in % of the rigid ones")
     table.add_column("mode", justify="right", no_wrap=True)
@@ -79,7 +77,7 @@ def _print(found: Modes) -> None:
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
         table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
-    console = Console()
+    console = terminal()
     console.print(table)
     force, torque = found.unbalanced
     console.print(
@@ -90,9 +88,9 @@ def _print(found: Modes) -> None:
 
 def _print_damping(found: Modes) -> None:
     """What damps the first mode, and by which rule."""
-    from rich.console import Console
+    from ..tables import terminal
 
-    console, modes, structural = Console(), found.listed, found.structural_damping
+    console, modes, structural = terminal(), found.listed, found.structural_damping
     if modes and modes[0].damping_shares:
         told = list(modes[0].damping_shares.items())[:_TOLD]
         console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))

@@ -94,9 +94,9 @@ def command(
         around=around,
         insert_margin=insert_margin,
     )
-    from rich.console import Console
+    from ..tables import terminal
 
-    console = Console()
+    console = terminal()
     console.print(_table(found))
     console.print(
         f"{len(found.stress.recovery.nodes)} of {len(found.stress.plate.positions)} nodes, "

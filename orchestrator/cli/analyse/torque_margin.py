@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ from ..types import Count, Number, given_quantity
 if TYPE_CHECKING:
     from ...analysis.torque_margin.sweep import FrictionKind
 
+FAILED = 3
+"""Exit code where a margin or a restart fails, which is no error of the command."""
 _SYMBOLS = (*FACTORS["theoretical"], *DEMANDS)
 
 
@@ -87,11 +90,15 @@ def command(
     output: Path | None,
     as_json: bool,
 ) -> None:
-    """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid."""
-    from rich.console import Console
+    """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid.
 
+    Exit code 3 where a margin fails or a restart does not open. Sum rule: driving torque over the sum of the
+    resisting ones, each times its uncertainty factor. ECSS rule: ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque
+    less 1.25 TD and TL over the same sum.
+    """
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
+    from ..tables import terminal
     from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
 
     refuse_idle("--until", "--restart")
@@ -104,10 +111,12 @@ def command(
     folder = output or Path(".".join((scene.name, *scene.chosen)))
     pictures = fanfold.plot(found, folder)
     if not as_json:
-        console = Console()
+        console = terminal()
         console.print(margin_table(found))
         for sentence in sentences_without_margin(found.without):
             console.print(sentence, highlight=False)
+        for name, why in found.uncounted.items():
+            console.print(f"{name} drives and is not counted: {why}", highlight=False)
         for path in pictures:
             click.echo(path)
     runs = fanfold.restart(scene, restarts, cases=names, until=until, folder=folder, progress=progress)
@@ -118,3 +127,5 @@ def command(
         console.print(restart_table(runs))
         for run in runs:
             click.echo(run.path)
+    if not found.passes or not all(line.opens for run in runs for line in run.lines):
+        sys.exit(FAILED)

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from html import escape
 
 from ...results.compare import by_component, cells, compare, end_note, labels
+from ...results.differences import scene_note
 from ...results.key_figures import headline, headline_rows
+from ...results.parts import json_of
 from ...results.result import Result
 
 _SCENE = ("scene", "scene_tree", "flexible")
@@ -87,6 +89,8 @@ def _comparison(result: Result, other: Result) -> Iterator[str]:
     yield paragraph(f"A is {_file(result)}, B is {_file(other)}.")
     if not other.complete:
         yield paragraph(f"The run of B was interrupted at {other.time[-1]:.6g} s.", "warning")
+    if note := scene_note(result, other):
+        yield paragraph(f"Warning: {note}.", "warning")
     if note := end_note(result, other, names):
         yield paragraph(f"{note}.")
     rows = [(row.quantity, row.of, *cells(row), row.unit) for row in found.rows]
@@ -105,26 +109,26 @@ def _provenance(result: Result) -> Iterator[str]:
     known = dict(result.provenance)
     digests = {name: known.pop(name) for name in list(known) if name.startswith(_DIGEST)}
     yield heading("Provenance")
-    flexible = _json(known.get("flexible", "[]"))
+    flexible = json_of(known.get("flexible", "[]"))
     bodies = ", ".join(map(str, flexible)) if isinstance(flexible, list) else ""
     versions = [(name, text) for name, text in known.items() if name not in _SCENE]
     statistics = [(name.replace("_", " "), f"{value}") for name, value in result.statistics.items()]
     yield table(("what", "value"), [("flexible bodies", bodies or "none"), *versions, *statistics])
     tree = _scene_tree(result)
-    yield folded("scene, all layers merged", json.dumps(tree, indent=1) if tree else known.get("scene", ""))
+    yield folded("scene, all layers merged", _indented(tree) or known.get("scene", ""))
     if digests:
         text = "\n".join(f"{name.removeprefix(_DIGEST)}  {digest}" for name, digest in digests.items())
         yield folded("SHA-256 of the FMUs", text)
 
 
 def _scene_tree(result: Result) -> dict[str, object]:
-    tree = _json(result.provenance.get("scene_tree", "{}"))
+    tree = json_of(result.provenance.get("scene_tree", "{}"))
     return tree if isinstance(tree, dict) else {}
 
 
-def _json(text: str) -> object:
-    """What a text of the provenance holds; nothing where it is not JSON."""
+def _indented(tree: dict[str, object]) -> str:
+    """JSON for people; empty where there is nothing, or it is nested too deeply to be anybody's."""
     try:
-        return json.loads(text)
-    except ValueError:
-        return None
+        return json.dumps(tree, indent=1) if tree else ""
+    except RecursionError:
+        return ""

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
+import orchestrator as fanfold
 from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pair, series, tune, without
@@ -253,3 +254,31 @@ def test_command(tmp_path):
         assert refused.exit_code in (1, 2)
         assert isinstance(refused.exception, SystemExit)
         assert words in refused.stderr
+
+
+def test_against_the_whole_wing_amos3_is_tuned_to_what_its_variant_has():
+    """Independent: the variant tuned_hl1 has 6000 N.m/rad, found by trial for 0.714 Hz of the flexible wing."""
+    found = fanfold.wing_latch_tuning("amos3", "HL1")
+    assert found.stiffness == pytest.approx(6000.0, rel=0.01)
+    assert found.frequency == pytest.approx(0.714, abs=1e-3)
+    assert found.check == pytest.approx(found.frequency, rel=1e-6)
+    assert found.direction == "ry"
+
+
+def test_a_wing_of_one_panel_is_tuned_as_the_pair_is():
+    """Independent path: of one panel on a fixed base the wing is the pair; only the static preload is between them."""
+    whole, pair = fanfold.wing_latch_tuning("workbench", "HL"), fanfold.latch_tuning("workbench", "HL")
+    assert whole.stiffness == pytest.approx(pair.structure, rel=5e-3)
+
+
+def test_a_frequency_that_no_spring_reaches_is_told():
+    with pytest.raises(fanfold.FanfoldError, match="with any spring of this line the rigid wing has"):
+        fanfold.wing_latch_tuning("workbench", "HL", frequency=5e4)
+
+
+def test_the_command_tunes_the_wing():
+    run = CliRunner().invoke(main, ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing"])
+    assert run.exit_code == 0, run.output
+    assert "N.m/rad give the rigid wing" in run.output
+    refused = ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing", "--stiffness-of", "total"]
+    assert CliRunner().invoke(main, refused).exit_code == 2

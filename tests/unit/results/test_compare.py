@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.axes import Axes
 from matplotlib.image import imread
 from rich.console import Console
 
@@ -140,7 +141,7 @@ def test_overlays_hold_both_curves_at_their_own_times(both, tmp_path):
     drawn = {name: figure for name, _, figure in compare_plots.draw_comparison(*both)}
     assert set(drawn) == EVERY_OVERLAY
     for figure in drawn.values():
-        for axes in (axes for axes in figure.axes if axes.get_visible()):
+        for axes in filter(Axes.get_visible, figure.axes):
             assert axes.get_ylabel().rpartition(", ")[2] in ("deg", "N", "N.m")
             assert axes.get_xlabel().endswith(", s")
             first, second = axes.lines

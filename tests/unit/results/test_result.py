@@ -41,7 +41,7 @@ for k in range(10**9):
 
 
 def write(path, rows=450):
-    geometry = {"panel": Geometry(np.eye(3), np.ones((3, 3, 2)), [[0, 1, 2]])}
+    geometry = {"panel": Geometry(np.eye(3), np.ones((3, 3, 2)), [[0, 1, 2, 2]])}
     with ResultWriter(path, GROUPS, {"scene": "a = 1\nµ = 2"}, geometry, LINES) as writer:
         for k in range(rows):
             writer.append(0.1 * k, [np.arange(4.0) + k, np.array([-1.0 * k])])
@@ -80,7 +80,7 @@ def test_everything_around_the_signals(result):
     assert result.provenance == {"scene": "a = 1\nµ = 2"}
     assert result.hinge_lines == LINES
     np.testing.assert_array_equal(result.geometry["panel"].shapes, np.ones((3, 3, 2)))
-    np.testing.assert_array_equal(result.geometry["panel"].faces, [[0, 1, 2]])
+    np.testing.assert_array_equal(result.geometry["panel"].faces, [[0, 1, 2, 2]])
 
 
 def test_layout_of_the_file(tmp_path):

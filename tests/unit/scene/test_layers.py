@@ -176,3 +176,18 @@ def test_a_named_scene_can_be_extended(tmp_path):
     assert [body.name for body in scene.bodies] == [
         body.name for body in load_scene(find_scene("amos3")).bodies
     ]
+
+
+def test_a_dot_in_the_name_of_an_entry_is_told(tmp_path):
+    """It was a KeyError."""
+    text = 'extends = "workbench"\n[variant.v]\nhinge_line = [{ name = "H.L", latch.stiffness = 5000 }]\n'
+    (tmp_path / "dotted.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(SceneError, match=r"there is no hinge_line 'H\.L' to change; those are HL"):
+        load_scene(tmp_path / "dotted.toml", ["v"])
+
+
+def test_values_nested_without_end_are_told(tmp_path):
+    """It was a RecursionError."""
+    (tmp_path / "deep.toml").write_text(f"x = {'[' * 3000}{']' * 3000}\n", encoding="utf-8")
+    with pytest.raises(SceneError, match="nested too deeply"):
+        load_scene(tmp_path / "deep.toml")

@@ -17,6 +17,16 @@ BAD = {
         "efective_inertia = 5",
         "root_line.latch.efective_inertia: is not a known key; did you mean effective_inertia",
     ),
+    "steps without end": (
+        "until = 2.0",
+        'until = 2.0\nlargest_step = "1e-12 ms"',
+        "scene.largest_step: is '1e-12 ms'; it must be at least 1e-07",
+    ),
+    "angles that hardly increase": (
+        LATCH,
+        LATCH + "harness = { angle = ['0 deg', '1e-308 deg'], resisting_torque = [1, 0] }\n",
+        "hinge_line.root_line.harness: the angles of the table must increase",
+    ),
     "mistyped table": ("[[damper]]", "[[dampr]]", "dampr: is not a known table; did you mean damper"),
     "degrees forgotten": (
         'aligned_angle = "180 deg"',

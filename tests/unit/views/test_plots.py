@@ -13,7 +13,8 @@ from mpl_toolkits.mplot3d.proj3d import proj_transform
 
 from components.contract.roles import LOAD
 from orchestrator.results.key_figures import headline
-from orchestrator.results.result import Meaning, Result
+from orchestrator.results.parts import Meaning
+from orchestrator.results.result import Result
 from orchestrator.views import plots, space
 from orchestrator.views import shapes as plot_shapes
 from orchestrator.views.depth import back_to_front

@@ -1,0 +1,85 @@
+"""What tells two runs from each other: scene, fidelities, settings, values of the scene."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from .parts import json_of
+from .result import Result
+
+_TOLD = 2
+"""Differences that a label has room for."""
+_SETTINGS = ("master", "order", "step", "tolerance", "until")
+_DESCRIPTIVE = ("scene.description", "scene.name")
+
+
+class Difference(NamedTuple):
+    """A key of the scene or the run, and its text in both; empty where one has none."""
+
+    key: str
+    a: str
+    b: str
+
+
+def differences(a: Result, b: Result) -> list[Difference]:
+    """What differs: bodies that are flexible, settings of the run, then values of the scenes by their keys."""
+    first, second = _asked_for(a), _asked_for(b)
+    keys = dict.fromkeys((*first, *second))
+    return [
+        Difference(key, first.get(key, ""), second.get(key, ""))
+        for key in keys
+        if first.get(key, "") != second.get(key, "")
+    ]
+
+
+def scene_note(a: Result, b: Result) -> str:
+    """A sentence where two results are of different scenes; empty where they are of one, perhaps in two variants."""
+    scenes = [result.provenance.get("scene", "") for result in (a, b)]
+    if scenes[0] != scenes[1]:
+        return (
+            f"A is a run of the scene {scenes[0]!r}, B of {scenes[1]!r}: ratios compare different structures"
+        )
+    lines = [sorted(line.name for line in result.hinge_lines) for result in (a, b)]
+    if lines[0] != lines[1]:
+        told = " and ".join(", ".join(names) or "none" for names in lines)
+        return f"A and B have different hinge lines, {told}: ratios compare different structures"
+    return ""
+
+
+def distinctions(a: Result, b: Result) -> tuple[str, str]:
+    """What is different of each, in a few words; empty where nothing is, or they are of different scenes."""
+    found = differences(a, b)
+    if not found or scene_note(a, b):
+        return "", ""
+    more = f", {len(found) - _TOLD} more" if len(found) > _TOLD else ""
+    texts = [
+        ", ".join(f"{one.key} {text or '-'}" for one in found[:_TOLD] for text in (one[k],)) for k in (1, 2)
+    ]
+    return texts[0] + more, texts[1] + more
+
+
+def _asked_for(result: Result) -> dict[str, str]:
+    """Texts by key."""
+    known = result.provenance
+    flexible = json_of(known.get("flexible", "[]"))
+    found = {"flexible": ", ".join(map(str, flexible)) or "none" if isinstance(flexible, list) else ""}
+    found |= {name: known[name] for name in _SETTINGS if name in known}
+    tree = json_of(known.get("scene_tree", "{}"))
+    found |= {key: text for key, text in _leaves("", tree) if key not in _DESCRIPTIVE}
+    return {
+        key: text for key, text in found.items() if not key.startswith("scene.") or key[6:] not in _SETTINGS
+    }
+
+
+def _leaves(key: str, value: object) -> Iterator[tuple[str, str]]:
+    """Texts of all values of a tree by their dotted keys; entries of arrays by name."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            yield from _leaves(f"{key}.{name}" if key else str(name), inner)
+    elif isinstance(value, list) and value and all(isinstance(entry, Mapping) for entry in value):
+        for k, entry in enumerate(value):
+            yield from _leaves(f"{key}.{entry.get('name', k)}", entry)
+    else:
+        yield key, value if isinstance(value, str) else json.dumps(value)

@@ -1,0 +1,193 @@
+"""Is every scene that cannot be meant refused with a sentence? Scenes are mutated by seed, checked, and some are run.
+
+    python -m tests.benchmark.faults.scenes [COUNT] [FIRST_SEED]
+
+The built-in scenes and those of the tests are mutated in their tables (values of another kind, size or unit, keys and
+entries that are lost, doubled or mistyped) or in their text. What is accepted is looked at, and one in ten
+is run for some steps: no exception but a FanfoldError, no time beyond all bounds, and no run that ends complete with
+values that are no numbers.
+"""
+
+from __future__ import annotations
+
+import random
+import signal
+import sys
+import tempfile
+import tomllib
+import traceback
+import warnings
+from collections.abc import Iterator
+from copy import deepcopy
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import tomli_w
+
+import orchestrator as fanfold
+from orchestrator.scene import find_scene, list_scenes
+
+SLOWEST = 120
+"""s; what takes longer hangs."""
+_STEPS = 40
+"""of a run, about"""
+_SCENES = [find_scene(name) for name in list_scenes()]
+_SCENES += sorted(Path(__file__).parents[2].joinpath("scenes").glob("[!l]*.toml"))
+Dice = random.Random
+_VALUES: tuple[Any, ...] = (
+    0, -1, 1e-300, 1e300, float("nan"), float("inf"), "", "nan", "90", "90 deg", "-400 deg", "1e-308 deg", "3 m",
+    "1e9 N.m", "5 kg", "1e-12 ms", True, [], {}, [[]], "[/bold]", "\x1b[31m", "é", "a.b", "base", [0, 0, 0],
+    ["1 m"] * 3, 10**30, {"name": "x"}, [{"name": "x"}],
+)  # fmt: skip
+
+
+class Fault(NamedTuple):
+    """A scene that was not refused with a sentence: the seed that repeats it, and what happened."""
+
+    seed: int
+    what: str
+
+
+def faults(count: int, first: int, folder: Path, run_every: int = 10) -> Iterator[Fault]:
+    """Faults of so many mutated scenes."""
+    for seed in range(first, first + count):
+        dice = Dice(seed)
+        path = folder / "mutated.toml"
+        path.write_bytes(mutated(dice))
+        variants = dice.choice([(), (), _variants(path)])
+        with _bounded():
+            what = answer(path, variants, runs=seed % run_every == 0)
+        if what:
+            yield Fault(seed, what)
+
+
+def answer(path: Path, variants: tuple[str, ...], runs: bool) -> str:
+    """What went wrong with a scene; empty where it was refused with a sentence, or is sound."""
+    try:
+        scene = fanfold.load(path, variants)
+        found = [fanfold.check_scene(one) for one in scene.runs.values()]
+        if runs and not any(one.problems for one in found):
+            return _after_a_run(next(iter(scene.runs.values())))
+    except fanfold.FanfoldError as error:
+        return "" if str(error).strip() else "an error without a word"
+    except TimeoutError:
+        return f"took more than {SLOWEST} s"
+    except Exception as error:
+        return "".join(traceback.format_exception(error)[-3:])
+    return ""
+
+
+def _after_a_run(scene: fanfold.Scene) -> str:
+    """What went wrong with some steps of a sound scene."""
+    until = _STEPS * min(2e-4, float(scene.check().header.largest_step))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fanfold.FanfoldWarning)
+        result = fanfold.simulate(scene, rigid="all", until=until, estimate=False)
+    for component in result.components:
+        for variable in result.variables(component):
+            if not np.all(np.isfinite(result[component, variable][:])):
+                return f"complete, and {component}.{variable} has values that are no numbers"
+    return ""
+
+
+class _bounded:
+    """Raise TimeoutError in what takes too long."""
+
+    def __enter__(self) -> None:
+        def stop(*_: object) -> None:
+            raise TimeoutError
+
+        signal.signal(signal.SIGALRM, stop)
+        signal.alarm(SLOWEST)
+
+    def __exit__(self, *_: object) -> None:
+        signal.alarm(0)
+
+
+def _variants(path: Path) -> tuple[str, ...]:
+    """A variant of the file, if it can be read and has any."""
+    try:
+        return tuple(tomllib.loads(path.read_text(encoding="utf-8")).get("variant", {}))[:1]
+    except (ValueError, AttributeError, TypeError, RecursionError):
+        return ()
+
+
+def mutated(dice: Dice) -> bytes:
+    """The text of a scene with one to three mutations."""
+    text = dice.choice(_SCENES).read_text(encoding="utf-8")
+    if dice.random() < 0.2:
+        return _of_text(dice, text)
+    tree = tomllib.loads(text)
+    for _ in range(dice.choice((1, 1, 2, 3))):
+        _mutate(dice, tree)
+    return tomli_w.dumps(tree).encode()
+
+
+def _of_text(dice: Dice, text: str) -> bytes:
+    """Mutations that no tree has: cut, nested, doubled, foreign bytes."""
+    at = dice.randrange(len(text))
+    return dice.choice(
+        (
+            text[:at].encode(),
+            text.encode()[:at] + bytes([dice.randrange(256)]) + text.encode()[at:],
+            f"{text}\nx = {'[' * 3000}{']' * 3000}\n".encode(),
+            (text + text[text.rindex("[[") :] if "[[" in text else text).encode(),
+            text.replace(dice.choice(text.split()), "", 1).encode(),
+        )
+    )
+
+
+def _mutate(dice: Dice, tree: dict[str, Any]) -> None:
+    """One change somewhere in the tree: most often another size, which leaves a scene that can be run."""
+    places = list(_places(tree))
+    sizes = [(holder, key) for holder, key in places if _is_size(holder[key])]
+    if sizes and dice.random() < 0.7:
+        holder, key = dice.choice(sizes)
+        holder[key] = _resized(dice, holder[key])
+        return
+    holder, key = dice.choice(places)
+    kind, value = dice.randrange(4), holder[key]
+    if kind == 0:
+        del holder[key]
+    elif kind == 1 and isinstance(holder, list):
+        holder.append(deepcopy(value))
+    elif kind == 2 and isinstance(holder, dict):
+        holder[f"{key}{dice.choice('xyz')}"] = holder.pop(key)
+    else:
+        holder[key] = dice.choice(_VALUES)
+
+
+def _is_size(value: object) -> bool:
+    """Whether a value is a number, or one with a unit."""
+    if isinstance(value, str):
+        return value.partition(" ")[0].replace(".", "").lstrip("-").isdigit()
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _resized(dice: Dice, value: Any) -> Any:
+    """A size of another order or sign, or without its unit."""
+    factor = dice.choice((0.5, 0.8, 0.95, 1.05, 1.2, 2.0, 0.1, 10.0, 0, -1, 1e-6, 1e3, 1e9, 1e200))
+    if not isinstance(value, str):
+        return value * factor
+    number, _, unit = value.partition(" ")
+    return dice.choice((*[f"{float(number) * factor!r} {unit}"] * 8, number, f"{number} {unit}x"))
+
+
+def _places(value: Any) -> Iterator[tuple[Any, Any]]:
+    """Every table or list with every key or position of it."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in list(items):
+        yield value, key
+        yield from _places(inner)
+
+
+if __name__ == "__main__":
+    number, start_seed = map(int, (*sys.argv[1:], *("3000", "0")[len(sys.argv) - 1 :])[:2])
+    with tempfile.TemporaryDirectory() as place:
+        listed = []
+        for fault in faults(number, start_seed, Path(place)):
+            listed.append(fault)
+            print(f"seed {fault.seed}: {fault.what}", flush=True)
+    print(f"{number} mutated scenes from seed {start_seed}: {len(listed)} answers that are no sentence")
+    sys.exit(bool(listed))

@@ -1,0 +1,16 @@
+"""A sample of the benchmark of mutated scenes: refused with sentences, or sound enough to be looked at and run."""
+
+import pytest
+
+from tests.benchmark.faults import scenes
+
+
+@pytest.mark.parametrize("first", [0, 40, 80])
+def test_mutated_scenes_are_refused_with_sentences(tmp_path, first):
+    assert list(scenes.faults(40, first, tmp_path)) == []
+
+
+def test_what_is_no_sentence_is_seen(tmp_path, monkeypatch):
+    """Control: an exception of another kind is a fault."""
+    monkeypatch.setattr(scenes.fanfold, "check_scene", lambda scene: 1 / 0)
+    assert any("ZeroDivisionError" in fault.what for fault in scenes.faults(40, 0, tmp_path))
