@@ -125,7 +125,7 @@ class Master(CoSimulation):
         solver = self.solver
         solution = solver.solve(self.time, h, solver.predicted(self.time, h))
         if not solution.converged:
-            if not self._smaller():
+            if not self._smaller(to_converge=True):
                 raise failure(solver, solution, self.time, h)
             self.statistics.rejected += 1
             return None
@@ -143,10 +143,10 @@ class Master(CoSimulation):
         self.statistics.rejected += 1
         return None
 
-    def _smaller(self) -> bool:
-        """Make the next step smaller after one that did not converge; False where that is at an end."""
+    def _smaller(self, *, to_converge: bool = False) -> bool:
+        """Make the next step smaller after one that cannot stand; False where that is at an end."""
         if self._controlled:
-            return self._sizes.shrink(2)
+            return self._sizes.shrink(2, to_converge=to_converge)
         self._parts *= 4
         return self.settings.step_plan is None and self._parts <= _MOST_PARTS
 

@@ -26,6 +26,7 @@ _FORGET = 0.8
 _STIRRED_STEPS = 3
 _STEPS_AFTER_GROWTH = _STIRRED_STEPS + 1
 _STEPS_AFTER_SHRINKING = 8
+_TO_CONVERGE = 1.0 / 64.0
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
 _SEARCH = "the static search before the run"
@@ -70,11 +71,11 @@ class StepSizes:
         if not stirred:
             self.stirred = 0
 
-    def shrink(self, levels: int = 2) -> bool:
-        """Go down; False where that is below the smallest size."""
+    def shrink(self, levels: int = 2, *, to_converge: bool = False) -> bool:
+        """Go down; False where that is below the smallest size, which no accuracy but convergence may go below."""
         self.level += levels
         self._changed(_STEPS_AFTER_SHRINKING)
-        return self.size >= self.smallest
+        return self.size >= self.smallest * (_TO_CONVERGE if to_converge else 1.0)
 
     def judge(self, error: float) -> bool:
         """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
