@@ -17,10 +17,11 @@ from components.flexible.modal import ModalData
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses, with_angles
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.schema import CheckedScene
+from ..scene.table import SceneError
 
 
 def effective_inertia(scene: CheckedScene, line: HingeLine) -> float:
-    """Effective inertia (kg.m2) of a line of the scene in the deployed configuration."""
+    """Effective inertia (kg.m2) of a line of the scene in the deployed configuration; SceneError where it has none."""
     poses = _deployed(scene)
     carrying = {one.outboard: one for one in scene.hinge_lines}
     free = [one for one in _inward(carrying, line.outboard) if not one.held or one.name == line.name]
@@ -32,7 +33,15 @@ def effective_inertia(scene: CheckedScene, line: HingeLine) -> float:
         mass += _kinetic(data, poses[name], np.array(columns))
     if scene.base.free is None:
         mass = mass[: len(free), : len(free)]
-    return float(1.0 / np.linalg.inv(mass)[0, 0])
+    try:
+        return float(1.0 / np.linalg.inv(mass)[0, 0])
+    except np.linalg.LinAlgError:
+        raise SceneError(
+            [
+                f"{scene.file}: hinge_line.{line.name}.latch.effective_inertia: it cannot be told from masses and "
+                "inertias this unlike; check these, or give it"
+            ]
+        ) from None
 
 
 def _deployed(scene: CheckedScene) -> Mapping[str, StartPose]:

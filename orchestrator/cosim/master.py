@@ -15,9 +15,10 @@ from .implicit.convergence import Solution, Tolerance
 from .implicit.solvers import solver_for
 from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
 from .network import Network
+from .participant import ParticipantError
 from .ports import Order
 from .rows import Recorder
-from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepSizes, failure, find_event
+from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
 _ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
@@ -27,6 +28,8 @@ _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
+_LONGEST_SWING = 0.02
+"""Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +71,7 @@ class Master(CoSimulation):
         self._sizes.restart(min(settings.start_step, largest))
         self._guard = EnergyGuard(self._energies)
         self._parts = 1
+        self._plan = [list(segment) for segment in settings.step_plan or ()]
         self._latched: list[StiffenedLine] = []
 
     def initialize(self, *, preload: bool) -> None:
@@ -95,7 +99,10 @@ class Master(CoSimulation):
                 continue
             line = self._latching(h)
             if line is not None:
-                h, solution = self._step_to(line, h, solution)
+                found = self._step_to(line, h, solution)
+                if found is None:
+                    continue
+                h, solution = found
                 self._observe(h)
             self._accept(h, solution)
             if line is not None:
@@ -104,11 +111,9 @@ class Master(CoSimulation):
 
     def _next_step(self, until: float) -> float:
         remaining = until - self.time
-        if self.settings.step_plan is not None:
-            segment, position = len(self.segments) - 1, len(self.segments[-1])
-            plan = self.settings.step_plan[min(segment, len(self.settings.step_plan) - 1)]
-            # beyond its end, not the last step's size: that one only ended at an event and may be tiny
-            h = plan[position] if position < len(plan) else max(plan[-_PLAN_TAIL:])
+        if self._plan:
+            plan, position = self._planned()
+            h = plan[position]
         elif self.settings.fixed_step is not None:
             h = self.settings.fixed_step / self._parts
         else:
@@ -117,6 +122,14 @@ class Master(CoSimulation):
         if remaining < 1.001 * h:
             return remaining
         return 0.5 * remaining if remaining < 1.5 * h and self._controlled else h
+
+    def _planned(self) -> tuple[list[float], int]:
+        """The plan of the present segment, and where in it we are."""
+        segment, position = len(self.segments) - 1, len(self.segments[-1])
+        plan = self._plan[min(segment, len(self._plan) - 1)]
+        # beyond its end, not the last step's size: that one only ended at an event and may be tiny
+        plan.extend([max(plan[-_PLAN_TAIL:])] * (position + 1 - len(plan)))
+        return plan, position
 
     @property
     def _controlled(self) -> bool:
@@ -127,7 +140,7 @@ class Master(CoSimulation):
         solver = self.solver
         solution = solver.solve(self.time, h, solver.predicted(self.time, h))
         if not solution.converged:
-            if not self._smaller():
+            if not self._smaller(to_converge=True):
                 raise failure(solver, solution, self.time, h)
             self.statistics.rejected += 1
             return None
@@ -145,12 +158,15 @@ class Master(CoSimulation):
         self.statistics.rejected += 1
         return None
 
-    def _smaller(self) -> bool:
-        """Make the next step smaller after one that did not converge; False where that is at an end."""
+    def _smaller(self, *, to_converge: bool = False) -> bool:
+        """Make the next step smaller after one that cannot stand; False where that is at an end."""
         if self._controlled:
-            return self._sizes.shrink(2)
+            return self._sizes.shrink(2, to_converge=to_converge)
         self._parts *= 4
-        return self.settings.step_plan is None and self._parts <= _MOST_PARTS
+        if self._plan:
+            plan, position = self._planned()
+            plan[position : position + 1] = [0.25 * plan[position]] * 4
+        return self._parts <= _MOST_PARTS
 
     def _latching(self, h: float) -> HingeLine | None:
         """The hinge line whose sensor fell through zero first in the step just made."""
@@ -162,8 +178,8 @@ class Master(CoSimulation):
                 best, best_time = line, h * before / (before - after)
         return best
 
-    def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution]:
-        """Repeat the step so that it ends where the hinge line latches."""
+    def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution] | None:
+        """Repeat the step so that it ends where the hinge line latches; None with a smaller step size set."""
         found = [solution]
 
         def distance(trial: float) -> float:
@@ -173,7 +189,13 @@ class Master(CoSimulation):
                 raise failure(self.solver, found[0], self.time, trial)
             return self._distance(line)
 
-        return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
+        try:
+            return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
+        except (StepError, ParticipantError):
+            if not self._smaller():
+                raise
+        self.statistics.rejected += 1
+        return None
 
     def _accept(self, h: float, solution: Solution) -> None:
         self.solver.accept(self.time, h)
@@ -216,26 +238,27 @@ class Master(CoSimulation):
         if line.kinematic or not self._controlled:
             self._command(LATCH_COMMAND.name, 1.0, line.hinges)
             return min(h, self.settings.event_step)
-        solver.linearize(self.time, self._sizes.largest)
+        size = min(self._sizes.largest, _LONGEST_SWING)
+        solver.linearize(self.time, size)
         before = slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         after = slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            slow = stiffened_line(solver, hinges, self._sizes.largest)
+            slow = stiffened_line(solver, hinges, size)
             self._latched.append(slow)
             self._judge_latches()
-            h = self._resolving(slow, h)
+            h = self._resolving(slow, size, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
 
-    def _resolving(self, line: StiffenedLine, h: float) -> float:
-        """A step (s), h at the most, that resolves how a latched line starts.
+    def _resolving(self, line: StiffenedLine, size: float, h: float) -> float:
+        """A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s).
 
         What turns at first may be much less than what swings later: the rotation is followed to shorter times.
         """
-        size, found = self._sizes.largest, line
+        found = line
         for _ in range(_FREQUENCY_SEARCH):
             if found.fastest * size < 2.0:
                 break

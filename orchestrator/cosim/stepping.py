@@ -15,7 +15,9 @@ from .participant import ParticipantError
 from .ports import Order
 
 _RATIO = sqrt(2.0)
-_ERROR_SHARES = {2: 0.0025, 4: 0.01}
+_ERROR_SHARE = 0.0025
+_LOOSE = {2: 0.0, 4: 0.25}
+"""Power of the tolerance that the allowed error of a step falls behind above 1e-4, where steps resolve less ringing."""
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
@@ -26,6 +28,7 @@ _FORGET = 0.8
 _STIRRED_STEPS = 3
 _STEPS_AFTER_GROWTH = _STIRRED_STEPS + 1
 _STEPS_AFTER_SHRINKING = 8
+_TO_CONVERGE = 1.0 / 64.0
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
 _SEARCH = "the static search before the run"
@@ -70,11 +73,11 @@ class StepSizes:
         if not stirred:
             self.stirred = 0
 
-    def shrink(self, levels: int = 2) -> bool:
-        """Go down; False where that is below the smallest size."""
+    def shrink(self, levels: int = 2, *, to_converge: bool = False) -> bool:
+        """Go down; False where that is below the smallest size, which no accuracy but convergence may go below."""
         self.level += levels
         self._changed(_STEPS_AFTER_SHRINKING)
-        return self.size >= self.smallest
+        return self.size >= self.smallest * (_TO_CONVERGE if to_converge else 1.0)
 
     def judge(self, error: float) -> bool:
         """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
@@ -101,6 +104,13 @@ class StepSizes:
         self.wait, self.stirred, self.worst = wait, _STIRRED_STEPS, 0.0
 
 
+def _allowed(tolerance: float, order: Order) -> float:
+    """Error of a step, from the wrenches h^2 u'' or what is left of them, that a run with this tolerance may make."""
+    ratio = tolerance / REFERENCE_TOLERANCE
+    power = 1.0 / order if ratio < 1.0 else -_LOOSE[order]
+    return float(12.0 * _ERROR_SHARE * tolerance * ratio**power)
+
+
 class ErrorEstimate:
     """Local error of a step from how far its mean wrench lies off the line through the last two, or off its slopes.
 
@@ -113,9 +123,8 @@ class ErrorEstimate:
     """
 
     def __init__(self, tolerance: float, stored: float, driving: float = 0.0, order: Order = 2) -> None:
-        self._order = order
-        below = float(min(1.0, tolerance / REFERENCE_TOLERANCE) ** (1.0 / order))
-        self._allowed = 12.0 * _ERROR_SHARES[order] * tolerance * below
+        self._allowed = _allowed(tolerance, order)
+        self._resolved = _allowed(tolerance, 2)
         self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
 
     @property
@@ -124,7 +133,7 @@ class ErrorEstimate:
 
         By order 2, at order 4 as well: what an event starts is no smoother.
         """
-        return float(self._allowed ** (1.0 / 3.0))
+        return float(self._resolved ** (1.0 / 3.0))
 
     def see(self, kinetic: float) -> None:
         """Take note of the kinetic energy (J)."""

@@ -30,6 +30,16 @@ def estimated_errors(result: Result) -> dict[Key, float]:
         raise ResultError(f"{result.name}: the estimated errors of the result are damaged") from None
 
 
+def unknown_errors(result: Result) -> list[str]:
+    """A sentence where errors were to be estimated and could not be."""
+    if ESTIMATED_ERRORS not in result.statistics or estimated_errors(result):
+        return []
+    return [
+        "no headline number can be vouched for: a run with steps twice as long, which tells their errors, does not "
+        "reach the end; a smaller tolerance makes them surer"
+    ]
+
+
 def doubts(numbers: Sequence[tuple[Key, float, float | None]], tolerance: float | None) -> list[str]:
     """A sentence for every headline number (key, value, error) that cannot be vouched for to ten tolerances.
 

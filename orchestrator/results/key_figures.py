@@ -19,7 +19,7 @@ from components.contract.roles import INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked
-from .estimated_errors import Key, doubts, estimated_errors
+from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .latch_impulse import latch_impulse
 from .result import Result
 from .round_off import noise_floor, without_noise
@@ -74,8 +74,8 @@ class Headline:
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
-    lie at the end of the run, and so may be passed beyond it. latch_impulses: of kinematic latches (N.m.s); locks
-    names those between rigid bodies, whose torque is that of the lock and no load of the wing. interface_*_peaks:
+    lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
+    latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
     magnitude of each component (x, y, z), empty where the base is free. torque_peaks: magnitudes, by component and
     signal. force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
@@ -91,7 +91,6 @@ class Headline:
     overruns: Mapping[str, Overrun]
     latch_torque_peaks: Mapping[str, float]
     latch_impulses: Mapping[str, float]
-    locks: tuple[str, ...]
     peaks_at_end: tuple[str, ...]
     interface_force_peaks: tuple[float, ...]
     interface_torque_peaks: tuple[float, ...]
@@ -152,7 +151,7 @@ class Headline:
         for line, impulse in self.latch_impulses.items():
             yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
-            of_what = "lock" if line in self.locks else "latch"
+            of_what = "lock" if line in self.latch_impulses else "latch"
             yield Number(f"{of_what} torque peak", line, torque, "N.m")
 
     def _numbers_of_loads(self) -> Iterator[Number]:
@@ -198,7 +197,6 @@ def headline(result: Result) -> Headline:
             for impulse in (latch_impulse(result, line, times[line.name]),)
             if impulse is not None
         },
-        locks=tuple(line.name for line in result.hinge_lines if line.name in times and line.locks_rigid),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, "N"),
         interface_torque_peaks=_component_peaks(result, "N.m"),
@@ -217,7 +215,7 @@ def headline(result: Result) -> Headline:
         estimated_errors=estimated_errors(result),
     )
     told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
-    return replace(found, warnings=(*found.warnings, *told))
+    return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
 
 
 def overruns(result: Result) -> dict[str, Overrun]:

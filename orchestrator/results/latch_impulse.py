@@ -1,4 +1,4 @@
-"""The impulse of a kinematic latch: what it takes away in no time, where a torque would depend on how rigid a lock is.
+"""The impulse of a lock between rigid bodies: what it takes away in no time, where it has no torque of its own.
 
 A plastic impact: a torque held while a relative rate w falls to rest turns the hinge by half of w times its duration,
 so the latch's work is E = J w / 2 and its impulse J = 2 E / w, for whatever is joined.
@@ -15,10 +15,11 @@ from .result import Result
 def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | None:
     """Magnitude of the angular impulse about the hinge line (N.m.s) at its latch-up (s), the sum over its hinges.
 
-    None where the line has no kinematic latch, or its result no record of it.
+    None where the line is no lock between rigid bodies, or its result has no record of it. Beside a flexible body it
+    would be that of the little that moves with the hinges at first.
     """
     after = int(np.searchsorted(result.time, latched, side="right"))
-    if not line.kinematic or not 0 < after < result.time.size:
+    if not line.locks_rigid or not 0 < after < result.time.size:
         return None
     return abs(
         sum(_impulse(result, hinge, after) for hinge in line.hinges if result.has(hinge, "latch_energy"))

@@ -2,8 +2,8 @@
 
 The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
 it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
-the coupling where vibrations are resolved, half of it where friction, stops or rotations leave less. The estimate is
-the middle of both in the logarithm.
+the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
+of friction or of a count of swings. The estimate is the middle of both, 2^n - 1 and 1, in the logarithm.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..results.key_figures import Headline, headline
 from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(3.0 * 15.0)}
+_SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(15.0)}
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
@@ -39,14 +39,15 @@ def with_estimates(
 ) -> Outcome:
     """The outcome whose headline numbers, and those of its file, carry estimated errors.
 
-    There are none where nothing can be said: for explicit masters, and where steps twice as long do not converge.
+    Explicit masters have none; where steps twice as long do not reach the end, the result says that none are known.
     """
+    if outcome.master != "implicit":
+        return outcome
     errors: Mapping[Key, float] = {}
-    if outcome.master == "implicit":
-        plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-        with suppress(RunError):
-            coarse = run(assembly, None, plan, until, watch=watch, load=load)
-            errors = _errors(outcome.headline, coarse.headline, _SHARES[outcome.order])
+    plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
+    with suppress(RunError):
+        coarse = run(assembly, None, plan, until, watch=watch, load=load)
+        errors = _errors(outcome.headline, coarse.headline, _SHARES[outcome.order])
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 

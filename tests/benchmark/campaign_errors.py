@@ -31,8 +31,11 @@ class Deviation(NamedTuple):
 
 
 def estimated_errors(found: Headline) -> Mapping[Key, float]:
-    """Errors that a run estimated for its headline numbers, in their units, by quantity and what it is of."""
-    return found.estimated_errors
+    """Errors that a run estimated for its headline numbers, in their units, by quantity and what it is of.
+
+    Infinite ones for a run that says that it knows none.
+    """
+    return found.estimated_errors or {number.key: inf for number in found.numbers()}
 
 
 def deviations(found: Headline, reference: Headline) -> list[Deviation]:

@@ -26,12 +26,11 @@ def test_impulse_is_the_angular_momentum_that_the_latch_takes():
 def test_torque_of_a_lock_between_rigid_bodies_is_told_as_such():
     """Rule: beside a flexible body the torque of a lock is a load, between rigid ones it is that of the lock."""
     rigid, flexible = (RUNS("workbench", rigid=names, settings=LOCKED).headline for names in (("all",), ()))
-    assert (rigid.locks, flexible.locks) == (("HL",), ())
+    assert flexible.latch_impulses == {}
     told = [{row[0] for row in headline_rows(found)} for found in (rigid, flexible)]
     wanted = {"latch impulse", "latch torque peak", "lock torque peak"}
-    assert [wanted - found for found in told] == [{"latch torque peak"}, {"lock torque peak"}]
+    assert [wanted & found for found in told] == [wanted - {"latch torque peak"}, {"latch torque peak"}]
 
 
 def test_a_latch_spring_has_no_impulse():
-    found = RUNS("workbench", rigid=("all",)).headline
-    assert (found.latch_impulses, found.locks) == ({}, ())
+    assert RUNS("workbench", rigid=("all",)).headline.latch_impulses == {}

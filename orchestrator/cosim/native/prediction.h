@@ -104,9 +104,10 @@ static double watched_square(const Network *n, const Watched *w, double h, doubl
     return w->weight * h * h * fmax(0.0, torque * torque - gain * gain * noise * noise);
 }
 
-/* Weights of the remembered points and the present one: of mean wrenches, and of slopes as rates. */
+/* Weights of the remembered points and the present one: of mean wrenches, of slopes as rates, and of means in what they
+   bend at most. */
 typedef struct {
-    double mean[POINTS + 1], rate[POINTS + 1];
+    double mean[POINTS + 1], rate[POINTS + 1], most[POINTS + 1];
 } Weights;
 
 /* Add half of h^2 u'' by three of the points at `times`. */
@@ -131,29 +132,54 @@ static void add_unknown_curvature(const double *times, size_t first, double h, W
     w->mean[first + 2] -= of_c * (1.0 / (c - b) + 2.0 / (c - a));
 }
 
+/* Of all points in a twelfth of h^3 times the third derivative, by the third divided difference. */
+static void add_third_difference(const double *times, double h, Weights *w) {
+    for (size_t i = 0; i <= POINTS; i++) {
+        w->most[i] = 0.5 * h * h * h;
+        for (size_t j = 0; j <= POINTS; j++)
+            if (j != i) w->most[i] /= times[i] - times[j];
+    }
+}
+
+/* Let no component with a slope bend more than the rows of slopes say, which are cleared. */
+static void limit_bend(Network *n) {
+    for (size_t port = 0; port < n->size; port += n->width.wrench)
+        for (size_t i = port; i < port + WRENCH; i++) {
+            if (n->wrenches[i + WRENCH] != 0.0 && fabs(n->bend[i + WRENCH]) < fabs(n->bend[i]))
+                n->bend[i] = n->bend[i + WRENCH];
+            n->bend[i + WRENCH] = 0.0;
+        }
+}
+
 /* Note how far the present wrenches bend, see implicit/history.py: the mean of it now and a step before, in which
    what changes sign with every step cancels. How much independent errors of the wrenches grow in it. */
 static double bend(Network *n, double middle, double h) {
     const History *past = &n->history;
-    double times[POINTS + 1], gain = 0.0;
-    Weights weights = {{0.0}, {0.0}};
-    const int slopes = n->width.wrench > WRENCH;
+    double times[POINTS + 1], gain = 0.0, most = 0.0;
+    Weights weights = {{0.0}, {0.0}, {0.0}};
+    const int slopes = n->width.wrench > WRENCH, limited = slopes && past->count == POINTS;
     memcpy(times, past->times, POINTS * sizeof(double));
     times[POINTS] = middle;
     for (size_t i = 0; i < 2; i++) {
         const size_t first = past->count < POINTS ? POINTS - 2 : POINTS - 2 - i;
         slopes ? add_unknown_curvature(times, first, h, &weights) : add_curvature(times, first, h, &weights);
     }
+    if (limited) add_third_difference(times, h, &weights);
     memset(n->bend, 0, n->size * sizeof(double));
     for (size_t k = POINTS - past->count; k <= POINTS; k++) {
         const double *values = k < POINTS ? past->values + k * n->size : n->wrenches;
         const double rate = k < POINTS ? weights.rate[k] : weights.rate[k] * 2.0 / h;
         for (size_t port = 0; port < n->size; port += n->width.wrench)
-            for (size_t i = port; i < port + WRENCH; i++)
+            for (size_t i = port; i < port + WRENCH; i++) {
                 n->bend[i] += weights.mean[k] * values[i] + (slopes ? rate * values[i + WRENCH] : 0.0);
+                if (limited) n->bend[i + WRENCH] += weights.most[k] * values[i];
+            }
         gain += weights.mean[k] * weights.mean[k] + weights.rate[k] * weights.rate[k] * 4.0 / (h * h);
+        most += weights.most[k] * weights.most[k];
     }
-    return sqrt(gain);
+    if (!limited) return sqrt(gain);
+    limit_bend(n);
+    return sqrt(fmin(gain, most));
 }
 
 /* Square of the relative error that what bends wrenches makes of velocities: its work over an energy, or what it is

@@ -4,7 +4,7 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.effective_inertia import effective_inertia
-from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.unit.scene.scene_cases import LATCH, TWO_PANELS, load_text, parts_of
 
 SHEET = {
@@ -44,3 +44,11 @@ def test_a_latch_without_one_is_damped_by_it(tmp_path):
     inertia = effective_inertia(scene, scene.hinge_lines[0])
     part = parts_of(assemble(scene))["root"]
     assert part.start["latch_damping"] == pytest.approx(2 * 0.02 * (2000 * inertia) ** 0.5)
+
+
+def test_masses_too_unlike_to_tell_it_are_told(tmp_path):
+    """Found by the benchmark of mutated scenes: it was a LinAlgError."""
+    text = TWO_PANELS.replace("inertia = [0.8, 1.6, 2.4]", "inertia = [1e200, 1e200, 1e200]")
+    scene = load_text(tmp_path, text)
+    with pytest.raises(SceneError, match="masses and inertias this unlike"):
+        effective_inertia(scene, scene.hinge_lines[1])

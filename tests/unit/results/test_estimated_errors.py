@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from fmus import native_library
 from orchestrator.cosim.master import Settings
-from orchestrator.results.estimated_errors import doubts, errors_text, estimated_errors
+from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, doubts, errors_text, estimated_errors
 from orchestrator.results.key_figures import headline, headline_rows
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
@@ -47,6 +49,17 @@ def test_estimates_are_near_the_true_errors(estimated, quantity):
         seen = 1e-5 * abs(number.value)
         assert number.error + seen >= 0.2 * error
         assert number.error <= 5.0 * error + seen
+
+
+@needs_native
+def test_errors_that_nobody_knows_are_told(estimated):
+    """Rule: where errors were to be estimated and none are known, no number is vouched for; else nothing is said."""
+    outcome, _ = estimated
+    nothing = replace(
+        outcome.result, statistics={**outcome.result.statistics, ESTIMATED_ERRORS: errors_text({})}
+    )
+    told = [[w for w in headline(r).warnings if "vouched" in w] for r in (outcome.result, nothing)]
+    assert [len(sentences) for sentences in told] == [0, 1]
 
 
 @needs_native
