@@ -1,6 +1,7 @@
 """Quantities in scene files: a plain number in SI units, or a string with a unit such as "90 deg".
 
-An angle other than 0 needs its unit: a number that was meant in degrees would turn a line dozens of times.
+A plain angle that is a whole number, or beyond a turn, is refused: it was meant in degrees, and as radians it would
+turn a line many times.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from components.contract.frames import Vector3
 
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+|nan|inf)(?:[eE][-+]?\d+)?)\s*(.*?)\s*")
 """A number as it is written in programs, and what follows it."""
-LARGEST_TURN = 20.0 * pi
+_TURN = 2.0 * pi
+LARGEST_TURN = 10.0 * _TURN
 """rad; ten turns, beyond what any hinge of an array, wound or not, is turned."""
 LARGEST_RADIUS = 1.0
 """m; pins and pulleys are centimetres, so a larger one was meant in millimetres."""
@@ -81,8 +83,9 @@ def _parts(value: object, unit: str) -> tuple[str, str]:
 
 
 def written(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
-    """The same of a value in a scene, where an angle other than 0 needs its unit."""
-    if unit == "rad" and isinstance(value, int | float) and not isinstance(value, bool) and value:
+    """The same of a value in a scene, where a plain angle that reads like degrees needs its unit."""
+    plain = unit == "rad" and isinstance(value, int | float) and not isinstance(value, bool)
+    if plain and value and (float(value).is_integer() or abs(value) > _TURN):
         raise ValueError(f"is {value!r}; an angle needs its unit: '{value} deg' or '{value} rad'")
     return to_si(value, unit, sign, largest)
 

@@ -44,9 +44,15 @@ def test_units_are_those_of_the_components():
     assert used <= set(UNITS)
 
 
-@pytest.mark.parametrize("value", [180, 1.5708, -0.1])
-def test_an_angle_needs_its_unit(value):
+@pytest.mark.parametrize("value", [180, 5, 90.0, -7.5])
+def test_an_angle_that_reads_like_degrees_needs_its_unit(value):
     """A plain 180 was taken for 180 rad; 0 is the same in every unit."""
     with pytest.raises(ValueError, match=f"an angle needs its unit: '{value} deg' or '{value} rad'"):
         written(value, "rad")
     assert to_si(value, "rad") == value
+
+
+@pytest.mark.parametrize("value", [1.57079632679, -0.1, 3.14159265359, 0])
+def test_other_plain_angles_are_radians(value):
+    """As programs write them: SI, as all plain numbers of a scene."""
+    assert written(value, "rad") == value
