@@ -155,7 +155,7 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
         if profile not in _PROFILES:
             raise ComponentError(f"profile is {profile!r}; it must be step or step5")
         self._quintic = profile == "step5"
-        super().__init__(axis, wrench_mode, profile=profile)
+        self._turn_about(axis, {"profile": profile}, wrench_mode)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""

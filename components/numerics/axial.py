@@ -49,9 +49,11 @@ class AxialConnection(Connection[P, S, C]):
 
     axis_of: ClassVar[str]
 
-    def __init__(
-        self, axis: Sequence[float] = (0.0, 1.0, 0.0), wrench_mode: str = "mean", **structure: object
-    ) -> None:
+    def __init__(self, axis: Sequence[float] = (0.0, 1.0, 0.0), wrench_mode: str = "mean") -> None:
+        self._turn_about(axis, {}, wrench_mode)
+
+    def _turn_about(self, axis: Sequence[float], structure: Mapping[str, Any], wrench_mode: str) -> None:
+        """What `__init__` does; `structure`: what a subclass has beside the axis."""
         self._axis_frame = axis_frame(axis, self.axis_of)
         super().__init__({"axis": tuple(axis), **structure}, wrench_mode)
 

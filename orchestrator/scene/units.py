@@ -84,10 +84,18 @@ def _parts(value: object, unit: str) -> tuple[str, str]:
 
 def written(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
     """The same of a value in a scene, where a plain angle that reads like degrees needs its unit."""
-    plain = unit == "rad" and isinstance(value, int | float) and not isinstance(value, bool)
-    if plain and value and (float(value).is_integer() or abs(value) > _TURN):
+    if (
+        unit == "rad"
+        and isinstance(value, int | float)
+        and not isinstance(value, bool)
+        and _like_degrees(value)
+    ):
         raise ValueError(f"is {value!r}; an angle needs its unit: '{value} deg' or '{value} rad'")
     return to_si(value, unit, sign, largest)
+
+
+def _like_degrees(angle: float) -> bool:
+    return angle != 0.0 and (float(angle).is_integer() or abs(angle) > _TURN)
 
 
 def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from fmus import build_fmu, native_library
+from fmus import native_library
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import START, hinge
 from tests.conformance.programs.sanitized import program
@@ -48,7 +48,7 @@ def told(host, cycles, component, token, *resources):
 def test_is_driven_and_misused_without_a_fault(kind, host, tmp_path):
     component = hinge() if kind == "latching" else KINDS[kind].example()
     start = START if kind == "latching" else start_of(component)
-    resources, token = unpacked(build_fmu(component, kind, start=start, fmi="3.0"), tmp_path)
+    resources, token = unpacked(built(component, kind, start=start, fmi="3.0"), tmp_path)
     made, messages = told(host, 20, component, token, resources)
     assert made == 20
     assert messages >= 10 * made
