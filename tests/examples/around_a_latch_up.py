@@ -13,7 +13,9 @@ rate = before["hinge_left", "angular_rate"]
 
 torque = result.latch_torque("HL")
 ringing = torque.time > latch_up
-crossings = torque.time[ringing][1:][np.diff(np.sign(torque[ringing])) != 0.0]
+time, value = torque.time[ringing], np.asarray(torque[ringing])
+zero = np.flatnonzero(np.diff(np.sign(value)))
+crossings = time[zero] - value[zero] * np.diff(time)[zero] / np.diff(value)[zero]
 frequency = 0.5 / np.mean(np.diff(crossings))
 
 inertia = 4147.8 / (2.0 * np.pi * frequency) ** 2
