@@ -23,8 +23,6 @@ from tests.references.record import Record
 
 Vector = NDArray[np.float64]
 
-_HEADER = 16 + 7 * 8
-"""Bytes of a serialised state before its numbers: owner, then seven doubles, the fourth and fifth of them counts."""
 _UNDAMPED: dict[str, dict[str, Any]] = {
     "body": {"damping_scale": 0.0},
     "hinge": {
@@ -91,8 +89,9 @@ def swing(wing: Assembly, number: int, periods: float, settings: Settings) -> tu
 def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: Vector) -> None:
     """Momenta and angular velocity of an undeformed body from the rates of its coordinates."""
     state = bytearray(body._fmu.serializeFMUstate(body._fmu.getFMUstate()))
-    known, size = np.frombuffer(state, dtype=float, count=2, offset=16 + 3 * 8).astype(int)
-    x = np.frombuffer(state, dtype=float, count=size, offset=_HEADER + 8 * known)
+    # a serialised state ends with the states; how many there are is the fifth of the numbers behind its owner
+    size = int(np.frombuffer(state, dtype=float, count=1, offset=16 + 4 * 8)[0])
+    x = np.frombuffer(state, dtype=float, count=size, offset=len(state) - 8 * size)
     x[7:13] = mass[:6, :6] @ rates[:6]
     x[13:16] = placed.axes.T @ rates[3:6]
     x[17 + placed.modes : 17 + 2 * placed.modes] = rates[6:]
