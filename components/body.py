@@ -49,7 +49,7 @@ _R, _Q, _P, _L, _W, _D = (
     _AT[name] for name in ("position", "orientation", "momentum", "spin", "angular_velocity", "heat")
 )
 _ETA = _AT.size
-_MAX_ITERATIONS = 12
+_MAX_ITERATIONS = 40
 _ANGLE_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
 

@@ -6,8 +6,7 @@
 
 #include "body_modes.h"
 
-#define MAX_ITERATIONS 12
-#define MAX_SLOPE_ITERATIONS 40
+#define MAX_ITERATIONS 40
 #define ANGLE_TOLERANCE 1e-13
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
@@ -27,7 +26,6 @@ typedef struct {
 
 #ifdef FANFOLD_COMPLEX
 
-#define ITERATIONS MAX_SLOPE_ITERATIONS
 
 /* Whether slopes have come to rest relative to the largest of them. */
 static inline int slopes_converged(const real *last, const real *next, size_t count) {
@@ -41,7 +39,6 @@ static inline int slopes_converged(const real *last, const real *next, size_t co
 
 #else
 
-#define ITERATIONS MAX_ITERATIONS
 
 static inline int slopes_converged(const real *last, const real *next, size_t count) {
     (void)last, (void)next, (void)count;
@@ -80,7 +77,7 @@ static inline void turn_rigid(const Body *body, const double *x, const Load *loa
     undeformed_arms(body, work);
     turned->omega = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
-    for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
+    for (int i = 0, done = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
         Course moment = moment_over(load, &turned->moments_start, &moments_end);
@@ -119,7 +116,7 @@ static inline void turn_flexible(Body *body, const double *x, const Load *load, 
     turned->omega = turned->end = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     Course moment = moment_over(load, &turned->moments_start, &turned->moments_start);
-    for (int i = 0, done = 0; i < ITERATIONS && !done; i++) {
+    for (int i = 0, done = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         couple_mean(body, work, turned->inertia);
         modal_forces(body, load, axes->start, axes->mid, axes->end, turns, work);
