@@ -26,7 +26,6 @@ typedef struct {
 
 #ifdef FANFOLD_COMPLEX
 
-
 /* Whether slopes have come to rest relative to the largest of them. */
 static inline int slopes_converged(const real *last, const real *next, size_t count) {
     double change = 0.0, largest = 0.0;
@@ -38,7 +37,6 @@ static inline int slopes_converged(const real *last, const real *next, size_t co
 }
 
 #else
-
 
 static inline int slopes_converged(const real *last, const real *next, size_t count) {
     (void)last, (void)next, (void)count;
