@@ -48,7 +48,7 @@ def written_folder() -> Path | None:
         chosen.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=chosen):
             return chosen
-    return _temporary_folder()
+    return users_folder()
 
 
 def place_sentence() -> str:
@@ -60,8 +60,8 @@ def place_sentence() -> str:
     return f"the cache {chosen} cannot be written to, so {instead}; FANFOLD_CACHE names another folder"
 
 
-def _temporary_folder() -> Path | None:
-    """A folder among the temporary files that belongs to this user and is closed to others."""
+def users_folder() -> Path | None:
+    """A folder among the temporary files that belongs to this user and is closed to others; None where none can be."""
     user = os.getuid() if hasattr(os, "getuid") else None
     path = Path(tempfile.gettempdir()) / ("fanfold" if user is None else f"fanfold-{user}")
     with suppress(OSError):

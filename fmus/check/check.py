@@ -20,6 +20,8 @@ from fmpy import platform, platform_tuple, sharedLibraryExtension
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+from components.cache.temporary import process_folder
+
 from ..archive import archive_problems
 
 _DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z")
@@ -186,7 +188,7 @@ def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
 
 def _trial_problems(path: Path) -> Iterator[str]:
     """What goes wrong in a short run, in a process of its own because a bad binary ends it."""
-    with tempfile.TemporaryDirectory(prefix="fanfold_check_") as folder:
+    with tempfile.TemporaryDirectory(dir=process_folder()) as folder:
         command = [sys.executable, "-P", str(_TRIAL), str(path.resolve()), folder]
         try:
             run = subprocess.run(command, capture_output=True, text=True, timeout=_TRIAL_SECONDS)

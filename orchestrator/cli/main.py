@@ -13,6 +13,7 @@ import click
 
 import orchestrator as fanfold
 
+from ..run.progress import ended_like_ctrl_c
 from . import analyse, cache, check, compare, export, listing, plot, report, run
 
 _INTERRUPTED = "interrupted; what it wrote up to there stays"
@@ -25,7 +26,7 @@ class _Group(click.Group):
     def invoke(self, ctx: click.Context) -> Any:  # noqa: ANN401 - click's own signature
         """Run a command."""
         try:
-            with _warnings_as_sentences():
+            with ended_like_ctrl_c(), _warnings_as_sentences():
                 return super().invoke(ctx)
         except (
             BrokenPipeError,

@@ -24,6 +24,7 @@ from fmpy.fmi2 import (
 )
 
 from components import Layout, Quantity
+from components.cache.temporary import process_folder
 from components.contract.roles import LATCH_DISTANCE, LATCHED
 from fmus import NATIVE_TOOL
 
@@ -58,7 +59,7 @@ class FmuParticipant:
         self._messages: list[str] = []
         self._time = 0.0
         self._saved = c_void_p()
-        self._folder = Path(mkdtemp(prefix="fanfold_"))
+        self._folder = Path(mkdtemp(dir=process_folder()))
         try:
             extract(str(path), unzipdir=str(self._folder))
             self._load(start or {})

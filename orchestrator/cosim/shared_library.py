@@ -8,17 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import os
-from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from fmpy import platform, sharedLibraryExtension
 
-
-@cache
-def _folder() -> TemporaryDirectory[str]:
-    """Where one file of each content stands until the process ends."""
-    return TemporaryDirectory(prefix="fanfold_libraries_")
+from components.cache.temporary import process_folder
 
 
 def share_library(unpacked: Path, model_identifier: str) -> None:
@@ -30,7 +24,7 @@ def share_library(unpacked: Path, model_identifier: str) -> None:
     if not binary.is_file():
         return
     digest = hashlib.sha256(binary.read_bytes()).hexdigest()
-    kept = Path(_folder().name) / f"{digest}{sharedLibraryExtension}"
+    kept = process_folder() / f"{digest}{sharedLibraryExtension}"
     try:
         if not kept.exists():
             os.link(binary, kept)

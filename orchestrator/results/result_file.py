@@ -8,25 +8,31 @@
     /geometry/<body>/{positions, shapes, faces}
     /hinge_lines                       JSON text
 
-Rows are collected in memory and written once a second, at the latest when they fill a chunk. The file format
-is the one of HDF5 1.8: it has no mark "open for writing" that would keep other tools from an interrupted run.
+Rows are collected in memory and written once a second, however long a step takes, and when they fill a chunk. The
+file takes its name when it can be read, and a lock keeps other runs from it. The file format is the one of HDF5 1.8:
+it has no mark "open for writing" that would keep other tools from an interrupted run.
 """
 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
-from time import monotonic
+from threading import Event as Signal
+from threading import Lock, Thread
 from typing import Any, Self
 
 import h5py
 import numpy as np
 
+from components.cache.locks import is_held
+
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
+from .compact import compact
 from .parts import Event, Scalar
 from .recorder import SignalGroup
 from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Result, ResultError, Vector, reason
@@ -37,6 +43,19 @@ _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
 _EVENT_BYTES = 255
 _EVENT_TEXT = h5py.string_dtype("utf-8", _EVENT_BYTES)
+
+
+def refuse_to_replace(path: Path) -> None:
+    """ResultError where another run is writing, or for what cannot be a result: a scene given as output, a device."""
+    if path.exists() and not path.is_file():
+        raise ResultError(f"{path}: this is not a file that a result can be written to; name another")
+    if path.is_file() and path.stat().st_size:
+        with path.open("rb") as file:
+            if file.read(len(_SIGNATURE)) != _SIGNATURE:
+                raise ResultError(f"{path}: this file is not a result and would be lost; name another")
+    with suppress(OSError):  # a file system without locks
+        if is_held(path):
+            raise ResultError(f"{path}: another run is writing its result here; name another file")
 
 
 class ResultWriter:
@@ -63,14 +82,35 @@ class ResultWriter:
         self._times = self._buffer[:, -1]
         self._start = 0
         self._filled = 0
-        self._due = 0.0
         self._events: list[Event] = []
+        self._lock, self._closing = Lock(), Signal()
+        self._clock = Thread(target=self._flush_by_time, daemon=True)
+        self._failure: ResultError | None = None
+        unfinished = self.path.with_name(f"{self.path.name}.new")
         try:
-            self._spare_other_files()
-            self.path.unlink(missing_ok=True)  # opening "w" would empty a file that another run is writing
-            self._file: Any = h5py.File(self.path, "x", libver=("v108", "v108"))
+            refuse_to_replace(self.path)
+            self._file: Any = h5py.File(unfinished, "w", libver=("v108", "v108"))
         except HDF5_ERRORS as error:
             raise ResultError(f"{self.path}: the result cannot be written here ({reason(error)})") from None
+        try:
+            self._lay_out(groups, provenance, geometry, hinge_lines)
+            self._file.flush()
+            os.replace(unfinished, self.path)
+        except BaseException:
+            self._file.close()
+            unfinished.unlink(missing_ok=True)
+            raise
+        self._identity = _identity(self.path)
+
+    def _lay_out(
+        self,
+        groups: Sequence[SignalGroup],
+        provenance: Mapping[str, str],
+        geometry: Mapping[str, Geometry],
+        hinge_lines: Sequence[HingeLine],
+    ) -> None:
+        """Everything that does not grow, and empty datasets for what does."""
+        width = self._buffer.shape[1] - 1
         self._file.attrs["format"] = FORMAT
         self._file.attrs["format_version"] = FORMAT_VERSION
         self._file.attrs["complete"] = False
@@ -84,19 +124,6 @@ class ResultWriter:
         _write_geometry(self._file.create_group("geometry", track_order=True), geometry)
         lines = json.dumps([asdict(line) for line in hinge_lines])
         self._file.create_dataset("hinge_lines", data=lines, dtype=_TEXT)
-
-    def _spare_other_files(self) -> None:
-        """Refuse to replace what cannot be an earlier result, such as a scene or a device given as output."""
-        if self.path.exists() and not self.path.is_file():
-            raise ResultError(
-                f"{self.path}: this is not a file that a result can be written to; name another"
-            )
-        if self.path.is_file() and self.path.stat().st_size:
-            with self.path.open("rb") as file:
-                if file.read(len(_SIGNATURE)) != _SIGNATURE:
-                    raise ResultError(
-                        f"{self.path}: this file is not a result and would be lost; name another"
-                    )
 
     def _create_columns(self, maker: ColumnMaker, groups: Sequence[SignalGroup]) -> list[Column]:
         signals = self._file.create_group("signals", track_order=True)
@@ -119,16 +146,20 @@ class ResultWriter:
 
     def append(self, time: float, values: Sequence[Vector]) -> None:
         """Add a communication point: one flat array per group, in the order of the groups."""
-        k = self._filled
-        np.concatenate(values, out=self._rows[k])
-        self._times[k] = time
-        self._filled = k + 1
-        if k + 1 == _ROWS or monotonic() > self._due:
-            self.flush()
+        if self._failure is not None:
+            raise self._failure
+        with self._lock:
+            k = self._filled
+            np.concatenate(values, out=self._rows[k])
+            self._times[k] = time
+            self._filled = k + 1
+            if k + 1 == _ROWS or self._start + k == 0:
+                self._flush()
 
     def event(self, time: float, component: str, text: str) -> None:
         """Add an event; the text of a latch-up contains "latch"."""
-        self._events.append((time, component, text))
+        with self._lock:
+            self._events.append((time, component, text))
 
     def statistics(self, values: Mapping[str, Scalar]) -> None:
         """Set scalars about the run by name; a name given before gets the new value."""
@@ -141,8 +172,21 @@ class ResultWriter:
         Times reach the disk after everything else, and readers believe the times. ResultError where it
         cannot be written, or where the file was taken away.
         """
-        if not self.path.exists():
-            raise ResultError(f"{self.path}: the result was removed while the run was writing it")
+        with self._lock:
+            self._flush()
+
+    def _flush_by_time(self) -> None:
+        """Flush once a second until the file is closed; a failure is told with the next row."""
+        while not self._closing.wait(_SECONDS):
+            try:
+                self.flush()
+            except ResultError as error:
+                self._failure = error
+                return
+
+    def _flush(self) -> None:
+        if _identity(self.path) != self._identity:
+            raise ResultError(f"{self.path}: the result was removed or replaced while the run was writing it")
         try:
             self._write_rows(self._columns)
             self._append_events("component", [_event_text(event[1]) for event in self._events])
@@ -156,7 +200,6 @@ class ResultWriter:
         self._events = []
         if self._filled == _ROWS:
             self._start, self._filled = self._start + _ROWS, 0
-        self._due = monotonic() + _SECONDS
 
     def _write_rows(self, columns: Sequence[Column]) -> None:
         if self._filled:
@@ -174,14 +217,21 @@ class ResultWriter:
         """Write the rest and close the file; complete: the run came to its end."""
         if not self._file:
             return
+        self._closing.set()
+        if self._clock.is_alive():
+            self._clock.join()
         try:
             self.flush()
             self._file.attrs.modify("complete", complete)
         finally:
             with suppress(*HDF5_ERRORS):  # a full disk was told of by the flush before
                 self._file.close()
+        if complete:
+            with suppress(*HDF5_ERRORS):  # without room for both it stays as it is
+                compact(self.path)
 
     def __enter__(self) -> Self:
+        self._clock.start()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
@@ -243,6 +293,15 @@ def _write_geometry(folder: Any, geometry: Mapping[str, Geometry]) -> None:  # n
         group["positions"] = np.asarray(body.positions, dtype=float)
         group["shapes"] = np.asarray(body.shapes, dtype=float)
         group["faces"] = np.asarray(body.faces, dtype=np.int64)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """What tells a file from another of its name; None where there is none."""
+    try:
+        status = path.stat()
+    except FileNotFoundError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def _event_text(text: str) -> bytes:

@@ -16,6 +16,7 @@ from time import perf_counter
 from typing import Literal
 
 from components import REGISTRY, ComponentError, FanfoldError
+from components.cache.temporary import process_folder
 from fmus import Backend, FmiVersion, build_fmu
 
 from ..assembly import Assembly
@@ -114,7 +115,7 @@ def export(
 def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[FmuParticipant]]:
     """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
     with ExitStack() as stack:
-        folder = Path(stack.enter_context(TemporaryDirectory(prefix="fanfold_")))
+        folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
         participants: list[FmuParticipant] = []
         for path in export(assembly, folder, backend):
             participants.append(FmuParticipant(path.stem, path))

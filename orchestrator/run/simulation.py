@@ -15,6 +15,7 @@ from ..assembly.assemble import assemble
 from ..assembly.plausibility import doubts
 from ..cosim.master import Settings
 from ..cosim.ports import Order
+from ..results.result_file import refuse_to_replace
 from ..scene import CheckedScene
 from .companion import with_estimates
 from .progress import Progress, followed, silent
@@ -107,6 +108,8 @@ def simulate(
 
     estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
     """
+    if output is not None:
+        refuse_to_replace(output)
     for sentence in (python_sentence(options.backend), place_sentence()):
         if sentence:
             warn(sentence)

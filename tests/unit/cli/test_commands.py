@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -252,10 +253,12 @@ def test_run_that_diverges():
     assert not Result.open("a.h5").complete
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGINT")
-def test_interrupted_run_is_readable(tmp_path):
-    """Nothing lost: Ctrl-C ends a run between steps with a sentence, exit code 1 and a readable result."""
-    path = tmp_path / "a.h5"
+@pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_interrupted_run_is_readable(tmp_path, name):
+    """Nothing lost: Ctrl-C, and what ends jobs, ends a run between steps: a sentence, exit code 1, a readable file."""
+    path, temporary = tmp_path / "a.h5", tmp_path / "temporary"
+    temporary.mkdir()
     command = [
         sys.executable,
         "-c",
@@ -269,13 +272,19 @@ def test_interrupted_run_is_readable(tmp_path):
         "--json",
     ]
     with subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+        command,
+        cwd=ROOT,
+        env={**os.environ, "TMPDIR": str(temporary)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
     ) as run:
         deadline = time.monotonic() + 60.0
         while not path.exists() and time.monotonic() < deadline:
             time.sleep(0.05)
         time.sleep(0.5)
-        run.send_signal(signal.SIGINT)
+        run.send_signal(getattr(signal, name))
         stdout, stderr = run.communicate(timeout=60)
     assert run.returncode == 1
     assert stdout == ""
@@ -284,6 +293,7 @@ def test_interrupted_run_is_readable(tmp_path):
     result = Result.open(path)
     assert not result.complete
     assert result.time.size > 1
+    assert [found for found in temporary.rglob("*") if found.is_file()] == []
 
 
 def test_plot_draws_pictures():

@@ -171,9 +171,7 @@ def test_run_with_an_fmu_that_cannot_be_loaded(tmp_path):
 
 def test_no_unpacked_files_stay_behind(tmp_path, monkeypatch):
     """Clean-up: whether an FMU loads or not, its unpacked files are gone in the end."""
-    monkeypatch.setattr(
-        "orchestrator.cosim.fmu.mkdtemp", lambda prefix: str((tmp_path / "unpacked").resolve())
-    )
+    monkeypatch.setattr("orchestrator.cosim.fmu.mkdtemp", lambda dir: str((tmp_path / "unpacked").resolve()))
     assembly = scene(tmp_path)
     FmuParticipant("brake", faulty_fmu(tmp_path, assembly, "none")).close()
     assert not (tmp_path / "unpacked").exists()

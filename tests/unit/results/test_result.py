@@ -138,13 +138,112 @@ def test_killed_run_is_readable_up_to_the_last_flush(tmp_path):
         np.testing.assert_array_equal(result.signal(name, "v7"), k + i)
 
 
-def test_second_run_to_the_same_file_leaves_the_first_one_unharmed(tmp_path):
+def test_second_run_to_the_same_file_is_refused(tmp_path):
+    """Bad input: the run that came first goes on; when it is done, or was killed, its place can be taken."""
     path = tmp_path / "run.h5"
     first = ResultWriter(path, GROUPS, {}, {}, ())
-    write(path)
+    assert "another run is writing its result here" in message(write, path)
     first.append(0.0, [np.zeros(4), np.zeros(1)])
     first.close()
+    assert Result.open(path).time.size == 1
+    assert Result.open(write(path)).time.size == 450
+    assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_result_that_is_replaced_is_told_of(tmp_path):
+    """Bad input: another file takes the place of the one that is being written."""
+    path = tmp_path / "run.h5"
+    writer = ResultWriter(path, GROUPS, {}, {}, ())
+    write(tmp_path / "other.h5").replace(path)
+    assert "removed or replaced while the run was writing it" in message(writer.flush)
     assert Result.open(path).time.size == 450
+
+
+def test_a_file_of_that_name_is_always_readable(tmp_path, monkeypatch):
+    """Whatever stops the writing before its first row, there is no file, or one that HDF5 reads."""
+    path = tmp_path / "run.h5"
+
+    def stop(*_):
+        assert not path.exists()
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("orchestrator.results.result_file._write_geometry", stop)
+        with pytest.raises(KeyboardInterrupt):
+            ResultWriter(path, GROUPS, {}, {}, ())
+    assert list(tmp_path.iterdir()) == []
+    writer = ResultWriter(path, GROUPS, {}, {}, ())
+    copy = tmp_path / "copy.h5"
+    copy.write_bytes(path.read_bytes())
+    with h5py.File(copy, "r") as file:
+        assert file["time"].shape == (0,)
+    writer.close()
+
+
+def test_rows_are_written_though_no_other_comes(tmp_path):
+    """Time: rows of a run that stands still in a long step reach the disk."""
+    path, copy = tmp_path / "run.h5", tmp_path / "copy.h5"
+    with ResultWriter(path, GROUPS, {}, {}, ()) as writer:
+        for k in range(5):
+            writer.append(0.1 * k, [np.zeros(4), np.zeros(1)])
+        deadline = time.monotonic() + 30.0
+        rows = 0
+        while rows < 5 and time.monotonic() < deadline:
+            time.sleep(0.1)
+            copy.write_bytes(path.read_bytes())
+            rows = Result.open(copy).time.size
+    assert rows == 5
+
+
+def test_failure_of_a_flush_by_time_is_told(tmp_path):
+    """Nothing silent: rows that cannot be written end the run with the next one."""
+    path = tmp_path / "run.h5"
+
+    def run():
+        with ResultWriter(path, GROUPS, {}, {}, ()) as writer:
+            writer.append(0.0, [np.zeros(4), np.zeros(1)])
+            path.unlink()
+            deadline = time.monotonic() + 30.0
+            while time.monotonic() < deadline:
+                time.sleep(0.05)
+                writer.append(time.monotonic(), [np.zeros(4), np.zeros(1)])
+
+    assert "removed or replaced" in message(run)
+
+
+def test_large_results_are_compressed_without_loss(tmp_path):
+    """Independent path: signals, attributes and order as they were written; smooth ones take half the space."""
+    path, rows = tmp_path / "run.h5", 30_000
+    when = np.linspace(0.0, 30.0, rows)
+    waves = np.column_stack([np.exp(-k * when) * np.sin((k + 1.0) * when) for k in range(4)] + [when])
+    with ResultWriter(path, GROUPS, {"scene": "x"}, {}, LINES) as writer:
+        for t, row in zip(when.tolist(), waves, strict=True):
+            writer.append(t, [row])
+        writer.flush()
+        written = path.stat().st_size
+    result = Result.open(path)
+    assert path.stat().st_size < 0.75 * written
+    np.testing.assert_array_equal(result.time, when)
+    np.testing.assert_array_equal(result.signal("panel", "pose"), waves[:, :3])
+    np.testing.assert_array_equal(result.signal("hinge", "angle"), waves[:, 4])
+    assert result.variables("panel") == ("pose", "energy")
+    assert result.components == ("panel", "hinge")
+    assert result.description("hinge", "angle") == "How far it is open"
+    assert result.provenance == {"scene": "x"}
+    assert result.complete
+    assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
+
+
+def test_result_that_there_is_no_room_to_compress_stays(tmp_path, monkeypatch):
+    """Full disk: compression needs room for both; without, the result stays as it was written."""
+    monkeypatch.setattr("orchestrator.results.compact.SMALLEST", 1)
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("orchestrator.results.compact._copy_rows", full)
+    assert Result.open(write(tmp_path / "run.h5")).complete
+    assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
 
 
 def test_appending_is_cheap(tmp_path):
@@ -241,6 +340,6 @@ def test_result_that_is_taken_away_is_told_of(tmp_path):
     writer.append(0.0, [np.zeros(4), np.zeros(1)])
     (folder / "run.h5").unlink()
     folder.rmdir()
-    assert "removed while the run was writing it" in message(writer.flush)
-    assert "removed while the run was writing it" in message(writer.close)
+    assert "removed or replaced while the run was writing it" in message(writer.flush)
+    assert "removed or replaced while the run was writing it" in message(writer.close)
     assert not folder.exists()
