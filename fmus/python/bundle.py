@@ -102,11 +102,12 @@ def bundle(component_class: type[Component]) -> tuple[str, Mapping[str, bytes]]:
     source = Path(inspect.getfile(component_class)).resolve()
     inside = source.is_relative_to(_COMPONENTS)
     module = f"{'components' if inside else 'extra'}.{source.stem}"
-    sources = {"adapter/slave.py": Path(slave.__file__).read_text(encoding="utf-8")}
+    adapter = Path(slave.__file__)
+    sources = {"adapter/slave.py": adapter.read_text(encoding="utf-8")}
     if not inside:
         sources[f"extra/{source.stem}.py"] = source.read_text(encoding="utf-8")
-    wanted = [_CONTRACT, *([source.stem] if inside else _imported_components(source))]
-    for path in _reachable(wanted):
+    wanted = [source.stem] if inside else _imported_components(source)
+    for path in _reachable([*_imported_components(adapter), *wanted]):
         name = path.relative_to(_COMPONENTS).as_posix()
         sources[f"components/{name}"] = path.read_text(encoding="utf-8")
     for folder in {parent for path in sources for parent in PurePosixPath(path).parents}:

@@ -27,15 +27,17 @@ from pythonfmu.enums import Fmi2Status
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from components.contract.component import Component, ComponentError, Vector
+from components.contract.instance import Instance
 
 COMPONENT_FILE = "component.json"
 ARRAYS_FILE = "arrays.npz"
 
 ARRAY_KEY, TUPLE_KEY = "__array__", "__tuple__"
-_HEADER = struct.Struct("<16sd??q")
+_HEADER = struct.Struct("<16sd?q")
 _REMEMBERED_ACCESSES = 256
 _SAME_TIME = 1e-9
 """Relative tolerance of times."""
+_NO_STATE: Vector = np.zeros(0)
 _RELEASED: set[Path] = set()
 
 
@@ -88,14 +90,13 @@ _NOWHERE = _Access([-1], slice(0, 0), None, 0, False, False, False)
 
 
 class SavedState(NamedTuple):
-    """Everything that determines the future of an instance; `constants` only save preparing again."""
+    """Everything that determines the future of an instance; no state is one not yet computed."""
 
     owner: bytes
     time: float
     initialized: bool
     known: Vector
-    x: Vector | None
-    constants: tuple[Any] | None
+    state: Vector
 
 
 class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type information
@@ -126,12 +127,11 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 arrays = dict(stored)
         content = json.loads(text)
         self._owner = digest.digest()[:16]
-        self._component = self.component_class(**unpack_value(content["structure"], arrays))
-        self._place(content["start"])
+        self._place(self.component_class(**unpack_value(content["structure"], arrays)), content["start"])
 
-    def _place(self, start: Sequence[float]) -> None:
+    def _place(self, component: Component, start: Sequence[float]) -> None:
         """Lay out all values in one array, of which parameters, inputs, ... are views."""
-        layouts = self._component.layouts
+        layouts = component.layouts
         ends = np.cumsum([layout.size for layout in layouts]).tolist()
         self._names = [name for layout in layouts for name in layout.scalar_names()]
         self._values = np.zeros(ends[-1])
@@ -142,12 +142,12 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         )
         self._ends = ends
         self._known[:] = start
+        self._instance = Instance(component)
+        self._instance.parameters, self._instance.inputs = self._p, self._u
         tunable = [q.variability == "tunable" for q in layouts[0].quantities for _ in range(q.size)]
         self._fixed = {i for i, can_change in enumerate(tunable) if not can_change}
         self._accesses: dict[tuple[int, ...], _Access] = {}
         self._reading = self._writing = _NOWHERE
-        self._x: Vector | None = None
-        self._constants: tuple[Any] | None = None
         self._outputs_known = self._observations_known = False
 
     # Life cycle
@@ -166,9 +166,8 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         """Fix the state at the start for the inputs and parameters now set."""
         try:
             self._require_finite(self._u, "input", self._ends[0])
-            x = self._state()
-            if not isfinite(x.dot(x)):
-                self._require_finite_state(x)
+            self._require_state()
+            self._require_finite_state()
         except Exception as error:
             raise self._failure(error) from None
         self._initialized = True
@@ -176,6 +175,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """One step; False, with the reason in the log and the state as before, if it cannot be done."""
+        before: Vector | None = None
         try:
             if not (step_size > 0.0 and isfinite(step_size)):
                 raise ComponentError(f"the communication step size is {step_size:g} s; it must be positive")
@@ -185,14 +185,15 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             u = self._u
             if not isfinite(u.dot(u)):  # also when the square overflows, hence the exact check
                 self._require_finite(u, "input", self._ends[0])
-            x = self._component.step(self._prepared(), self._x, u, step_size)  # type: ignore[arg-type]
-            if not isfinite(x.dot(x)):
-                self._require_finite_state(x)
+            before = self._instance.state
+            self._instance.step(step_size)
+            self._require_finite_state()
         except Exception as error:
+            if before is not None:
+                self._instance.state = before
             self._time = current_time
             self._log_reason(error, Fmi2Status.discard)
             return False
-        self._x = x if x.base is None else x.copy()
         self._time = current_time + step_size
         self._outputs_known = self._observations_known = False
         return True
@@ -206,9 +207,13 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             if vrs != access.references:
                 access = self._reading = self._access(vrs)
             if access.outputs and not self._outputs_known:
-                self._compute_outputs()
+                self._require_state()
+                self._y[:] = self._instance.outputs()
+                self._outputs_known = True
             if access.observations and not self._observations_known:
-                self._compute_observations()
+                self._require_state()
+                self._z[:] = self._instance.observe()
+                self._observations_known = True
         except Exception as error:
             raise self._failure(error) from None
         if access.layout is not None:
@@ -230,12 +235,12 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             raise self._failure(error) from None
         self._observations_known = False
         if access.parameters:
-            self._constants = None
+            self._instance.set_parameters(self._p)
             self._outputs_known = False
-        elif self._component.feedthrough:
+        elif self._instance.component.feedthrough:
             self._outputs_known = False
         if not self._initialized:
-            self._x = None
+            self._instance.state = _NO_STATE
             self._outputs_known = False
 
     def _access(self, vrs: list[int]) -> _Access:
@@ -276,28 +281,10 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 raise ComponentError(f"{fixed[0]} is fixed; it cannot be set after initialization")
         return access
 
-    # What follows from the values set
-
-    def _prepared(self) -> Any:  # noqa: ANN401 - opaque to everybody but the component
-        """Constants of the present parameters; the copy keeps the component from seeing later changes."""
-        if self._constants is None:
-            self._constants = (self._component.prepare(self._p.copy()),)
-        return self._constants[0]
-
-    def _state(self) -> Vector:
-        if self._x is None:
-            self._x = self._component.initial(self._prepared(), self._u).copy()
-        return self._x
-
-    def _compute_outputs(self) -> None:
-        x = self._state()
-        self._y[:] = self._component.outputs(self._prepared(), x, self._u)
-        self._outputs_known = True
-
-    def _compute_observations(self) -> None:
-        x = self._state()
-        self._z[:] = self._component.observe(self._prepared(), x, self._u)
-        self._observations_known = True
+    def _require_state(self) -> None:
+        """Until initialization ends the state follows from the values set."""
+        if not self._instance.state.size:
+            self._instance.initialize()
 
     # Failures
 
@@ -311,13 +298,15 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             name = self._names[first + bad[0]]
             raise ComponentError(f"{what} {name} is {values[bad[0]]}; it must be a finite number")
 
-    def _require_finite_state(self, x: Vector) -> None:
+    def _require_finite_state(self) -> None:
+        x = self._instance.state
+        if isfinite(x.dot(x)):
+            return
         bad = np.flatnonzero(~np.isfinite(x))
         if not bad.size:
             return
         sentence = f"the new state is not finite, first x[{bad[0]}] = {x[bad[0]]} of {x.size}"
-        y = self._component.outputs(self._prepared(), x, self._u)
-        outputs = np.flatnonzero(~np.isfinite(y))
+        outputs = np.flatnonzero(~np.isfinite(self._instance.outputs()))
         if outputs.size:
             sentence += f", seen in output {self._names[self._ends[1] + outputs[0]]}"
         raise ComponentError(sentence)
@@ -351,19 +340,16 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
     def _get_fmu_state(self) -> SavedState:
         if self._broken is not None:
             raise self._failure(self._broken)
-        x = None if self._x is None else self._x.copy()
-        known = self._known.copy()
-        return SavedState(self._owner, self._time, self._initialized, known, x, self._constants)
+        state = self._instance.state.copy()
+        return SavedState(self._owner, self._time, self._initialized, self._known.copy(), state)
 
     def _set_fmu_state(self, state: SavedState) -> None:
         if self._broken is not None or state.owner != self._owner:
             raise self._failure(ComponentError("the FMU state belongs to an FMU of other content"))
-        if state.constants is not None:
-            self._constants = state.constants
-        elif state.known[: self._ends[0]].tobytes() != self._p.tobytes():
-            self._constants = None
+        if state.known[: self._ends[0]].tobytes() != self._p.tobytes():
+            self._instance.set_parameters(state.known[: self._ends[0]])
         self._known[:] = state.known
-        self._x = state.x
+        self._instance.state = state.state
         self._time = state.time
         if state.initialized != self._initialized:
             self._initialized = state.initialized
@@ -372,17 +358,14 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
 
     @staticmethod
     def _fmu_state_to_bytes(state: SavedState) -> bytes:
-        header = _HEADER.pack(
-            state.owner, state.time, state.initialized, state.x is not None, state.known.size
-        )
-        return header + state.known.tobytes() + (b"" if state.x is None else state.x.tobytes())
+        header = _HEADER.pack(state.owner, state.time, state.initialized, state.known.size)
+        return header + state.known.tobytes() + state.state.tobytes()
 
     @staticmethod
     def _fmu_state_from_bytes(data: bytes) -> SavedState:
         """The state; bytes that are none make a state without owner, which no instance takes."""
         if len(data) < _HEADER.size or (len(data) - _HEADER.size) % 8:
-            return SavedState(b"", 0.0, False, np.zeros(0), None, None)
-        owner, time, initialized, has_state, size = _HEADER.unpack_from(data)
+            return SavedState(b"", 0.0, False, _NO_STATE, _NO_STATE)
+        owner, time, initialized, size = _HEADER.unpack_from(data)
         numbers = np.frombuffer(data, offset=_HEADER.size)
-        x = numbers[size:].copy() if has_state else None
-        return SavedState(owner, time, initialized, numbers[:size].copy(), x, None)
+        return SavedState(owner, time, initialized, numbers[:size].copy(), numbers[size:].copy())
