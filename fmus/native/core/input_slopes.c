@@ -9,8 +9,6 @@
 #include "evaluate.h"
 #include "layout.h"
 
-static double *inputs_of(const Instance *instance) { return instance->values + instance->ends[0]; }
-
 /* Declared input `name_slope` of an input; 0 where there is none of its size. */
 static int slope_of(const Data *data, const Variable *input, Variable *slope) {
     char name[200];

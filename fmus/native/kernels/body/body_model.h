@@ -54,13 +54,10 @@ typedef struct {
     CouplingScratch mid;      /* at the mean ones of a step */
 } Work;
 
-#define WORK_BY_MODE 12
-#define WORK_BY_PORT 13
-#define WORK_OF_COUPLING 21
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
-#define WORK_SIZE(modes, coordinates) \
-    ((WORK_BY_MODE + WORK_OF_COUPLING) * (modes) + WORK_BY_PORT * (coordinates) + WORK_SPLIT(modes, coordinates))
+/* what `work_of` takes */
+#define WORK_SIZE(modes, coordinates) (33 * (modes) + 13 * (coordinates) + WORK_SPLIT(modes, coordinates))
 
 /* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
    large bodies, of 50 modes and more, is their own. */
@@ -72,6 +69,13 @@ typedef struct {
     real numbers[LOCAL_WORK_SIZE];
 } LocalWork;
 
+/* The next so many numbers of a block, which then begins behind them. */
+static inline real *taken(real **block, size_t count) {
+    real *numbers = *block;
+    *block += count;
+    return numbers;
+}
+
 /* The working memory, cut out of its block. */
 static inline Work work_of(const Body *body, LocalWork *local) {
 #ifdef FANFOLD_COMPLEX
@@ -81,31 +85,33 @@ static inline Work work_of(const Body *body, LocalWork *local) {
 #endif
     size_t n = body->padded_modes, l = body->coordinates;
     Work work;
-    work.eta_start = next;
-    work.pi_start = next + n;
-    work.eta_mean = next + 2 * n;
-    work.rate_mean = next + 3 * n;
-    work.rate_start = next + 4 * n;
-    work.eta = next + 5 * n;
-    work.pi = next + 6 * n;
-    work.force = next + 7 * n;
-    work.port_force = next + 8 * n;
-    work.drag = next + 9 * n;
-    work.slope = next + 10 * n;
-    work.moment = next + 11 * n;
-    next += WORK_BY_MODE * n;
-    work.wrenches = next;
-    work.slope_wrenches = next + 2 * l;
-    work.deflection = next + 4 * l;
-    work.deflection_start = next + 6 * l;
-    work.rates = next + 8 * l;
-    work.arms = next + 10 * l;
-    work.arms_start = next + 11 * l;
-    work.arms_end = next + 12 * l;
-    next += WORK_BY_PORT * l;
-    double *split = (double *)(next + WORK_OF_COUPLING * n);
-    work.coupling = (CouplingScratch){next, next + 6 * n, NULL, split};
-    work.mid = (CouplingScratch){next + 9 * n, next + 15 * n, next + 18 * n, split};
+    work.eta_start = taken(&next, n);
+    work.pi_start = taken(&next, n);
+    work.eta_mean = taken(&next, n);
+    work.rate_mean = taken(&next, n);
+    work.rate_start = taken(&next, n);
+    work.eta = taken(&next, n);
+    work.pi = taken(&next, n);
+    work.force = taken(&next, n);
+    work.port_force = taken(&next, n);
+    work.drag = taken(&next, n);
+    work.slope = taken(&next, n);
+    work.moment = taken(&next, n);
+    work.wrenches = taken(&next, 2 * l);
+    work.slope_wrenches = taken(&next, 2 * l);
+    work.deflection = taken(&next, 2 * l);
+    work.deflection_start = taken(&next, 2 * l);
+    work.rates = taken(&next, 2 * l);
+    work.arms = taken(&next, l);
+    work.arms_start = taken(&next, l);
+    work.arms_end = taken(&next, l);
+    work.coupling.quadratic = taken(&next, 6 * n);
+    work.coupling.b = taken(&next, 3 * n);
+    work.coupling.b_rate = NULL;
+    work.mid.quadratic = taken(&next, 6 * n);
+    work.mid.b = taken(&next, 3 * n);
+    work.mid.b_rate = taken(&next, 3 * n);
+    work.coupling.split = work.mid.split = (double *)next;
     return work;
 }
 
