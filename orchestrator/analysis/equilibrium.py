@@ -20,9 +20,10 @@ from components.contract.roles import HOLD
 from components.hinge import Hinge
 
 from ..scene import CheckedScene, SceneError
+from ..scene.builder import Names
 from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
-from .statics.configuration import Configuration, hinges_of, lines_named, placed
+from .statics.configuration import Configuration, free_lines, hinges_of, lines_named, placed
 from .statics.equilibrium_search import settle
 from .statics.mechanism import Mechanism
 
@@ -104,25 +105,19 @@ def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], s
 
 
 def lines_held(
-    scene: CheckedScene, target: Configuration, hold: str | None, sweeps: Collection[Sweep]
+    scene: CheckedScene, target: Configuration, hold: Names | None, sweeps: Collection[Sweep]
 ) -> list[str]:
-    """Lines to hold: those of a text with commas between, "all" or "none"; SceneError where that cannot be.
+    """Lines to hold: the named ones, "all" or "none"; SceneError where that cannot be.
 
-    Without a text all that are not latched, beside a sweep none. Swept lines are no part of them.
+    By default all that are not latched, beside a sweep none. Swept lines are no part of them.
     """
-    swept = lines_named(scene, ",".join(sweep.line for sweep in sweeps))
-    default = "none" if sweeps else ",".join(free_lines(scene, target, ()))
+    swept = lines_named(scene, [sweep.line for sweep in sweeps])
+    default = () if sweeps else free_lines(scene, target)
     held = [name for name in lines_named(scene, default if hold is None else hold) if name not in swept]
     both = sorted({*swept, *held} & set(target.latched))
     if both:
         raise SceneError([f"{scene.file}: {', '.join(both)}: a line is latched, or held or swept, not both"])
     return held
-
-
-def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str]) -> list[str]:
-    """Hinge lines that nothing keeps: neither latched in the configuration, nor held."""
-    bound = {*target.latched, *held}
-    return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
 def quasi_static(

@@ -124,7 +124,7 @@ def equilibrium(
 
     checked = load(scene).check_one_run()
     target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, _text(hold), ())
+    held = lines_held(checked, target, hold, ())
     return find(checked, listed(rigid), listed(flexible), target, held, preload)[1]
 
 
@@ -150,7 +150,7 @@ def quasi_static(
             raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
     checked = load(scene).check_one_run()
     target = _configuration(checked, configuration, angles, latched)
-    held = lines_held(checked, target, _text(hold), ways)
+    held = lines_held(checked, target, hold, ways)
     count = _at_least(steps, 1, "steps")
     return find(checked, listed(rigid), listed(flexible), target, held, ways, count)
 
@@ -344,16 +344,11 @@ def _configuration(
             [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
         )
     turned = {line: _angle(line, angle) for line, angle in (angles or {}).items()}
-    return configuration(scene, named, turned, _text(latched))
+    return configuration(scene, named, turned, latched)
 
 
 def _angle(line: str, angle: Quantity) -> float:
     return in_si(angle, "rad", f"the angle of {line}") or 0.0
-
-
-def _text(names: Names | None) -> str | None:
-    """Names as a text with commas between; none of them is not the same as None."""
-    return None if names is None else ",".join(listed(names)) or "none"
 
 
 def _at_least(count: int, least: int, what: str) -> int:

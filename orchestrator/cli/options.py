@@ -55,9 +55,9 @@ def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[st
     return tuple(name.strip() for name in value.split(",") if name.strip())
 
 
-def names(_: click.Context, __: click.Parameter, value: str) -> frozenset[str]:
+def names(context: click.Context, param: click.Parameter, value: str) -> frozenset[str]:
     """Names with commas between, as a set."""
-    return frozenset(name.strip() for name in value.split(",") if name.strip())
+    return frozenset(ordered_names(context, param, value))
 
 
 def layered_scene(command: Callable[Concatenate[SceneChoice, Others], None]) -> Callable[..., None]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, pi
 from typing import Literal
@@ -12,6 +12,7 @@ from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
 from ...assembly.assemble import assemble
 from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, start_poses, with_angles
+from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
@@ -34,11 +35,11 @@ def configuration(
     scene: CheckedScene,
     named: Named = "current",
     angles: Mapping[str, float] | None = None,
-    latched: str | None = None,
+    latched: Names | None = None,
 ) -> Configuration:
     """The configuration of a name with some angles changed; SceneError where a line does not exist.
 
-    latched: names with commas between, "all" (with a latch) or "none"; by default all where the configuration is
+    latched: names, "all" (with a latch) or "none"; by default all where the configuration is
     "deployed" and none elsewhere. A line that the scene holds keeps its angle unless one is given.
     """
     lines = {line.name: line for line in scene.hinge_lines}
@@ -46,7 +47,7 @@ def configuration(
     found = {name: given.get(name, _angle(line, named)) for name, line in lines.items()}
     latched = latched if latched is not None else ("all" if named == "deployed" else "none")
     can = [name for name, line in lines.items() if line.latch is not None and not line.held]
-    names = tuple(can) if latched == "all" else _listed(latched)
+    names = _chosen(latched, can)
     problems = [_unknown(scene, name) for name in {**given, **dict.fromkeys(names)} if name not in lines]
     problems += [
         f"{scene.file}: hinge_line.{name}: has no latch that could be latched"
@@ -58,18 +59,20 @@ def configuration(
     return Configuration(found, names)
 
 
-def lines_named(scene: CheckedScene, text: str) -> tuple[str, ...]:
-    """Lines that move, by their names with commas between, "all" or "none"; SceneError for others."""
+def lines_named(scene: CheckedScene, lines: Names) -> tuple[str, ...]:
+    """Lines that move, by their names, "all" or "none"; SceneError for others."""
     moving = [line.name for line in scene.hinge_lines if not line.held]
-    names = tuple(moving) if text == "all" else _listed(text)
+    names = _chosen(lines, moving)
     problems = [_unknown(scene, name) for name in names if name not in moving]
     if problems:
         raise SceneError(problems)
     return names
 
 
-def _listed(text: str) -> tuple[str, ...]:
-    return () if text == "none" else tuple(name.strip() for name in text.split(",") if name.strip())
+def _chosen(names: Names, every: Sequence[str]) -> tuple[str, ...]:
+    """Names, with the words for every line and for no line resolved."""
+    found = listed(names)
+    return tuple(every) if found == ("all",) else () if found == ("none",) else found
 
 
 def _unknown(scene: CheckedScene, name: str) -> str:
@@ -81,6 +84,12 @@ def _angle(line: HingeLine, named: Named) -> float:
     if line.held or named == "current":
         return line.initial_angle
     return line.stowed_angle if named == "stowed" else line.deployed_angle
+
+
+def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str] = ()) -> list[str]:
+    """Hinge lines that nothing keeps: neither latched in the configuration, nor held."""
+    bound = {*target.latched, *held}
+    return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
 def hinges_of(scene: CheckedScene, lines: Collection[str]) -> list[str]:
@@ -132,8 +141,7 @@ def loaded(
 ) -> Mechanism:
     """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
     mechanism = placed(scene, rigid, flexible, target)
-    free = [line.name for line in scene.hinge_lines if not line.held and line.name not in target.latched]
-    hinges = hinges_of(scene, free)
+    hinges = hinges_of(scene, free_lines(scene, target))
     mechanism.command(HOLD.name, 1.0, hinges)
     settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
     mechanism.command(HOLD.name, 0.0, hinges)

@@ -25,7 +25,7 @@ class Posed(TypedDict):
 
     configuration: Named
     angles: Mapping[str, float] | None
-    latched: str | None
+    latched: tuple[str, ...] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class ConfigurationChoice:
     named: Named = "current"
     angles: Mapping[str, float] | None = None
     """rad, of single lines"""
-    latched: str | None = None
+    latched: tuple[str, ...] | None = None
 
     @property
     def posed(self) -> Posed:
@@ -64,11 +64,14 @@ def angle_of(line: str, text: str) -> float:
     return angle
 
 
-def lines_given(_: click.Context, param: click.Parameter, value: str | None) -> str | None:
-    """Lines as they were given, for an option where leaving it out is not the same as naming none."""
-    if value is not None and not value.replace(",", " ").strip():
+def lines_given(context: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+    """Names of lines, for an option where leaving it out is not the same as naming none."""
+    if value is None:
+        return None
+    lines = ordered_names(context, param, value)
+    if not lines:
         raise click.BadParameter("name hinge lines with commas between, or say all or none", param=param)
-    return value
+    return lines
 
 
 def configuration_choice(
@@ -81,7 +84,7 @@ def configuration_choice(
         choice: SceneChoice,
         named: Named,
         angles: Mapping[str, float],
-        latched: str | None,
+        latched: tuple[str, ...] | None,
         *args: Others.args,
         **kwargs: Others.kwargs,
     ) -> None:

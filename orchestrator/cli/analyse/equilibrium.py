@@ -57,7 +57,7 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> dict[str,
 def command(
     choice: SceneChoice,
     wanted: ConfigurationChoice,
-    hold: str | None,
+    hold: tuple[str, ...] | None,
     preload: bool,
     sweeps: dict[str, tuple[float, float]],
     steps: int,

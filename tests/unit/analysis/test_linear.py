@@ -352,7 +352,7 @@ def test_loops_keep_their_preload_where_the_lines_turn_together():
 def test_what_a_configuration_refuses():
     """Sentences that name the line."""
     scene = load_scene(find_scene("amos3"))
-    for angles, latched, words in (({"HL9": 0.0}, None, "HL9"), ({}, "HL1,HLX", "HLX")):
+    for angles, latched, words in (({"HL9": 0.0}, None, "HL9"), ({}, ("HL1", "HLX"), "HLX")):
         with pytest.raises(SceneError, match=words):
             configuration(scene, "deployed", angles, latched)
     unlatched = replace(
