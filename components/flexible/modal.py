@@ -171,13 +171,6 @@ class ModalData:
             values[name] = array.reshape(shape)
         return cls(**values)
 
-    def inertia_at(self, eta: Vector) -> Vector:
-        """Inertia (3, 3) about the undeformed centre of mass at modal coordinates eta (M,), kg m2."""
-        linear = np.tensordot(eta, self.invariant8, 1)
-        quadratic = np.tensordot(np.outer(eta, eta), self.invariant9, 2)
-        result: Vector = self.inertia - linear - linear.T - quadratic
-        return result
-
     def keep_modes(self, keep: ArrayLike) -> Self:
         """The body with some modes only: a boolean mask (M,) or mode indices from 0."""
         index = np.arange(self.frequency.size)[np.asarray(keep)]

@@ -70,14 +70,6 @@ class LinearModel:
         return bodies[self.mechanism.base].position if self.mechanism.base in bodies else np.zeros(3)
 
     @property
-    def asymmetry(self) -> float:
-        """Largest entry of K - K^T over the root of its diagonal entries; round-off at a conservative equilibrium."""
-        rows = self.free_rows
-        k = self.stiffness[np.ix_(rows, rows)]
-        scale = np.sqrt(np.abs(np.diag(k))) + np.finfo(float).tiny
-        return float(np.abs((k - k.T) / np.outer(scale, scale)).max(initial=0.0))
-
-    @property
     def unbalanced(self) -> tuple[float, float]:
         """Largest force (N) and torque (N.m) on a body that nothing balances in this configuration."""
         moving = [rows for name, rows in self.mechanism.rows.items() if name != self.mechanism.base]
