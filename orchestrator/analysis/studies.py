@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
 from ..run.progress import Progress, followed
 from ..run.run import Outcome, RunError, run
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -56,7 +51,23 @@ class LatchStudy:
 
     def as_dicts(self) -> list[dict[str, object]]:
         """One plain record per run, for JSON."""
-        return as_dict(self.shown, self.reference)
+        return [
+            {
+                "case": case.label,
+                "value": case.value,
+                "steps": case.outcome.costs.steps,
+                "lines": {
+                    line: {
+                        "latch_time": time,
+                        "shift": shift,
+                        "latch_torque_peak": peak,
+                        "change_percent": change,
+                    }
+                    for line, time, shift, peak, change in latch_rows(case, self.reference)
+                },
+            }
+            for case in self.shown
+        ]
 
 
 def run_case(
@@ -100,25 +111,4 @@ def latch_rows(case: Case, reference: Case) -> list[tuple[str, float, float, flo
         )
         for line, time in here.latch_times.items()
         if line in there.latch_times and there.latch_torque_peaks[line]
-    ]
-
-
-def as_dict(cases: Iterable[Case], reference: Case) -> list[dict[str, object]]:
-    """For JSON."""
-    return [
-        {
-            "case": case.label,
-            "value": case.value,
-            "steps": case.outcome.costs.steps,
-            "lines": {
-                line: {
-                    "latch_time": time,
-                    "shift": shift,
-                    "latch_torque_peak": peak,
-                    "change_percent": change,
-                }
-                for line, time, shift, peak, change in latch_rows(case, reference)
-            },
-        }
-        for case in cases
     ]
