@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from ..contract.quantity import Vector
 
 _SERIES_BELOW, _SERIES_TERMS, _ROOTS_ABOVE = 2.0, 32, 2.0
 

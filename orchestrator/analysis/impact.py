@@ -10,13 +10,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from components.contract.component import Vector
 
 from ..results.key_figures import extremes
 from ..results.result import Result, ResultError
-
-Vector = NDArray[np.float64]
-
 
 _SHORTEST_GAP = 1e-3
 """Touches of one contact that are less than this apart (s) are one impact that chatters."""

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from components.contract.component import Vector
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 from ..assembly.assemble import assemble
@@ -26,8 +26,6 @@ from ..scene.body_tables import Body
 from ..scene.builder import Scene
 from ..scene.locked_groups import held_bodies
 from .studies import LatchStudy, run_case
-
-Vector = NDArray[np.float64]
 
 _LISTED = 8
 

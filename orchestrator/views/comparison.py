@@ -12,7 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
+
+from components.contract.component import Vector
 
 from ..results.compare import in_either, labels
 from ..results.differences import distinctions
@@ -22,7 +23,6 @@ from ..results.round_off import noise_floor
 from .plots import Drawing, loads_by_kind, loads_title
 from .style import COLOURS, STYLE, WIDTH, as_written
 
-Vector = NDArray[np.float64]
 Both = tuple[Result, Result]
 
 _RUNS: Final[tuple[dict[str, Any], ...]] = (

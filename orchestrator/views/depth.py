@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from components.contract.component import Vector
 
 _FLAT = 1e-2
 """A body as thin as this part of its width has a plane, one as narrow as that of its length has none."""

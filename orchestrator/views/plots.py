@@ -12,16 +12,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from components.contract.component import Vector
 from components.contract.roles import DISSIPATION, INTERFACE_LOAD, LOAD
 
 from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
 from ..results.result import Result, ResultError
 from .shapes import shapes
 from .style import COLOURS, STYLE, as_written, draw, finish, new_figure, tell_of_interruption
-
-Vector = NDArray[np.float64]
 
 _CLOSE_UP_CROSSINGS = 8
 _SWING = 2

@@ -10,13 +10,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from components.contract.component import Vector
+
 from ..assembly import Geometry
 from ..results.key_figures import is_latch_up
 from ..results.result import Result
 from .space import body_legend, bounds, draw_bodies, scale, set_view, with_margin
 from .style import COLOURS, WIDTH
-
-Vector = NDArray[np.float64]
 
 _INSTANTS = 6
 

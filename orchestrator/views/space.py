@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection  # type: ignore[import-untyped]
-from numpy.typing import NDArray
+
+from components.contract.component import Vector
 
 from .depth import back_to_front
-
-Vector = NDArray[np.float64]
 
 _ELEVATION, _AZIMUTH = 20.0, -60.0
 _DIAGONAL = 1.0302

@@ -13,17 +13,15 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
+from components.contract.component import Vector
 from components.flexible.finite_elements import PlateNodes
-from components.flexible.stress import PeakStress, StressRecovery
+from components.flexible.stress import Indices, PeakStress, StressRecovery
 
 from ..analysis.stress.hot_spots import PanelStress
 from ..results.key_figures import latch_times
 from .style import COLOURS, DASHES, STYLE, WIDTH
 
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _LEVELS = 16
 _MEGA = 1e-6
 MOST_HISTORIES = len(DASHES)

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
-from numpy.typing import NDArray
+
+from components.contract.component import Vector
 
 from ..results.result import Result
-
-Vector = NDArray[np.float64]
 
 COLOURS: Final = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#E69F00", "#56B4E9")
 DASHES: Final[tuple[Any, ...]] = ("-", "--", "-.", ":", (0, (8, 2)))

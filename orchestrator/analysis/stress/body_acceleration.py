@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from components.contract.component import Vector
 from components.contract.frames import Vector3, skew
 from components.flexible.modal import ModalData
 
 from ...results.result import Result
-
-Vector = NDArray[np.float64]
 
 
 def acceleration_field(result: Result, body: str, data: ModalData, gravity: Vector3) -> Vector:

@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from components.flexible.finite_elements import PlateNodes
-from components.flexible.stress import FACES, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
+from components.flexible.stress import FACES, Indices, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
 from ...results.result import Result, ResultError
 from .model import BodyStress, body_stress
 
-Indices = NDArray[np.int64]
 _AT_INSERT = 1e-9
 
 

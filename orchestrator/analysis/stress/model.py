@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from components import ComponentError
+from components.contract.component import Vector
 from components.flexible.finite_elements import FiniteElementModel, PlateNodes
 from components.flexible.modal import ModalData
 from components.flexible.reduction import inertia_relief, orthonormal_modes
-from components.flexible.stress import StressRecovery, stress_recovery
+from components.flexible.stress import Indices, StressRecovery, stress_recovery
 
 from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
@@ -22,8 +22,6 @@ from ...scene.reader import read_scene
 from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
 
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
 _SAME = 1e-6  # of a mode's largest display value; round-off of the modes leaves 1e-9
 _EQUAL_FREQUENCY = 1e-6  # closer modes mix freely from one eigensolution to the next
 

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from components.contract.component import Vector
 
 from ...results.round_off import noise_floor
 from .standard import DEMANDS, DYNAMIC, SPRING_ACTUATOR
 
-Vector = NDArray[np.float64]
 Rule = Literal["sum", "ECSS"]
 
 RULES: Final[tuple[Rule, ...]] = ("sum", "ECSS")

@@ -17,7 +17,9 @@ from ._latch_study import report_study, study_options
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ...analysis.mode_study import Frequencies, Vector
+    from components.contract.component import Vector
+
+    from ...analysis.mode_study import Frequencies
 
 
 def frequency_tables(name: str, found: Frequencies, width: int) -> Iterator[Table]:
