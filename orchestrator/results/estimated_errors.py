@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from .result import Result, ResultError
 
@@ -16,16 +17,26 @@ _LOADS = ("interface force peak", "interface torque peak")
 _VOUCHED_FOR = ("latch time", "latch impulse", "latch torque peak", *_LOADS)
 
 
-def errors_text(errors: Mapping[Key, float]) -> str:
+class EstimatedError(NamedTuple):
+    """Error of a headline number in its unit: what is likely, and what it may be at the most."""
+
+    likely: float
+    most: float
+
+
+def errors_text(errors: Mapping[Key, EstimatedError]) -> str:
     """Estimated errors as the text that a result keeps in its statistics."""
-    return json.dumps([[quantity, of, error] for (quantity, of), error in errors.items()])
+    return json.dumps([[quantity, of, *error] for (quantity, of), error in errors.items()])
 
 
-def estimated_errors(result: Result) -> dict[Key, float]:
-    """Estimated errors that a result keeps, in the units of the numbers; empty where none were estimated."""
+def estimated_errors(result: Result) -> dict[Key, EstimatedError]:
+    """Estimated errors that a result keeps; empty where none were estimated."""
     text = str(result.statistics.get(ESTIMATED_ERRORS, "[]"))
     try:
-        return {(str(quantity), str(of)): float(error) for quantity, of, error in json.loads(text)}
+        rows = json.loads(text)
+        return {
+            (str(name), str(of)): EstimatedError(float(error), float(most)) for name, of, error, most in rows
+        }
     except (ValueError, TypeError, RecursionError):
         raise ResultError(f"{result.name}: the estimated errors of the result are damaged") from None
 
@@ -40,21 +51,25 @@ def unknown_errors(result: Result) -> list[str]:
     ]
 
 
-def doubts(numbers: Sequence[tuple[Key, float, float | None]], tolerance: float | None) -> list[str]:
-    """A sentence for every headline number (key, value, error) that cannot be vouched for to ten tolerances.
+def doubts(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float | None
+) -> list[str]:
+    """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
 
-    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest.
+    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest;
+    by what the error may be at the most.
     """
     if tolerance is None:
         return []
     largest = {
-        load: max((abs(value) for key, value, _ in numbers if key[0] == load), default=0.0) for load in _LOADS
+        load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
     }
     return [
-        f"the {quantity} of {of} may be off by {error / size:.1g} of its size, more than ten times the tolerance of "
-        f"{tolerance:g}; a smaller tolerance makes it surer"
-        for (quantity, of), value, error in numbers
+        f"the {quantity} of {of} may be off by {errors[quantity, of].most / size:.1g} of its size, more than ten "
+        f"times the tolerance of {tolerance:g}; a smaller tolerance makes it surer"
+        for (quantity, of), value in numbers
         if quantity in _VOUCHED_FOR
-        and error is not None
-        and error > _MOST_TOLERANCES * tolerance * (size := largest.get(quantity, abs(value)))
+        and (quantity, of) in errors
+        and errors[quantity, of].most
+        > _MOST_TOLERANCES * tolerance * (size := largest.get(quantity, abs(value)))
     ]

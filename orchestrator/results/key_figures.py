@@ -178,7 +178,7 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
-    ledger = energy_ledger(result)
+    ledger, errors = energy_ledger(result), estimated_errors(result)
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
@@ -212,9 +212,9 @@ def headline(result: Result) -> Headline:
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
         warnings=ledger.warnings() if ledger else (),
-        estimated_errors=estimated_errors(result),
+        estimated_errors={key: error.likely for key, error in errors.items()},
     )
-    told = doubts([(n.key, n.value, n.error) for n in found.numbers()], tolerance_asked(result))
+    told = doubts([(number.key, number.value) for number in found.numbers()], errors, tolerance_asked(result))
     return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
 
 

@@ -3,7 +3,8 @@
 The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
 it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
 the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
-of friction or of a count of swings. The estimate is the middle of both, 2^n - 1 and 1, in the logarithm.
+of friction or of a count of swings. The estimate is the middle of both, 2^n - 1 and 1, in the logarithm; at the most
+the error is the whole difference.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from math import sqrt
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
-from ..results.estimated_errors import ESTIMATED_ERRORS, Key, errors_text
+from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
 from ..results.key_figures import Headline, headline
 from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -43,7 +44,7 @@ def with_estimates(
     """
     if outcome.master != "implicit":
         return outcome
-    errors: Mapping[Key, float] = {}
+    errors: Mapping[Key, EstimatedError] = {}
     plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
     with suppress(RunError):
         coarse = run(assembly, None, plan, until, watch=watch, load=load)
@@ -52,11 +53,12 @@ def with_estimates(
     return replace(outcome, result=result, headline=headline(result))
 
 
-def _errors(fine: Headline, coarse: Headline, share: float) -> dict[Key, float]:
-    """Shares of differences by key, in the units of the numbers; what only one of both runs has is left out."""
+def _errors(fine: Headline, coarse: Headline, share: float) -> dict[Key, EstimatedError]:
+    """Differences and shares of them by key; what only one of both runs has is left out."""
     others = {number.key: number.value for number in coarse.numbers()}
-    return {
-        number.key: share * abs(number.value - others[number.key])
+    found = {
+        number.key: abs(number.value - others[number.key])
         for number in fine.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
+    return {key: EstimatedError(share * difference, difference) for key, difference in found.items()}

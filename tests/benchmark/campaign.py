@@ -34,12 +34,12 @@ from orchestrator.run.companion import with_estimates
 from orchestrator.run.run import Outcome, RunError, run
 from tests.benchmark.campaign_errors import (
     GROUPS,
+    LARGEST,
     LOCK,
     Deviation,
     deviations,
     is_well_estimated,
     misses,
-    says_so,
     worst,
 )
 from tests.references.random_wings import BODIES, load_wing
@@ -195,15 +195,13 @@ def summary(trials: Sequence[Trial]) -> Iterator[str]:
     for factor in (10.0, 100.0):
         missed = [trial for trial in counted if misses(trial.deviations, trial.tolerance, factor)]
         honest = sum(
-            all(
-                says_so(d, trial.tolerance, factor) for d in misses(trial.deviations, trial.tolerance, factor)
-            )
-            for trial in missed
+            all(d.told for d in misses(trial.deviations, trial.tolerance, factor)) for trial in missed
         )
         yield (
             f"{len(missed)} wings miss {factor:g} tolerances in any but locks; {honest} of them say so themselves: "
             f"{', '.join(str(trial.seed) for trial in missed) or 'none'}"
         )
+    yield _doubt_sentence(counted)
     yield _estimate_sentence(counted)
     yield from _failures("runs", [(trial.seed, trial.failure) for trial in trials])
     yield from _failures("references", [(trial.seed, trial.reference_failure) for trial in trials])
@@ -226,6 +224,12 @@ def _estimate_sentence(trials: Sequence[Trial]) -> str:
     if not judged:
         return "no estimated errors to compare"
     return f"{sum(judged)} of {len(judged)} estimated errors ({sum(judged) / len(judged):.0%}) are within a factor of 5"
+
+
+def _doubt_sentence(trials: Sequence[Trial]) -> str:
+    told = [(d, trial) for trial in trials for d in trial.deviations if d.told and d.group != LARGEST]
+    wrong = sum(d.error > 10.0 * trial.tolerance for d, trial in told)
+    return f"{len(told)} numbers are not vouched for to 10 tolerances; {wrong} of them miss these"
 
 
 def _failures(what: str, found: Sequence[tuple[int, str]]) -> Iterator[str]:
@@ -251,7 +255,7 @@ def write_csv(trials: Sequence[Trial], path: Path) -> None:
         writer = csv.writer(file)
         writer.writerow(
             ("seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference",
-             "group", "of", "error", "estimate", "failure")
+             "group", "of", "error", "estimate", "told", "failure")
         )  # fmt: skip
         for trial in trials:
             head = (

@@ -22,12 +22,16 @@ _RESOLVED = 0.1
 
 
 class Deviation(NamedTuple):
-    """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any."""
+    """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any.
+
+    told: whether the run says in a sentence that it does not vouch for the number.
+    """
 
     group: str
     of: str
     error: float
     estimate: float | None
+    told: bool = False
 
 
 def estimated_errors(found: Headline) -> Mapping[Key, float]:
@@ -51,7 +55,13 @@ def deviations(found: Headline, reference: Headline) -> list[Deviation]:
         for quantity, of in sorted({*ours, *true})
         if not _is_round_off((quantity, of), true)
     ]
-    return [*single, *_largest(ours, true, estimates)]
+    return [d._replace(told=_is_told(d, found.warnings)) for d in (*single, *_largest(ours, true, estimates))]
+
+
+def _is_told(deviation: Deviation, warnings: Collection[str]) -> bool:
+    quantity = LATCH_TORQUE if deviation.group == LARGEST else deviation.group
+    beginnings = f"the {quantity} of {deviation.of} may be off", "no headline number can be vouched for"
+    return any(sentence.startswith(beginnings) for sentence in warnings)
 
 
 def _numbers(found: Headline) -> dict[Key, float]:
@@ -107,11 +117,6 @@ def worst(found: Collection[Deviation], group: str) -> Deviation | None:
 def misses(found: Collection[Deviation], tolerance: float, factor: float) -> list[Deviation]:
     """What is off by more than so many tolerances."""
     return [d for d in found if d.group in GROUPS and d.error > factor * tolerance]
-
-
-def says_so(deviation: Deviation, tolerance: float, factor: float = 10.0) -> bool:
-    """Whether the run's own estimate admits that a number is off by so many tolerances."""
-    return deviation.estimate is not None and deviation.estimate > factor * tolerance
 
 
 def is_well_estimated(deviation: Deviation, tolerance: float) -> bool | None:

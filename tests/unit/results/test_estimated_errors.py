@@ -8,7 +8,13 @@ import pytest
 
 from fmus import native_library
 from orchestrator.cosim.master import Settings
-from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, doubts, errors_text, estimated_errors
+from orchestrator.results.estimated_errors import (
+    ESTIMATED_ERRORS,
+    EstimatedError,
+    doubts,
+    errors_text,
+    estimated_errors,
+)
 from orchestrator.results.key_figures import headline, headline_rows
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
@@ -83,7 +89,10 @@ def test_damaged_estimates_are_told_of(estimated, tmp_path):
 
 
 def test_text_and_back():
-    errors = {("latch time", "L1"): 1e-6, ("interface force peak", "x"): 0.5}
+    errors = {
+        ("latch time", "L1"): EstimatedError(1e-6, 4e-6),
+        ("interface force peak", "x"): EstimatedError(0.5, 2.0),
+    }
     text = errors_text(errors)
 
     class Kept:
@@ -94,16 +103,18 @@ def test_text_and_back():
 
 
 def test_doubts_name_what_is_off_by_ten_tolerances():
-    """A load's component is judged beside the largest, everything else beside itself."""
+    """A load's component is judged beside the largest, everything else beside itself, by its largest error."""
     numbers = [
-        (("latch time", "L1"), 4.0, 0.5e-3),
-        (("latch torque peak", "L1"), 100.0, 2.0),
-        (("interface force peak", "x"), 1000.0, 0.1),
-        (("interface force peak", "y"), 0.01, 0.009),
-        (("motor energy", ""), 1.0, 0.5),
-        (("latch torque peak", "L2"), 5.0, None),
+        (("latch time", "L1"), 4.0),
+        (("latch torque peak", "L1"), 100.0),
+        (("interface force peak", "x"), 1000.0),
+        (("interface force peak", "y"), 0.01),
+        (("motor energy", ""), 1.0),
+        (("latch torque peak", "L2"), 5.0),
     ]
-    sentences = doubts(numbers, 1e-3)
+    most = (0.5e-3, 2.0, 0.1, 0.009, 0.5)
+    errors = {key: EstimatedError(0.25 * m, m) for (key, _), m in zip(numbers, most, strict=False)}
+    sentences = doubts(numbers, errors, 1e-3)
     assert len(sentences) == 1
     assert "latch torque peak of L1 may be off by 0.02 of its size" in sentences[0]
-    assert doubts(numbers, None) == []
+    assert doubts(numbers, errors, None) == []
