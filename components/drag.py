@@ -8,7 +8,6 @@ so the sums over strips are integrals of quadratics, exact also where the plate 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, sqrt
 from typing import Annotated, NamedTuple
 
 from .contract.component import ComponentError, Vector
@@ -21,6 +20,7 @@ from .contract.frames import (
     multiply,
     normalized,
     rotate,
+    rotation_vector,
     scaled,
     subtract,
 )
@@ -178,8 +178,4 @@ def _halfway(before: Quaternion, after: Quaternion) -> Quaternion:
 
 def _turned(before: Quaternion, after: Quaternion) -> Vector3:
     """Vector of the shortest rotation between two orientations, in the axes of either."""
-    w, x, y, z = multiply(conjugate(before), after)
-    if w < 0.0:
-        w, x, y, z = -w, -x, -y, -z
-    half = sqrt(x * x + y * y + z * z)
-    return scaled(2.0 if half < 1e-8 else 2.0 * atan2(half, w) / half, (x, y, z))
+    return rotation_vector(multiply(conjugate(before), after))

@@ -54,6 +54,13 @@ def exponential(v: Vector3) -> Quaternion:
     return (cos(0.5 * angle), k * v[0], k * v[1], k * v[2])
 
 
+def rotation_vector(q: Quaternion) -> Vector3:
+    """Rotation vector (rad), half a turn at most, of a unit quaternion: the inverse of `exponential`."""
+    w, x, y, z = q if q[0] >= 0.0 else (-q[0], -q[1], -q[2], -q[3])
+    half = sqrt(x * x + y * y + z * z)
+    return scaled(2.0 if half < 1e-8 else 2.0 * atan2(half, w) / half, (x, y, z))
+
+
 def rotate(q: Quaternion, v: Vector3) -> Vector3:
     """The vector v turned by q."""
     w, x, y, z = q

@@ -25,6 +25,9 @@ LATCH_DISTANCE = Quantity(
 LATCHED = Quantity("latched", "1", "1 from latch-up on")
 """Output, beside the latch distance."""
 
+TIME_TO_BREAK = Quantity("time_to_break", "s", "Time to the next instant where a motion law changes its form")
+"""Output of what follows a motion law: a master ends a step there."""
+
 END_WEIGHT = Quantity(
     "end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"
 )

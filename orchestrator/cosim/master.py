@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 
-from components.contract.roles import IMPULSE, LATCH_COMMAND
+from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
 
 from ..assembly import HingeLine
 from .cosimulation import CoSimulation
@@ -28,6 +28,7 @@ _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
+_BREAK_REACHED = 1e-9  # s, what sums of step sizes may leave
 _LONGEST_SWING = 0.02
 """Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
@@ -73,6 +74,12 @@ class Master(CoSimulation):
         self._parts = 1
         self._plan = [list(segment) for segment in settings.step_plan or ()]
         self._latched: list[StiffenedLine] = []
+        self._laws = [
+            (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)
+            for p in network.participants
+            if TIME_TO_BREAK.name in p.output_layout
+        ]
+        self._break = inf
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
@@ -104,13 +111,16 @@ class Master(CoSimulation):
                     continue
                 h, solution = found
                 self._observe(h)
+            is_break = self.time + h >= self._break - _BREAK_REACHED
             self._accept(h, solution)
             if line is not None:
                 self._latch(line)
+            elif is_break:
+                self._renew()
             self.settings.progress(self.time, h)
 
     def _next_step(self, until: float) -> float:
-        remaining = until - self.time
+        remaining = min(until, self._break) - self.time
         if self._plan:
             plan, position = self._planned()
             h = plan[position]
@@ -221,6 +231,12 @@ class Master(CoSimulation):
         self._sizes.restart(size, stirred=False)
         self.segments.append([])
 
+    def _renew(self) -> None:
+        """Go on with short steps where a motion law changes its form, and let nothing before tell of what follows."""
+        self.solver.restart()
+        self._sizes.restart(min(self._sizes.size, self.settings.event_step), stirred=False)
+        self.segments.append([])
+
     def _record_latched(self, after: float) -> None:
         """A row with the torque that the damping of a latch begins with, told as a little later (s)."""
         self.solver.restore()
@@ -306,8 +322,9 @@ class Master(CoSimulation):
         self._watch()
 
     def _watch(self) -> None:
-        """Note how far the hinge lines are from their latches."""
+        """Note how far the hinge lines are from their latches, and when a motion law changes its form next."""
         self._before = {line.name: self._distance(line) for line in self._pending}
+        self._break = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)

@@ -78,17 +78,6 @@ static inline Quaternion halfway(Quaternion a, Quaternion b) {
     return quaternion_normalized((Quaternion){a.w + sign * b.w, a.x + sign * b.x, a.y + sign * b.y, a.z + sign * b.z});
 }
 
-/* The y component of the vector of the shortest rotation between two orientations, in the axes of either. */
-static inline real turned_about_y(Quaternion before, Quaternion after) {
-    Quaternion q = quaternion_multiply(quaternion_conjugate(before), after);
-    if (value_of(q.w) < 0.0) q = (Quaternion){-q.w, -q.x, -q.y, -q.z};
-    real half = root_of_squares(q.x * q.x + q.y * q.y + q.z * q.z);
-    /* the factor's slope is of the order of half and vanishes with it */
-    real factor = 2.0;
-    if (!(value_of(half) < 1e-8)) factor = 2.0 * real_atan2(half, q.w) / half;
-    return factor * q.y;
-}
-
 /* One step: the wrench of the mean velocities in the orientation halfway, and the heat it makes. */
 int NAME(drag_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Drag *drag = self;
@@ -97,7 +86,7 @@ int NAME(drag_step)(void *self, const double *x, const real *u, double h, real *
     Quaternion before = {q[0], q[1], q[2], q[3]};
     Quaternion after = quaternion_of(u + 3), middle = halfway(before, after);
     Vector3 moved = vector_subtract(vector_of(u), (Vector3){place[0], place[1], place[2]});
-    PlateRates rates = {vector_dot(plate_normal(middle), moved) / h, turned_about_y(before, after) / h};
+    PlateRates rates = {vector_dot(plate_normal(middle), moved) / h, rotation_vector(quaternion_multiply(quaternion_conjugate(before), after)).y / h};
     PlateLoads loads = plate_loads(drag, rates);
     vector_store(vector_of(u), x_next + X_POSITION);
     quaternion_store(after, x_next + X_ORIENTATION);

@@ -76,6 +76,16 @@ static inline Quaternion quaternion_exponential(Vector3 v) {
     return (Quaternion){real_cos(0.5 * angle), k * v.x, k * v.y, k * v.z};
 }
 
+/* Rotation vector, half a turn at most, of a unit quaternion. */
+static inline Vector3 rotation_vector(Quaternion q) {
+    if (value_of(q.w) < 0.0) q = (Quaternion){-q.w, -q.x, -q.y, -q.z};
+    real half = root_of_squares(q.x * q.x + q.y * q.y + q.z * q.z);
+    /* the factor's slope is of the order of half and vanishes with it */
+    real factor = 2.0;
+    if (!(value_of(half) < 1e-8)) factor = 2.0 * real_atan2(half, q.w) / half;
+    return (Vector3){factor * q.x, factor * q.y, factor * q.z};
+}
+
 /* The vector v turned by q. */
 static inline Vector3 quaternion_rotate(Quaternion q, Vector3 v) {
     real tx = 2.0 * (q.y * v.z - q.z * v.y);

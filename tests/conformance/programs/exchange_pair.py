@@ -51,6 +51,8 @@ SUBJECTS = {
     "drag": lambda: endpoint("drag"),
     "drive": lambda: endpoint("drive"),
     "hold_down": lambda: endpoint("hold_down"),
+    "load": lambda: endpoint("load"),
+    "point_motion": lambda: endpoint("point_motion"),
     "rail": lambda: endpoint("rail"),
     "suspension": lambda: endpoint("suspension"),
 }

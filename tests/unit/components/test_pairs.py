@@ -9,6 +9,7 @@ from components.ccl import CableLoop
 from components.damper import EddyCurrentDamper
 from components.drive import Drive
 from components.hold_down import HoldDown
+from components.point_motion import PointMotion
 from components.suspension import Suspension
 from tests.references.relative_motion import (
     angular_momentum,
@@ -37,13 +38,18 @@ CASES = {
         {"profile": "step"},
         {"stiffness": 300.0, "damping": 2.0, "end_angle": 1.0, "duration": 4.0},
     ),
+    "point_motion": (
+        PointMotion,
+        {"axis": (1.0, 0.0, 0.0), "law": ({"profile": "step", "duration": 4.0, "change": 0.1},)},
+        {"stiffness": 300.0, "damping": 2.0, "offset": 0.9},
+    ),
     "damper": (EddyCurrentDamper, {}, {"damping_coefficient": 3.0, "peak_rate": 0.5}),
     "suspension": (Suspension, {}, {"stiffness": 400.0, "damping": 6.0}),
     "guided": (CableLoop, {"guided": True}, STRANDS),
     "free": (CableLoop, {}, STRANDS),
 }
 TURNING = ("drive", "damper", "guided", "free")
-"""Kinds whose wrenches follow turns about y; the other two follow places."""
+"""Kinds whose wrenches follow turns about y; the others follow places."""
 PLACES = np.array(((0.0, 0.0, 0.0), (0.9, 0.0, 0.0), (0.5, 0.0, 0.0)))
 SMALL = st.floats(-0.05, 0.05)
 THREE = st.tuples(SMALL, SMALL, SMALL)
@@ -173,7 +179,7 @@ def along(name, component, t, h=0.0):
 
 def instant_wrench(name, component, c, x, t):
     """End-point wrench of the last port but a guide."""
-    if name == "drive":
+    if "clock" in component.state_layout:
         x = x.copy()
         x[component.state_layout["clock"]] = t
     return component.outputs(c, x, along(name, component, t))[6:12]
