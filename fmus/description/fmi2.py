@@ -133,19 +133,7 @@ def _add_annotations(root: Element, component: Component, backend: Backend) -> N
 def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
     parent = SubElement(root, "ModelVariables")
     for variable in variables:
-        quantity = variable.quantity
-        attributes = {
-            "name": variable.name,
-            "valueReference": str(variable.value_reference),
-            "description": quantity.description,
-            "causality": variable.causality,
-            "variability": variable.variability,
-        }
-        real = {"unit": quantity.unit}
-        if quantity.minimum is not None:
-            real["min"] = repr(float(quantity.minimum))
-        if quantity.maximum is not None:
-            real["max"] = repr(float(quantity.maximum))
+        attributes, real = variable.attributes(), variable.unit_and_range()
         if variable.causality == "output":
             attributes["initial"] = "calculated"
         else:

@@ -75,18 +75,7 @@ def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequenc
     for variable in variables:
         quantity, first = variable.quantity, variable.value_reference
         end = first + quantity.size
-        attributes = {
-            "name": variable.name,
-            "valueReference": str(first),
-            "description": quantity.description,
-            "causality": variable.causality,
-            "variability": variable.variability,
-            "unit": quantity.unit,
-        }
-        if quantity.minimum is not None:
-            attributes["min"] = repr(float(quantity.minimum))
-        if quantity.maximum is not None:
-            attributes["max"] = repr(float(quantity.maximum))
+        attributes = {**variable.attributes(), **variable.unit_and_range()}
         if variable.causality == "output":
             attributes["initial"] = "calculated"
         else:

@@ -43,6 +43,22 @@ class Variable:
             return "tunable" if declared == "tunable" else "fixed"
         return "discrete" if declared == "discrete" else "continuous"
 
+    def attributes(self) -> dict[str, str]:
+        """What it is, by the names that all versions of FMI have for it."""
+        return {
+            "name": self.name,
+            "valueReference": str(self.value_reference),
+            "description": self.quantity.description,
+            "causality": self.causality,
+            "variability": self.variability,
+        }
+
+    def unit_and_range(self) -> dict[str, str]:
+        """The same of its unit and range."""
+        bounds = {"min": self.quantity.minimum, "max": self.quantity.maximum}
+        given = {name: repr(float(bound)) for name, bound in bounds.items() if bound is not None}
+        return {"unit": self.quantity.unit, **given}
+
 
 def quantities(component: Component) -> Iterator[Variable]:
     """All quantities of a component in order, each as one variable."""
