@@ -1,9 +1,10 @@
 /* What the FMI core knows of a component: its data, its memory, and its equations.
 
    A component is one equations file. Where its variables lie stands in kernels/layouts/NAME_layout.h, written from the
-   declarations in Python by `python -m fmus.native`; what connections share, in shared/connection.h. It reads named arrays of doubles (what the Python component gives as
-   `native_data`), and computes on flat arrays in the declared order of the Python component: parameters p,
-   inputs u, state x, outputs y, observations z. Only `create` allocates. Nothing is global. */
+   declarations in Python by `python -m fmus.native`; what connections share, in shared/connection.h. It reads named
+   arrays of doubles (what the Python component gives as `native_data`), and computes on flat arrays in the declared order
+   of the Python component: parameters p, inputs u, state x, outputs y, observations z. Only `create` allocates. Nothing
+   is global. */
 
 #ifndef FANFOLD_KERNEL_H
 #define FANFOLD_KERNEL_H

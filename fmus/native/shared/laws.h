@@ -1,4 +1,5 @@
-/* Scalar force laws that have a potential, and their exact mean over a step: the twin of components/laws.py.
+/* Scalar force laws that have a potential, and their exact mean over a step: the twin of
+   components/numerics/laws.py.
 
    A law gives the generalised force -V'(s) and the potential V(s) of one coordinate s. */
 

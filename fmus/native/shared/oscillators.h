@@ -38,21 +38,13 @@ typedef struct {
 
 /* A propagator whose arrays of `modes` numbers lie one after the other. */
 static Propagator propagator_at(double *next, size_t modes) {
-    return (Propagator){0.0,
-                        next,
-                        next + modes,
-                        next + 2 * modes,
-                        next + 3 * modes,
-                        next + 4 * modes,
-                        next + 5 * modes,
-                        next + 6 * modes,
-                        next + 7 * modes,
-                        next + 8 * modes,
-                        next + 9 * modes,
-                        next + 10 * modes,
-                        next + 11 * modes,
-                        next + 12 * modes,
-                        next + 13 * modes};
+    Propagator made = {.h = 0.0};
+    double **const arrays[FANFOLD_PROPAGATOR] = {
+        &made.a11, &made.a12, &made.a21, &made.a22, &made.b1, &made.w11, &made.w12,
+        &made.w22, &made.c1,  &made.c2,  &made.d,   &made.s1, &made.s2,  &made.s3,
+    };
+    for (size_t i = 0; i < FANFOLD_PROPAGATOR; i++) *arrays[i] = next + i * modes;
+    return made;
 }
 
 /* Memory for `modes` oscillators; all are undamped of frequency 1 until they are given values. */

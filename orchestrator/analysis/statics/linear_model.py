@@ -1,7 +1,7 @@
 """Linear model of an assembly about a configuration at rest: M q'' + C q' + K q = f, and its normal modes.
 
 Exact derivatives of bodies and of preloaded connections; friction is left out, latches that lock are their lock
-(`_connection`), inertia is that of undeformed bodies.
+(`connection_at_rest`), inertia is that of undeformed bodies.
 """
 
 from __future__ import annotations
