@@ -89,7 +89,8 @@ def equilibrium(
     mechanism = placed(scene, rigid, flexible, target)
     mechanism.command(HOLD.name, 1.0, hinges_of(scene, held))
     if adjusted:
-        mechanism.command(HOLD.name, 1.0, [n for n, c in mechanism.connections.items() if c.kind == "ccl"])
+        lines = hinges_of(scene, [line.name for line in scene.hinge_lines])
+        mechanism.command(HOLD.name, 1.0, mechanism.connections.keys() - lines)
     settle(mechanism, _advice(scene, target, held, swept))
     return mechanism, _found(scene, mechanism, held)
 
@@ -183,7 +184,7 @@ def _place(sweeps: Collection[Sweep], share: float) -> str:
 
 def _turn(scene: CheckedScene, mechanism: Mechanism, name: str, angle: float) -> None:
     """Turn everything outboard of a line about it, and hold its hinges there; a drive commands its new angle."""
-    drives = [connection for connection in mechanism.connections.values() if connection.kind == "drive"]
+    drives = [connection for connection in mechanism.connections.values() if connection.commands_angle]
     before = [drive.observe()["angle"] for drive in drives]
     line = next(line for line in scene.hinge_lines if line.name == name)
     motion = mechanism.connections[line.hinges[0].name].motions[0]

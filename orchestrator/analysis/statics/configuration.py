@@ -115,7 +115,7 @@ def placed(
         mechanism.command(RELEASE_COMMAND.name, 1.0, mechanism.connections)
     mechanism.command(LATCH_COMMAND.name, 1.0, hinges_of(scene, target.latched))
     for connection in mechanism.connections.values():
-        if connection.kind == "drive":
+        if connection.commands_angle:
             angle = connection.observe()["angle"]
             connection.set_parameter("start_angle", angle)
             connection.set_parameter("end_angle", angle)

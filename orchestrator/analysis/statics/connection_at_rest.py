@@ -34,11 +34,11 @@ def at_rest(part: Part) -> Part:
     if "wrench_mode" in signature(REGISTRY[part.kind]).parameters:
         structure["wrench_mode"] = "endpoint"
     layout = REGISTRY[part.kind](**structure).parameter_layout
-    if part.kind == "hinge":
-        if structure.get("latch") == "kinematic":
-            lock = float(layout.start_values()[layout["lock_stiffness"]][0])
-            structure["latch"] = "spring"
-            start |= {"latch_stiffness": start.get("lock_stiffness", lock), "latch_damping": 0.0}
+    if structure.get("latch") == "kinematic":
+        lock = float(layout.start_values()[layout["lock_stiffness"]][0])
+        structure["latch"] = "spring"
+        start |= {"latch_stiffness": start.get("lock_stiffness", lock), "latch_damping": 0.0}
+    if "latch_automatic" in layout:
         start["latch_automatic"] = 0.0
     start |= {q.name: 0.0 for q in layout.quantities if q.name.startswith("friction")}
     return replace(part, structure=structure, start=start)
@@ -52,7 +52,7 @@ class Connection:
 
     def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
         resting = at_rest(part)
-        self.name, self.kind = part.name, part.kind
+        self.name = part.name
         self.component = REGISTRY[resting.kind](**resting.structure)
         self.ports = tuple(port.name for port in self.component.ports)
         start = {k: v for k, v in resting.start.items() if k in self.component.parameter_layout}
@@ -106,6 +106,11 @@ class Connection:
             self._instance.constants  # noqa: B018 - checks them
         except ComponentError as error:
             raise SceneError([f"{self.name}: {error}"]) from None
+
+    @property
+    def commands_angle(self) -> bool:
+        """Whether it turns its ports to an angle that it commands."""
+        return "commanded_angle" in self.component.observation_layout
 
     def observe(self) -> dict[str, float]:
         """Scalars of the observations by name, in the present pose."""
