@@ -189,9 +189,9 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
         mean_rate, rate = (now.deflection - start) / h, now.deflection_rate
         arc = self._arc(s.turn, now.turn, u, is_paired)
         driven = c.motion.rate_moment(s.clock, clock) if is_paired else 0.0
-        # inertial terms tame held torques, which an end-point torque is not
-        memory = Memory(mean_rate, mean_rate) if self.endpoint else s.memory
-        motion = StepMotion(start, now.deflection, h, memory, arc.moment - driven)
+        motion = StepMotion(start, now.deflection, h, s.memory, arc.moment - driven)
+        if self.endpoint:
+            motion = motion.without_inertia()
         slide, last = MidStep.starting(rate), MidStep.starting(0.0)
         if is_paired:
             load, memory = workless_spring(c.p.stiffness, c.p.damping, motion), remembered_path(motion)

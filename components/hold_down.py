@@ -214,10 +214,9 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         return moved._replace(memories=memories)
 
     def _motion(self, memory: Memory, before: float, after: float, moment: float, h: float) -> StepMotion:
-        """Motion of a displacement; inertial terms tame held forces, which an end-point force is not."""
-        if self.endpoint:
-            memory = Memory((after - before) / h, (after - before) / h)
-        return StepMotion(before, after, h, memory, moment)
+        """Motion of a displacement."""
+        motion = StepMotion(before, after, h, memory, moment)
+        return motion.without_inertia() if self.endpoint else motion
 
     @staticmethod
     def _load(c: _Constants, i: int, motion: StepMotion, is_paired: bool) -> MeanLoad:

@@ -154,9 +154,11 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         """Mean loads of the stiff coordinates, and friction against the mean sliding velocity."""
         now, is_impulse = self._now(s, u), u.commands.impulse > 0.5
         motions = [
-            StepMotion(start, end, h, self._memory(memory, start, end, h))
+            StepMotion(start, end, h, memory)
             for start, end, memory in zip(s.stiff, now.stiff, s.memories, strict=True)
         ]
+        if self.endpoint:
+            motions = [motion.without_inertia() for motion in motions]
         loads = [
             bushing_load(k, d, motion, c.end_weight)
             for k, d, motion in zip(c.stiffness, c.damping, motions, strict=True)
@@ -182,10 +184,6 @@ class Rail(Connection[_Parameters, _State, Impulse]):
             numerical=s.numerical + sum(load.numerical for load in loads),
             wrench=wrench,
         )
-
-    def _memory(self, memory: Memory, start: float, end: float, h: float) -> Memory:
-        """Inertial terms tame held wrenches, which an end-point wrench is not."""
-        return Memory((end - start) / h, (end - start) / h) if self.endpoint else memory
 
     def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """On the trolley."""

@@ -47,6 +47,11 @@ class StepMotion(NamedTuple):
     memory: Memory
     moment: float = 0.0
 
+    def without_inertia(self) -> StepMotion:
+        """The same without inertial terms: they tame held forces, which those of an end point are not."""
+        mean = (self.end - self.start) / self.h
+        return self._replace(memory=Memory(mean, mean))
+
 
 class MeanLoad(NamedTuple):
     """Mean force of a coordinate over a step, its heat, and what the scheme took away (J).

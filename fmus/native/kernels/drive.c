@@ -73,8 +73,7 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     Arc arc = arc_to(&now.turn, x, u, paired);
     StepMotion motion = step_motion(x + X_MEMORY, x[X_ANGLE] - before, now.deflection, h);
     real mean_rate = (motion.end - motion.start) / h;
-    /* inertial terms tame held torques, which an end-point torque is not */
-    if (base->endpoint) motion.mean_rate = motion.end_rate = value_of(mean_rate);
+    if (base->endpoint) leave_inertia_out(&motion);
     double driven = paired ? profile_moment(drive, x[X_CLOCK], clock) : 0.0;
     motion.moment = arc.moment - driven;
     for (int i = 0; i < MID_STEP_SIZE; i++) x_next[X_LOAD + i] = 0.0;

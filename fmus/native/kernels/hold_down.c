@@ -93,8 +93,7 @@ static inline void hold_step(const HoldDown *hold_down, const double *x, const r
     real force[AXES], slope[AXES];
     for (int i = 0; i < AXES; i++) {
         StepMotion motion = step_motion(x + memory_place(i), before[i], now->displacement[i], h);
-        /* inertial terms tame held forces, which an end-point force is not */
-        if (hold_down->base.endpoint) motion.mean_rate = motion.end_rate = value_of(motion.end - motion.start) / h;
+        if (hold_down->base.endpoint) leave_inertia_out(&motion);
         motion.moment = moments[i];
         MeanLoad load = held_load(hold_down, motion, i, paired, now->rate[i], x_next);
         force[i] = load.force;

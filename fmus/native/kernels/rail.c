@@ -96,8 +96,7 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
     for (int i = 0; i < STIFF_COUNT; i++) {
         const int memory = X_MEMORIES + MEMORY_SIZE * i;
         StepMotion motion = step_motion(x + memory, i == 0 ? x[X_OFFSET] : x[X_TURN + i - 1], now.stiff[i], h);
-        /* inertial terms tame held wrenches, which an end-point wrench is not */
-        if (rail->base.endpoint) motion.mean_rate = motion.end_rate = value_of(motion.end - motion.start) / h;
+        if (rail->base.endpoint) leave_inertia_out(&motion);
         MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->base.p[P_END_WEIGHT]);
         load[i] = mean.force;
         heat += mean.heat;

@@ -38,6 +38,11 @@ static inline StepMotion step_motion(const double *memory, real start, real end,
     return (StepMotion){start, end, h, memory[MEAN_RATE], memory[END_RATE], memory[ROUGHNESS], 0.0};
 }
 
+/* Leaves inertial terms out: they tame held forces, which those of an end point are not. */
+static inline void leave_inertia_out(StepMotion *m) {
+    m->mean_rate = m->end_rate = value_of(m->end - m->start) / m->h;
+}
+
 /* After an impulse only the rate of its end is known. */
 static inline void store_rate(real rate, real *memory) {
     memory[MEAN_RATE] = memory[END_RATE] = rate;
