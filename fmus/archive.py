@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
@@ -12,6 +13,7 @@ from pathlib import Path, PurePosixPath
 LARGEST_BYTES = 256_000_000
 MOST_MEMBERS = 10_000
 """Of an archive that is unpacked; FMUs have a few dozen members of some MB."""
+_GENERATED = re.compile(rb'generationDateAndTime="[^"]*"')
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -55,3 +57,11 @@ def digest_of(files: Mapping[str, bytes]) -> str:
         digest.update(f"{name}\0{len(data)}\0".encode())
         digest.update(data)
     return digest.hexdigest()
+
+
+def content_digest(path: Path) -> str:
+    """SHA-256 of the files in an FMU, whenever it was generated."""
+    with zipfile.ZipFile(path) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    description = "modelDescription.xml"
+    return digest_of({**files, description: _GENERATED.sub(b"", files[description])})

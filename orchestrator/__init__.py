@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from .api.simulate import check_scene as check_scene
     from .api.simulate import export as export
     from .api.simulate import load as load
+    from .api.simulate import resume as resume
     from .api.simulate import scenes as scenes
     from .api.simulate import simulate as simulate
     from .api.warnings import FanfoldWarning as FanfoldWarning
@@ -68,6 +69,7 @@ _HOMES = {
     "check_scene": "orchestrator.api.simulate",
     "export": "orchestrator.api.simulate",
     "load": "orchestrator.api.simulate",
+    "resume": "orchestrator.api.simulate",
     "scenes": "orchestrator.api.simulate",
     "simulate": "orchestrator.api.simulate",
     "Scene": "orchestrator.scene.builder",

@@ -14,6 +14,7 @@ from ..run import run
 from ..run.progress import Progress
 from ..run.run import MasterKind
 from ..run.simulation import Options, python_sentence
+from ..run.simulation import resume as resume_simulation
 from ..run.simulation import simulate as run_simulation
 from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
@@ -70,6 +71,7 @@ def simulate(
     master: MasterKind = "implicit",
     backend: Backend | None = None,
     save: str | Path | None = None,
+    checkpoint: Quantity | None = None,
     estimate: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
@@ -78,8 +80,9 @@ def simulate(
     rigid, flexible: bodies by name, "all" for every one; others are what the scene says. until: end time, s.
     tolerance: relative accuracy, by default that of the scene. step: a constant communication step size, s. order:
     2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
-    need a step. backend: "native" or "python" FMUs. estimate: tell the errors of headline numbers, for half the
-    cost of the run. progress: a bar, by default in notebooks.
+    need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
+    gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. estimate: tell the
+    errors of headline numbers, for half the cost of the run. progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
@@ -94,6 +97,7 @@ def simulate(
         order=order,
         master=master,
         backend=backend,
+        checkpoint=in_si(checkpoint, "s", "checkpoint"),
     )
     found = run_simulation(
         loaded.check_one_run(),
@@ -103,6 +107,16 @@ def simulate(
         progress=chosen(progress),
         warn=warn,
     )
+    return Result.of(found.outcome.result, found)
+
+
+def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Result:
+    """Go on with an interrupted run from its last checkpoint to its end, in every bit as it would have gone on.
+
+    result: its file, beside which the checkpoint is. RunError where there is none, where it is damaged, or where FMUs
+    or versions are others than those that the run began with.
+    """
+    found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)
 
 

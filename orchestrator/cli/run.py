@@ -44,6 +44,11 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     default="implicit",
     show_default=True,
 )
+@click.option(
+    "--checkpoint", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    help="Keep a checkpoint after so much simulated time, from which `fanfold resume` goes on; last digits differ from "
+    "those of a run without.",
+)  # fmt: skip
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
 @click.option(
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
@@ -58,6 +63,7 @@ def command(
     step: float | None,
     order: str,
     master: MasterKind,
+    checkpoint: float | None,
     with_verify: bool,
     with_estimate: bool,
     as_json: bool,
@@ -87,18 +93,19 @@ def command(
             master=master,
             backend=backend,
             save=phase_file(output, phase) if output else result_file(scene.name, scene.chosen),
+            checkpoint=checkpoint,
             estimate=with_estimate,
             progress=progress,
         )
         verified = result.verify(progress) if with_verify else None
-        contents[phase] = _content(result, verified)
+        contents[phase] = content(result, verified)
         if not as_json:
-            _report(result, verified)
+            report(result, verified)
     if as_json:
         click.echo(json.dumps({"phases": contents} if len(runs) > 1 else contents[next(iter(runs))]))
 
 
-def _content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
+def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
     """What a run found, for JSON."""
     content = {**result.headline.as_dict(), **result.costs, "output": str(result.path)}
     if verified is not None:
@@ -106,7 +113,7 @@ def _content(result: Result, verified: list[Verified] | None) -> dict[str, objec
     return content
 
 
-def _report(result: Result, verified: list[Verified] | None) -> None:
+def report(result: Result, verified: list[Verified] | None) -> None:
     """What a run found, for people."""
     from .tables import headline_table, terminal
 

@@ -7,6 +7,7 @@ the last digit, but work that the rotation of a body makes of held wrenches does
 from __future__ import annotations
 
 from .energy_balance import Energies
+from .implicit.snapshot import Numbers, plain
 
 _SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
@@ -57,6 +58,14 @@ class EnergyGuard:
         self._last = found
         self._kinetic = max(self._kinetic, found.kinetic)
         self._powers.clear()
+
+    def numbers(self) -> Numbers:
+        """All that it knows."""
+        return {name: plain(value) for name, value in vars(self).items()}
+
+    def take(self, numbers: Numbers) -> None:
+        """What another guard knew."""
+        vars(self).update(numbers, _last=Energies(**numbers["_last"]))
 
     def _jump(self, found: Energies) -> float:
         return abs(found.balance - self._last.balance)

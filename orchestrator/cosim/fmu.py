@@ -5,7 +5,18 @@ from __future__ import annotations
 import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
-from ctypes import POINTER, addressof, byref, c_double, c_uint32, c_void_p, cast, pointer
+from ctypes import (
+    POINTER,
+    addressof,
+    byref,
+    c_double,
+    c_size_t,
+    c_uint32,
+    c_void_p,
+    cast,
+    create_string_buffer,
+    pointer,
+)
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
@@ -75,6 +86,7 @@ class FmuParticipant:
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
+        self._serializes = bool(description.coSimulation.canSerializeFMUstate)
         annotation = ElementTree.parse(self._folder / "modelDescription.xml").find(_ANNOTATION)
         self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and _says(
             annotation, "DirectionalDerivative", "afterStep"
@@ -246,6 +258,30 @@ class FmuParticipant:
         """fmi2SetFMUstate from the slot."""
         if self._set_state(self._component, self._saved) > fmi2Warning:
             self.check(3, "restore its state")
+
+    def serialized(self) -> bytes:
+        """fmi2SerializeFMUstate of the slot."""
+        if not self._serializes:
+            raise ParticipantError(
+                f"{self.name}: this FMU cannot give its state as bytes (canSerializeFMUstate)"
+            )
+        size = c_size_t()
+        dll, component = self._fmu.dll, self._component
+        self.check(
+            dll.fmi2SerializedFMUstateSize(component, self._saved, byref(size)), "tell its state's size"
+        )
+        content = create_string_buffer(size.value)
+        self.check(dll.fmi2SerializeFMUstate(component, self._saved, content, size), "serialise its state")
+        return content.raw
+
+    def deserialize(self, content: bytes) -> None:
+        """fmi2DeSerializeFMUstate into the slot, and fmi2SetFMUstate from it."""
+        self._free_saved()
+        made = self._fmu.dll.fmi2DeSerializeFMUstate(
+            self._component, content, c_size_t(len(content)), byref(self._saved)
+        )
+        self.check(made, "read its state")
+        self.restore()
 
     def observe(self) -> Vector:
         """fmi2GetReal on all other outputs, into an array of its own."""

@@ -15,6 +15,7 @@ import numpy as np
 from .implicit.differences import stepped
 from .implicit.interface_jacobian import first_port_axes, jacobian_block
 from .implicit.local_error import WatchedTorque
+from .implicit.snapshot import Numbers
 from .implicit.solver import Solver
 from .participant import Matrix, Participant, Vector
 from .ports import PortPlaces, Width
@@ -55,6 +56,20 @@ class StiffenedLine(NamedTuple):
     def fastest(self) -> float:
         """How fast it starts (1/s): by its frequency or its decay; 0 where nothing turns."""
         return max(self.frequency, self.decay)
+
+
+def stiffened_line_of(numbers: Numbers) -> StiffenedLine:
+    """The line that was made plain numbers."""
+    hinges = (Stiffening(**hinge) for hinge in numbers["hinges"])
+    return StiffenedLine(
+        **{
+            **numbers,
+            "hinges": tuple(
+                h._replace(axis=np.array(h.axis), wrench=np.array(h.wrench), rotation=np.array(h.rotation))
+                for h in hinges
+            ),
+        }
+    )
 
 
 class Slope(NamedTuple):

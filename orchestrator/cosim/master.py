@@ -6,14 +6,26 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf, sqrt
 
+import numpy as np
+
 from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
 
 from ..assembly import HingeLine
-from .cosimulation import CoSimulation
+from .cosimulation import CoSimulation, Statistics
+from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .implicit.convergence import Solution, Tolerance
+from .implicit.local_error import WatchedTorque
+from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
-from .latch_up import StiffenedLine, slopes, stiffened_line, stiffenings, watched_torques
+from .latch_up import (
+    StiffenedLine,
+    slopes,
+    stiffened_line,
+    stiffened_line_of,
+    stiffenings,
+    watched_torques,
+)
 from .network import Network
 from .participant import ParticipantError
 from .ports import Order
@@ -42,6 +54,7 @@ class Settings:
     communication step size instead of control, divided only where it does not converge. step_plan: step
     sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
     through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
+    snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
     """
 
     tolerance: float = 1e-4
@@ -53,6 +66,7 @@ class Settings:
     step_plan: Sequence[Sequence[float]] | None = None
     driving_energy: float = 0.0
     order: Order | None = None
+    snapshot_every: float | None = None
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 
@@ -80,6 +94,9 @@ class Master(CoSimulation):
             if TIME_TO_BREAK.name in p.output_layout
         ]
         self._break = inf
+        self._watched: list[WatchedTorque] = []
+        self._sweeps_before = 0
+        self.keep: Callable[[Snapshot], None] = lambda snapshot: None
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
@@ -96,7 +113,8 @@ class Master(CoSimulation):
             self._step_to_end(until)
         finally:
             self._rows.release()
-        self.statistics.sweeps, self.statistics.fmu_time = self.solver.costs()
+        sweeps, self.statistics.fmu_time = self.solver.costs()
+        self.statistics.sweeps = self._sweeps_before + sweeps
 
     def _step_to_end(self, until: float) -> None:
         while self.time < until - 1e-12:
@@ -117,7 +135,80 @@ class Master(CoSimulation):
                 self._latch(line)
             elif is_break:
                 self._renew()
+            self._keep_snapshot(h)
             self.settings.progress(self.time, h)
+
+    def _keep_snapshot(self, h: float) -> None:
+        """Give one away where a step h (s) led past a time for it, and go on as a run that starts from it."""
+        every = self.settings.snapshot_every
+        if every is not None and self.time // every > (self.time - h) // every:
+            self.solver.forget_all()
+            self.keep(self.snapshot())
+
+    def snapshot(self) -> Snapshot:
+        """Where this run stands."""
+        participants = self.network.participants
+        held_time, held_observations, held_scene = self._rows.held()
+        times, values = self.solver.past()
+        arrays = {
+            "accepted": self.solver.accepted.copy(),
+            "times": times,
+            "values": values,
+            "observations": held_observations.copy(),
+            "scene": held_scene.copy(),
+            "steps": np.concatenate([np.array(segment, dtype=float) for segment in self.segments]),
+        }
+        for participant in participants:
+            arrays[f"inputs {participant.name}"] = participant.inputs.copy()
+            arrays[f"outputs {participant.name}"] = participant.outputs.copy()
+        numbers = {
+            "time": self.time,
+            "held": held_time,
+            "segments": [len(segment) for segment in self.segments],
+            "statistics": plain(self.statistics) | {"sweeps": self._sweeps_before + self.solver.costs()[0]},
+            "pending": [line.name for line in self._pending],
+            "energies": plain(self._energies),
+            "energy_start": plain(self._energy_start),
+            "error_energy": self._error.energy,
+            "sizes": plain(self._sizes),
+            "guard": self._guard.numbers(),
+            "parts": self._parts,
+            "before": self._before,
+            "break": self._break,
+            "latched": plain(self._latched),
+            "watched": plain(self._watched),
+        }
+        return Snapshot(numbers, arrays, {p.name: p.serialized() for p in participants})
+
+    def resume(self, snapshot: Snapshot) -> None:
+        """Stand where another run stood, in place of `initialize`."""
+        numbers, arrays = snapshot.numbers, snapshot.arrays
+        for participant in self.network.participants:
+            if "order" in participant.parameter_layout:
+                participant.set_parameter("order", self.network.order)
+            participant.inputs[:] = arrays[f"inputs {participant.name}"]
+            participant.initialize(0.0)
+            participant.deserialize(snapshot.states[participant.name])
+            participant.outputs[:] = arrays[f"outputs {participant.name}"]
+        self.solver.accepted[:] = arrays["accepted"]
+        self.solver.remember(arrays["times"], arrays["values"])
+        self._rows.take(numbers["held"], arrays["observations"], arrays["scene"])
+        self.time = numbers["time"]
+        ends = np.cumsum(numbers["segments"])[:-1]
+        self.segments = [segment.tolist() for segment in np.split(arrays["steps"], ends)]
+        self.statistics = Statistics(**numbers["statistics"])
+        self._sweeps_before = self.statistics.sweeps
+        self._pending = [line for line in self._pending if line.name in numbers["pending"]]
+        self._energies = Energies(**numbers["energies"])
+        self._energy_start = Energies(**numbers["energy_start"])
+        self._error.see(numbers["error_energy"])
+        self._sizes = StepSizes(**numbers["sizes"])
+        self._guard.take(numbers["guard"])
+        self._parts = numbers["parts"]
+        self._latched = [stiffened_line_of(one) for one in numbers["latched"]]
+        self._watched = [WatchedTorque(**{**one, "axis": tuple(one["axis"])}) for one in numbers["watched"]]
+        self.solver.watch(self._watched)
+        self._before, self._break = numbers["before"], numbers["break"]
 
     def _next_step(self, until: float) -> float:
         remaining = min(until, self._break) - self.time
@@ -288,15 +379,14 @@ class Master(CoSimulation):
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""
         whole = self._error.energy
-        self.solver.watch(
-            [
-                torque
-                for line in self._latched
-                for torque in watched_torques(
-                    self.solver, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
-                )
-            ]
-        )
+        self._watched = [
+            torque
+            for line in self._latched
+            for torque in watched_torques(
+                self.solver, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
+            )
+        ]
+        self.solver.watch(self._watched)
 
     def _impulse(self) -> None:
         """A vanishing step in which every joint takes away the rates that it does not allow."""

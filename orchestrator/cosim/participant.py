@@ -78,6 +78,12 @@ class Participant(Protocol):
     def restore(self) -> None:
         """Return to the remembered state."""
 
+    def serialized(self) -> bytes:
+        """The remembered state; ParticipantError where it cannot be had as bytes."""
+
+    def deserialize(self, content: bytes) -> None:
+        """Remember and return to such a state, with the same inputs as when it was remembered."""
+
     def observe(self) -> Vector:
         """The observations of the present state and inputs, an array of the participant's own."""
 
@@ -155,6 +161,15 @@ class InProcess:
     def restore(self) -> None:
         """Return to the saved state."""
         self._instance.state = self._saved
+
+    def serialized(self) -> bytes:
+        """The numbers of the state."""
+        return self._saved.tobytes()
+
+    def deserialize(self, content: bytes) -> None:
+        """From the numbers of the state."""
+        self._saved = np.frombuffer(content).copy()
+        self.restore()
 
     def observe(self) -> Vector:
         """Observations."""

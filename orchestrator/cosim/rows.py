@@ -67,6 +67,15 @@ class Rows:
             self._append(self._time, *self._held)
             self._time = None
 
+    def held(self) -> tuple[float | None, Vector, Vector]:
+        """What is held back: time, None for nothing, observations and channels."""
+        return self._time, *self._held
+
+    def take(self, time: float | None, observations: Vector, scene: Vector) -> None:
+        """Hold such back."""
+        self._time = time
+        self._held[0][:], self._held[1][:] = observations, scene
+
     def _append(self, time: float, observations: Vector, scene: Vector) -> None:
         self._recorder.append(time, [*(observations[part] for part in self._slices), scene])
 

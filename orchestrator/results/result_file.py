@@ -43,6 +43,8 @@ _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
 _EVENT_BYTES = 255
 _EVENT_TEXT = h5py.string_dtype("utf-8", _EVENT_BYTES)
+Place = tuple[int, int]
+"""A moment of a run in its result: rows and events before it."""
 
 
 def refuse_to_replace(path: Path) -> None:
@@ -73,19 +75,7 @@ class ResultWriter:
         geometry: Mapping[str, Geometry],
         hinge_lines: Sequence[HingeLine],
     ) -> None:
-        self.path = Path(path)
-        if self.path.is_symlink():  # its target is what is meant
-            self.path = self.path.resolve()
-        width = sum(sum(group.sizes) for group in groups)
-        self._buffer = np.zeros((_ROWS, width + 1))
-        self._rows = [row[:-1] for row in self._buffer]
-        self._times = self._buffer[:, -1]
-        self._start = 0
-        self._filled = 0
-        self._events: list[Event] = []
-        self._lock, self._closing = Lock(), Signal()
-        self._clock = Thread(target=self._flush_by_time, daemon=True)
-        self._failure: ResultError | None = None
+        self._prepare(path, groups)
         unfinished = self.path.with_name(f"{self.path.name}.new")
         try:
             refuse_to_replace(self.path)
@@ -101,6 +91,69 @@ class ResultWriter:
             unfinished.unlink(missing_ok=True)
             raise
         self._identity = _identity(self.path)
+
+    @classmethod
+    def resumed(cls, path: str | Path, groups: Sequence[SignalGroup], place: Place) -> Self:
+        """The result of an interrupted run, to go on after a place in it; ResultError where it is not there."""
+        writer = cls.__new__(cls)
+        writer._prepare(path, groups)
+        refuse_to_replace(writer.path)
+        try:
+            writer._file = h5py.File(writer.path, "r+", libver=("v108", "v108"))
+            writer._find_columns(groups)
+            writer._go_back_to(place)
+        except HDF5_ERRORS as error:
+            raise ResultError(f"{path}: the result cannot be gone on with ({reason(error)})") from None
+        writer._identity = _identity(writer.path)
+        return writer
+
+    def _prepare(self, path: str | Path, groups: Sequence[SignalGroup]) -> None:
+        self.path = Path(path)
+        if self.path.is_symlink():  # its target is what is meant
+            self.path = self.path.resolve()
+        width = sum(sum(group.sizes) for group in groups)
+        self._buffer = np.zeros((_ROWS, width + 1))
+        self._rows = [row[:-1] for row in self._buffer]
+        self._times = self._buffer[:, -1]
+        self._start = 0
+        self._filled = 0
+        self._events: list[Event] = []
+        self._events_written = 0
+        self._lock, self._closing = Lock(), Signal()
+        self._clock = Thread(target=self._flush_by_time, daemon=True)
+        self._failure: ResultError | None = None
+
+    def _find_columns(self, groups: Sequence[SignalGroup]) -> None:
+        """The columns of a file that is there already."""
+        self._columns, position = [], 0
+        for group in groups:
+            folder = self._file["signals"][group.component]
+            for name, size, _ in group.meanings():
+                where = slice(position, position + size)
+                self._columns.append(Column(folder[name].id, where, folder[name].shape[1:]))
+                position += size
+        self._time = Column(self._file["time"].id, slice(position, position + 1), ())
+
+    def _go_back_to(self, place: Place) -> None:
+        """Drop what was written after a place; the chunk that it lies in is written anew as a whole."""
+        rows, events = place
+        self._start, self._filled = rows // _ROWS * _ROWS, rows % _ROWS
+        for column in (*self._columns, self._time):
+            dataset = h5py.Dataset(column.dataset)
+            if len(dataset) < rows or dataset.chunks[0] != _ROWS:
+                raise ValueError(f"it has {len(dataset)} rows of {rows}")
+            dataset.resize(rows, 0)
+            found = dataset[self._start :]
+            self._buffer[: self._filled, column.where] = found.reshape(self._filled, -1)
+        for dataset in self._file["events"].values():
+            dataset.resize(events, 0)
+        self._events_written = events
+
+    def place(self) -> Place:
+        """How far the result goes, all of it written."""
+        with self._lock:
+            self._flush()
+            return self._start + self._filled, self._events_written
 
     def _lay_out(
         self,
@@ -197,6 +250,7 @@ class ResultWriter:
             self._file.flush()
         except HDF5_ERRORS as error:
             raise ResultError(f"{self.path}: the result cannot be written ({reason(error)})") from None
+        self._events_written += len(self._events)
         self._events = []
         if self._filled == _ROWS:
             self._start, self._filled = self._start + _ROWS, 0

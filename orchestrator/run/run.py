@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -13,16 +12,18 @@ from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import Literal
+from typing import Any, Literal
 
-from components import REGISTRY, ComponentError, FanfoldError
+from components import REGISTRY, ComponentError
 from components.cache.temporary import process_folder
 from fmus import Backend, FmiVersion, build_fmu
+from fmus.archive import content_digest
 
 from ..assembly import Assembly
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
+from ..cosim.implicit.snapshot import Snapshot
 from ..cosim.master import Master, Settings
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
@@ -33,22 +34,13 @@ from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
 from ..results.result import Result
 from ..results.result_file import ResultWriter
+from .checkpoint import Checkpoint, checkpoint_file
+from .errors import RunError as RunError
 
 MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
 Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
 """Makes the participants of an assembly and frees them afterwards."""
 _PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
-
-
-class RunError(FanfoldError):
-    """A run that could not start or did not reach its end: a sentence.
-
-    result: what it did up to there, where it recorded into memory; a file keeps it.
-    """
-
-    def __init__(self, sentence: str, result: Result | None = None) -> None:
-        super().__init__(sentence)
-        self.result = result
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,10 +141,13 @@ def run(
     watch: Callable[[float, float], None] = lambda time, h: None,
     warn: Callable[[str], None] = lambda sentence: None,
     load: Loader = as_fmus,
+    asked: Mapping[str, Any] | None = None,
+    start: Checkpoint | None = None,
 ) -> Outcome:
     """Run an assembly, its result into a file or, without one, into memory; RunError where it does not finish.
 
-    With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one.
+    With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one. asked:
+    what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
     """
     end = assembly.until if until is None else until
     settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
@@ -172,7 +167,7 @@ def run(
             raise RunError(f"{assembly.name}: {error}") from None
         except NetworkError as error:
             raise RunError("\n".join(f"{assembly.name}: {problem}" for problem in error.problems)) from None
-        return _follow(assembly, network, output, settings, end, master)
+        return _follow(assembly, network, output, settings, end, master, asked or {}, start)
 
 
 def _follow(
@@ -182,15 +177,26 @@ def _follow(
     settings: Settings,
     end: float,
     kind: MasterKind,
+    asked: Mapping[str, Any],
+    resumed: Checkpoint | None,
 ) -> Outcome:
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = [SignalGroup.of(p.name, recorded_layout(p.observation_layout), p.noun) for p in participants]
     groups.append(_scene_group())
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
-    start = perf_counter()
+    same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
+    start = perf_counter() - (resumed.wall_time if resumed else 0.0)
     around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
-    recorder = MemoryRecorder(*around) if output is None else ResultWriter(output, *around)
+    recorder: MemoryRecorder | ResultWriter
+    if output is None:
+        recorder = MemoryRecorder(*around)
+    elif resumed is None:
+        recorder = ResultWriter(output, *around)
+        checkpoint_file(output).unlink(missing_ok=True)  # of an earlier run
+    else:
+        resumed.refuse_other(assembly.name, same)
+        recorder = ResultWriter.resumed(output, groups, resumed.place)
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
         runner = (
@@ -198,8 +204,19 @@ def _follow(
             if kind == "implicit"
             else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
         )
+
+        def keep(snapshot: Snapshot) -> None:
+            if isinstance(writer, ResultWriter):
+                spent = perf_counter() - start
+                Checkpoint(snapshot, writer.place(), asked, same, spent).write(writer.path)
+
         try:
-            runner.initialize(preload=assembly.preload)
+            if isinstance(runner, Master):
+                runner.keep = keep
+            if isinstance(runner, Master) and resumed is not None:
+                runner.resume(resumed.snapshot)
+            else:
+                runner.initialize(preload=assembly.preload)
             runner.run(end)
         except (ParticipantError, StepError) as error:
             raise _broken_off(f"{assembly.name}: {error}", writer) from None
@@ -210,6 +227,8 @@ def _follow(
         fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
         costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
         writer.statistics(costs.as_dict(end))
+    if output is not None:
+        checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
     return Outcome(result, kind, network.order, headline(result), costs, segments)
@@ -218,7 +237,10 @@ def _follow(
 def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunError:
     """What to raise where a run ends early, and where its result up to there is."""
     if isinstance(recorder, ResultWriter):
-        return RunError(f"{sentence}; results up to there are in {recorder.path}")
+        going_on = (
+            ", from whose checkpoint it can be resumed" if checkpoint_file(recorder.path).exists() else ""
+        )
+        return RunError(f"{sentence}; results up to there are in {recorder.path}{going_on}")
     return RunError(
         f"{sentence}; the error's attribute `result` is what it did up to there", recorder.result()
     )
@@ -248,7 +270,7 @@ def _scene_group() -> SignalGroup:
 
 
 def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict[str, str]:
-    """The scene with its layers merged, flexible bodies, versions and the digest of every FMU file."""
+    """The scene with its layers merged, flexible bodies, versions and the digest of every FMU's content."""
     found = {
         "scene": assembly.name,
         "scene_tree": json.dumps(assembly.scene_tree),
@@ -258,8 +280,7 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
     found.update({name: version(name) for name in _PACKAGES})
     for participant in participants:
         if isinstance(participant, FmuParticipant):
-            digest = hashlib.sha256(participant.path.read_bytes()).hexdigest()
-            found[f"fmu.{participant.name}"] = digest
+            found[f"fmu.{participant.name}"] = content_digest(participant.path)
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -16,7 +16,8 @@ from ..assembly.plausibility import doubts
 from ..cosim.master import Settings
 from ..cosim.ports import Order
 from ..results.result_file import refuse_to_replace
-from ..scene import CheckedScene
+from ..scene import CheckedScene, read_scene
+from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .progress import Progress, followed, silent
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
@@ -32,7 +33,8 @@ class Options:
     """How to run a scene; None is what the scene says, or what is best.
 
     rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
-    constant communication step size, s. order: of the coupling. RunError for what cannot be.
+    constant communication step size, s. order: of the coupling. checkpoint: simulated time between checkpoints, s.
+    RunError for what cannot be.
     """
 
     rigid: Collection[str] = ()
@@ -43,6 +45,7 @@ class Options:
     order: Order | None = None
     master: MasterKind = "implicit"
     backend: Backend | None = None
+    checkpoint: float | None = None
 
     def __post_init__(self) -> None:
         low, high = _TOLERANCES
@@ -64,6 +67,14 @@ class Options:
             raise RunError(f"there is no back end {self.backend!r}; back ends are native and python")
         if self.backend == "native" and native_library() is None:
             raise RunError("no native library was built; install Fanfold again where there is a C compiler")
+        if self.checkpoint is not None:
+            self._refuse_checkpoint(self.checkpoint)
+
+    def _refuse_checkpoint(self, every: float) -> None:
+        if not 0.0 < every < float("inf"):
+            raise RunError(f"the time between checkpoints is {every:g} s; it must be positive and finite")
+        if self.master != "implicit":
+            raise RunError("only runs of the implicit master have checkpoints; leave one of both out")
 
     def assemble(self, scene: CheckedScene) -> Assembly:
         """A scene at these fidelities, for this master."""
@@ -76,7 +87,14 @@ class Options:
             largest_step=assembly.largest_step,
             fixed_step=self.step,
             order=self.order,
+            snapshot_every=self.checkpoint,
         )
+
+    def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
+        """What a checkpoint tells of a run, as JSON holds it."""
+        bodies = {"rigid": sorted(self.rigid), "flexible": sorted(self.flexible)}
+        options = {one.name: getattr(self, one.name) for one in fields(self)} | bodies
+        return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,11 +121,15 @@ def simulate(
     estimate: bool = True,
     progress: Progress = silent,
     warn: Warn = lambda sentence: None,
+    start: Checkpoint | None = None,
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
     estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
+    start: the checkpoint to go on from.
     """
+    if options.checkpoint is not None and output is None:
+        raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
     if output is not None:
         refuse_to_replace(output)
     for sentence in (python_sentence(options.backend), place_sentence()):
@@ -119,13 +141,29 @@ def simulate(
     settings, end = options.settings(assembly), options.until or assembly.until
     with kept_fmus(options.backend) as load:
         with followed(progress, assembly.name, end) as watch:
-            outcome = run(assembly, output, settings, end, options.master, watch, warn, load)
+            asked = options.asked(scene, estimate)
+            outcome = run(assembly, output, settings, end, options.master, watch, warn, load, asked, start)
+        settings = replace(settings, snapshot_every=None)
         if estimate:
             with followed(progress, f"{assembly.name}: errors", end) as watch:
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
     for sentence in outcome.headline.open_ends():
         warn(sentence)
     return Simulation(assembly, settings, end, partial(as_fmus, backend=options.backend), outcome)
+
+
+def resume(result: Path, progress: Progress = silent, warn: Warn = lambda sentence: None) -> Simulation:
+    """Go on with an interrupted run from its checkpoint to its end; RunError where it cannot."""
+    start = Checkpoint.read(result)
+    asked = start.asked
+    try:
+        scene = read_scene(asked["file"], asked["tree"])
+        options, estimate = Options(**asked["options"]), bool(asked["estimate"])
+    except (KeyError, TypeError) as error:
+        raise RunError(
+            f"{checkpoint_file(result)}: the checkpoint is damaged and cannot be read ({error})"
+        ) from None
+    return simulate(scene, options, result, estimate=estimate, progress=progress, warn=warn, start=start)
 
 
 def python_sentence(backend: Backend | None) -> str:

@@ -53,6 +53,16 @@ class History:
         self._values[:-1] = self._values[1:]
         self._values[-1] = self._with_rates(value, h)
 
+    def points(self) -> tuple[Table, Table]:
+        """Times and values of the points there are, slopes as rates, oldest first."""
+        count = len(self._times)
+        return np.array(self._times), self._values[_POINTS - count :].reshape(count, -1).copy()
+
+    def take(self, times: Table, values: Table) -> None:
+        """Such points in place of those there are."""
+        self._times[:] = times.tolist()
+        self._values[_POINTS - len(times) :] = values.reshape(len(times), *self._values.shape[1:])
+
     def _with_rates(self, value: Vector, h: float) -> Table:
         table = value.reshape(self._values.shape[1:]).copy()
         table[:, 6:] *= 2.0 / h

@@ -18,6 +18,7 @@ from ..ports import carried
 from . import convergence
 from .convergence import Solution, Tolerance
 from .elimination import eliminate
+from .history import Table
 from .interface_jacobian import Matrices
 from .local_error import WatchedTorque
 from .solver import Solver
@@ -95,7 +96,8 @@ class NativeSolver(Solver):
         lengths |= {"steps": most * size, "squares": most, "product": largest}
         for name, array in (shared | {name: np.zeros(length) for name, length in lengths.items()}).items():
             setattr(data, name, self._keep(array))
-        data.history.values = self._keep(np.zeros(POINTS * size))
+        self._past = np.zeros((POINTS, size))
+        data.history.values = self._keep(self._past)
 
     def _connect_calls(self) -> None:
         """Tell of every participant's ports, what it exchanges, and where its observations and its matrix go."""
@@ -162,6 +164,19 @@ class NativeSolver(Solver):
     def restart(self) -> None:
         """Clear the history."""
         self._library.coupling_restart(self._pointer)
+
+    def past(self) -> tuple[Table, Table]:
+        """Out of the library's memory."""
+        history = self._data.history
+        first = POINTS - history.count
+        return np.array(history.times[first:]), self._past[first:].copy()
+
+    def remember(self, times: Table, values: Table) -> None:
+        """Into the library's memory."""
+        history = self._data.history
+        history.count = len(times)
+        history.times[POINTS - len(times) :] = times.tolist()
+        self._past[POINTS - len(times) :] = values
 
     def predicted(self, time: float, h: float) -> Vector:
         """From the history, where there is one; an array of the solver's own, written anew by every call."""

@@ -11,7 +11,7 @@ from ..network import Network
 from ..participant import Matrix, Vector
 from . import convergence
 from .convergence import Extent, Solution, Tolerance, broyden, round_off
-from .history import History
+from .history import History, Table
 from .interface_jacobian import Matrices
 from .local_error import Accuracy, WatchedTorque, error_square
 from .solver import Solver
@@ -68,6 +68,19 @@ class PythonSolver(Solver):
     def restart(self) -> None:
         """Clear the history."""
         self._history.clear()
+
+    def past(self) -> tuple[Table, Table]:
+        """As the history has them."""
+        return self._history.points()
+
+    def remember(self, times: Table, values: Table) -> None:
+        """Into the history."""
+        self._history.take(times, values)
+
+    def forget_all(self) -> None:
+        """Patience with slow iterations as well."""
+        super().forget_all()
+        self._endured = 0
 
     def predicted(self, time: float, h: float) -> Vector:
         """From the history, where there is one."""

@@ -16,6 +16,7 @@ from ..energy_balance import Energies, energy_rows
 from ..network import Network
 from ..participant import Matrix, ParticipantError, Vector
 from .convergence import ROUND_OFF, Solution, Tolerance, is_credible
+from .history import Table
 from .interface_jacobian import InterfaceJacobian, Key, Matrices
 from .local_error import WatchedTorque
 
@@ -67,6 +68,14 @@ class Solver(ABC):
         """Forget the wrenches of steps before: something jumped."""
 
     @abstractmethod
+    def past(self) -> tuple[Table, Table]:
+        """Times (points,) and values (points, size) of the steps before, oldest first."""
+
+    @abstractmethod
+    def remember(self, times: Table, values: Table) -> None:
+        """Take such for the steps before."""
+
+    @abstractmethod
     def predicted(self, time: float, h: float) -> Vector:
         """Wrenches to solve a step from: extrapolated over the last ones, or those accepted last."""
 
@@ -107,6 +116,11 @@ class Solver(ABC):
     def forget(self) -> None:
         """Laws changed (an event): evaluate connections anew at the next solve."""
         self.jacobian.forget()
+        self._in_use = None
+
+    def forget_all(self) -> None:
+        """Keep nothing but what a step starts from."""
+        self.jacobian.forget(bodies=True)
         self._in_use = None
 
     def linearize(self, time: float, h: float) -> None:

@@ -296,6 +296,13 @@ def test_interrupted_run_is_readable(tmp_path, name):
     assert [found for found in temporary.rglob("*") if found.is_file()] == []
 
 
+def test_resume_without_a_checkpoint():
+    """Bad input: nothing to go on from is told with what would have kept it."""
+    assert "runs keep one with --checkpoint" in refused("resume", "a.h5")
+    assert fanfold("run", SCENE, "--until", 0.05, "--checkpoint", 0.02, "--output", "a.h5").exit_code == 0
+    assert "there is no checkpoint a.h5.checkpoint" in refused("resume", "a.h5")
+
+
 def test_plot_draws_pictures():
     """End to end: the pictures of a short run exist where the command says."""
     assert fanfold("run", SCENE, "--until", 0.05, "--output", "a.h5").exit_code == 0

@@ -1,0 +1,107 @@
+"""Checkpoints: a file beside a result from which its run goes on in every bit as if it had not been interrupted.
+
+It holds a snapshot of the run, how far the result goes, and what the run was asked for. It is replaced as a whole, so a
+kill leaves the one before, and it goes when the run comes to its end.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from components.cache.disk import replace_file
+
+from ..cosim.implicit.snapshot import Snapshot
+from ..results.result_file import Place
+from .errors import RunError
+
+_FORMAT = 1
+_DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
+"""What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """A moment of a run.
+
+    place: rows and events of the result. asked: options of the run. of: digests and versions that must be the same.
+    wall_time: s, spent so far.
+    """
+
+    snapshot: Snapshot
+    place: Place
+    asked: Mapping[str, Any]
+    of: Mapping[str, str]
+    wall_time: float
+
+    def write(self, result: Path) -> None:
+        """Into the file beside a result; RunError where it cannot be written."""
+        snapshot = self.snapshot
+        numbers = {
+            "format": _FORMAT,
+            "snapshot": snapshot.numbers,
+            "place": self.place,
+            "asked": self.asked,
+            "of": self.of,
+            "wall_time": self.wall_time,
+        }
+        content = io.BytesIO()
+        arrays = {f"array {name}": values for name, values in snapshot.arrays.items()}
+        states = {f"state {name}": np.frombuffer(s, np.uint8) for name, s in snapshot.states.items()}
+        text = np.frombuffer(json.dumps(numbers).encode(), np.uint8)
+        np.savez(content, allow_pickle=False, numbers=text, **arrays, **states)
+        path = checkpoint_file(result)
+        try:
+            replace_file(path, content.getvalue())
+        except OSError as error:
+            raise RunError(f"{path}: the checkpoint cannot be written ({error.strerror})") from None
+
+    @classmethod
+    def read(cls, result: Path) -> Checkpoint:
+        """The checkpoint of a result; RunError where there is none, or a damaged one."""
+        path = checkpoint_file(result)
+        if not path.is_file():
+            raise RunError(
+                f"{result}: there is no checkpoint {path.name} to go on from; runs keep one with --checkpoint, until "
+                "they are complete"
+            )
+        try:
+            with np.load(path, allow_pickle=False) as found:
+                content = {name: found[name] for name in found.files}
+            numbers = json.loads(content.pop("numbers").tobytes())
+            arrays, states = (
+                {name[6:]: values for name, values in content.items() if name.startswith(f"{kind} ")}
+                for kind in ("array", "state")
+            )
+            if numbers["format"] != _FORMAT:
+                raise RunError(f"{path}: the checkpoint was written by another version of Fanfold")
+            return cls(
+                Snapshot(numbers["snapshot"], arrays, {name: s.tobytes() for name, s in states.items()}),
+                (numbers["place"][0], numbers["place"][1]),
+                numbers["asked"],
+                numbers["of"],
+                numbers["wall_time"],
+            )
+        except _DAMAGES as error:
+            raise RunError(f"{path}: the checkpoint is damaged and cannot be read ({error})") from None
+
+    def refuse_other(self, name: str, of: Mapping[str, str]) -> None:
+        """RunError where a run of other FMUs or versions than this one's is to go on."""
+        unlike = sorted(key for key in {*of, *self.of} if of.get(key) != self.of.get(key))
+        if unlike:
+            raise RunError(
+                f"{name}: the run cannot go on as it began, {', '.join(unlike)} "
+                f"{'is' if len(unlike) == 1 else 'are'} not the same; run it anew"
+            )
+
+
+def checkpoint_file(result: Path) -> Path:
+    """The file beside a result."""
+    return result.with_name(f"{result.name}.checkpoint")

@@ -1,0 +1,139 @@
+"""Runs that go on from a checkpoint: in every bit as without the interruption, or a sentence why they cannot."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.results.result import Result
+from orchestrator.run.checkpoint import Checkpoint, checkpoint_file
+from orchestrator.run.run import RunError
+
+TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+
+
+@pytest.fixture
+def interruptions(monkeypatch, tmp_path):
+    """Pairs of a result and its checkpoint, as they were whenever a checkpoint had been written."""
+    found = []
+    write = Checkpoint.write
+
+    def and_copy(self, result):
+        write(self, result)
+        copy = tmp_path / f"cut{len(found)}.h5"
+        shutil.copy(result, copy)
+        shutil.copy(checkpoint_file(result), checkpoint_file(copy))
+        found.append(copy)
+
+    monkeypatch.setattr(Checkpoint, "write", and_copy)
+    return found
+
+
+def assert_same_bits(one, other):
+    """Times, signals, events and estimated errors of two results."""
+    a, b = Result.open(one), Result.open(other)
+    assert a.complete
+    assert b.complete
+    assert a.time.tobytes() == b.time.tobytes()
+    assert a.events == b.events
+    for component in a.components:
+        for variable in a.variables(component):
+            np.testing.assert_array_equal(a.signal(component, variable), b.signal(component, variable))
+    for name in ("estimated_errors", "steps", "iterations", "rejected_steps"):
+        assert a.statistics.get(name) == b.statistics.get(name)
+
+
+@pytest.mark.parametrize("variant", [(), "spring_latch"], ids=["kinematic", "spring"])
+def test_resumed_run_is_the_one_that_was_not_interrupted(tmp_path, interruptions, variant):
+    """Identity of every bit, from checkpoints between and after latch-ups, locks and springs."""
+    whole, scene = tmp_path / "whole.h5", fanfold.load("amos3", variant)
+    fanfold.simulate(scene, rigid="all", checkpoint=1.1, save=whole, estimate=not variant)
+    assert len(Result.open(whole).events) == 3
+    assert len(interruptions) == 12
+    assert not checkpoint_file(whole).exists()
+    for cut in (interruptions[6], interruptions[10]):
+        fanfold.resume(cut)
+        assert_same_bits(whole, cut)
+        assert not checkpoint_file(cut).exists()
+
+
+def test_rows_after_the_checkpoint_are_made_again(tmp_path, interruptions):
+    """A kill some time after a checkpoint: what was written since goes, and comes again."""
+    whole = tmp_path / "whole.h5"
+    fanfold.simulate(TWO_PANELS, until=1.0, checkpoint=0.25, save=whole, estimate=False)
+    first, later = interruptions[0], interruptions[2]
+    assert Result.open(later).time.size > Result.open(first).time.size
+    shutil.copy(later, first)
+    fanfold.resume(first)
+    assert_same_bits(whole, first)
+
+
+def test_python_fmus_resume(tmp_path, interruptions):
+    """Identity of every bit where PythonFMUs keep their states themselves."""
+    whole = tmp_path / "whole.h5"
+    fanfold.simulate(
+        TWO_PANELS, until=0.05, checkpoint=0.02, save=whole, estimate=False, backend="python", rigid="all"
+    )
+    fanfold.resume(interruptions[-1])
+    assert_same_bits(whole, interruptions[-1])
+
+
+def refused(path):
+    with pytest.raises(RunError) as caught:
+        fanfold.resume(path)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.fixture
+def cut(interruptions, tmp_path):
+    """An interrupted run, with its checkpoint."""
+    fanfold.simulate(TWO_PANELS, until=0.1, checkpoint=0.05, save=tmp_path / "whole.h5", estimate=False)
+    return interruptions[0]
+
+
+def test_without_a_checkpoint(tmp_path):
+    assert "there is no checkpoint run.h5.checkpoint to go on from" in refused(tmp_path / "run.h5")
+
+
+@pytest.mark.parametrize("part", [0.0, 0.3, 0.6, 0.9, 0.999])
+def test_damaged_checkpoint(cut, part):
+    """Bad input: any byte may be wrong, or the file cut short; it is told, and no wrong state is gone on from."""
+    path = checkpoint_file(cut)
+    sound = path.read_bytes()
+    place = int(part * len(sound))
+    path.write_bytes(sound[:place] + bytes([sound[place] ^ 0x40]) + sound[place + 1 :])
+    flipped = refused(cut)
+    path.write_bytes(sound[:place])
+    assert f"{path}: the checkpoint is damaged" in flipped
+    assert f"{path}: the checkpoint is damaged" in refused(cut)
+
+
+def test_other_fmus_or_versions(cut, monkeypatch):
+    """Bad input: another FMU or library would go on to another result."""
+    monkeypatch.setattr("orchestrator.run.run.version", lambda name: "0" if name == "numpy" else "1")
+    sentence = refused(cut)
+    assert "the run cannot go on as it began" in sentence
+    assert "numpy" in sentence
+
+
+def test_result_that_ends_before_the_checkpoint(cut):
+    """Bad input: a result and a checkpoint that do not belong together."""
+    fanfold.simulate(TWO_PANELS, until=0.001, save=cut.with_name("short.h5"), estimate=False)
+    checkpoint_file(cut).rename(checkpoint_file(cut.with_name("short.h5")))
+    with pytest.raises(fanfold.FanfoldError, match="cannot be gone on with"):
+        fanfold.resume(cut.with_name("short.h5"))
+
+
+def test_runs_that_have_no_checkpoints(tmp_path):
+    """Bad input: in memory, or with an explicit master."""
+    with pytest.raises(RunError, match="keeps its result in memory has no checkpoints"):
+        fanfold.simulate(TWO_PANELS, until=0.1, checkpoint=0.05)
+    with pytest.raises(RunError, match="only runs of the implicit master have checkpoints"):
+        fanfold.simulate(
+            TWO_PANELS, until=0.1, checkpoint=0.05, save=tmp_path / "a.h5", master="jacobi", step=1e-5
+        )
+    with pytest.raises(RunError, match="must be positive and finite"):
+        fanfold.simulate(TWO_PANELS, until=0.1, checkpoint=-1.0, save=tmp_path / "a.h5")
