@@ -13,12 +13,11 @@ from components.flexible.modal import ModalData
 
 from ..scene.bodies import StartPose, attachments, base_model, body_model, scene_points, start_poses
 from ..scene.body_tables import Body
-from ..scene.component_connections import WrenchMode
+from ..scene.component_connections import WrenchMode, component_values
 from ..scene.locked_groups import Piece, held_bodies, joined_geometry, joined_model, pieces
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
-from .connections import connection_part
 from .end_stops import stop_attachments, stop_parts
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
 from .start_values import with_port_starts
@@ -107,7 +106,7 @@ def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode
         parts += [*hinge_parts(scene, line, latch, is_flexible, mode), *stop_parts(line, mode)]
     parts += [loop_part(loop, mode) for loop in scene.loops]
     parts += [damper_part(scene, damper, mode) for damper in scene.dampers]
-    return parts + [connection_part(connection, mode) for connection in scene.connections]
+    return parts + [Part(one.name, one.kind, *component_values(one, mode)) for one in scene.connections]
 
 
 def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:

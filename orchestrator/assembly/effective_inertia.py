@@ -6,7 +6,7 @@ line between two free bodies it is J1 J2 / (J1 + J2).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -23,12 +23,11 @@ from ..scene.table import SceneError
 def effective_inertia(scene: CheckedScene, line: HingeLine) -> float:
     """Effective inertia (kg.m2) of a line of the scene in the deployed configuration; SceneError where it has none."""
     poses = _deployed(scene)
-    carrying = {one.outboard: one for one in scene.hinge_lines}
-    free = [one for one in _inward(carrying, line.outboard) if not one.held or one.name == line.name]
+    free = [one for one in scene.lines_inward(line.outboard) if not one.held or one.name == line.name]
     turns = {one.name: _turn(one, poses, scene_points(scene)) for one in free}
     mass = np.zeros((len(free) + 6, len(free) + 6))
     for name, data in _masses(scene).items():
-        moved = {one.name for one in _inward(carrying, name)}
+        moved = {one.name for one in scene.lines_inward(name)}
         columns = [turns[one.name] * (one.name in moved) for one in free]
         mass += _kinetic(data, poses[name], np.array(columns))
     if scene.base.free is None:
@@ -54,13 +53,6 @@ def _masses(scene: CheckedScene) -> dict[str, ModalData]:
     found = {body.name: body_model(body, flexible=False) for body in scene.bodies if body.place is None}
     base = base_model(scene.base)
     return found if base is None else {scene.base.name: base, **found}
-
-
-def _inward(carrying: Mapping[str, HingeLine], body: str) -> Iterator[HingeLine]:
-    """Lines from a body inward to the base."""
-    while (line := carrying.get(body)) is not None:
-        yield line
-        body = line.inboard
 
 
 def _turn(

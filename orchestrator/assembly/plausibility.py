@@ -74,13 +74,8 @@ def _outboard(scene: CheckedScene, body: str) -> list[str]:
 
 def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
     """Turn (rad) of a body about an axis from the start until all lines are deployed."""
-    carrying = {line.outboard: line for line in scene.hinge_lines}
-    turn = 0.0
-    while (line := carrying.get(body)) is not None:
-        travel = 0.0 if line.held else line.deployed_angle - line.initial_angle
-        turn += dot(line.axis, axis) * travel
-        body = line.inboard
-    return turn
+    lines = [line for line in scene.lines_inward(body) if not line.held]
+    return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from components import REGISTRY
+from components import REGISTRY, Instance
 
 from . import Link, Part
 
@@ -27,12 +27,6 @@ def with_port_starts(parts: Sequence[Part], links: Sequence[Link]) -> tuple[Part
 
 def _outputs(part: Part) -> Mapping[str, tuple[float, ...]]:
     """Outputs of a body at its start, by name."""
-    body = REGISTRY[part.kind](**part.structure)
-    parameters, inputs = body.parameter_layout.start_values(), body.input_layout.start_values()
-    for name, value in part.start.items():
-        parameters[body.parameter_layout[name]] = value
-    constants = body.prepare(parameters)
-    outputs = body.outputs(constants, body.initial(constants, inputs), inputs)
-    return {
-        q.name: tuple(outputs[body.output_layout[q.name]].tolist()) for q in body.output_layout.quantities
-    }
+    body = Instance(REGISTRY[part.kind](**part.structure), part.start)
+    layout, outputs = body.component.output_layout, body.outputs()
+    return {q.name: tuple(outputs[layout[q.name]].tolist()) for q in layout.quantities}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -45,3 +45,10 @@ class CheckedScene:
     loops: tuple[Ccl, ...]
     dampers: tuple[Damper, ...]
     connections: tuple[Connection, ...]
+
+    def lines_inward(self, body: str) -> Iterator[HingeLine]:
+        """The hinge lines that carry a body, from it inward to the base."""
+        carrying = {line.outboard: line for line in self.hinge_lines}
+        while (line := carrying.get(body)) is not None:
+            yield line
+            body = line.inboard

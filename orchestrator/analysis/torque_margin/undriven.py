@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
 from components import REGISTRY, SUPPLIED_ENERGY
 
@@ -100,15 +100,5 @@ def _movers(scene: CheckedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
 
 def _acts(scene: CheckedScene, line: HingeLine, bodies: Iterable[str]) -> bool:
     """Whether the line is on the way from one of the bodies to another."""
-    carrier = {k.outboard: k for k in scene.hinge_lines}
-    carried = [line.name in _inward(carrier, body) for body in bodies]
+    carried = [line in scene.lines_inward(body) for body in bodies]
     return any(carried) and not all(carried)
-
-
-def _inward(carrier: Mapping[str, HingeLine], body: str) -> set[str]:
-    """Lines from a body inward to the base."""
-    found = set()
-    while (line := carrier.get(body)) is not None:
-        found.add(line.name)
-        body = line.inboard
-    return found
