@@ -10,7 +10,6 @@ from typing import Any, Final, NamedTuple
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from components.contract.component import Vector
@@ -20,8 +19,8 @@ from ..results.differences import distinctions
 from ..results.key_figures import latch_times, line_latch_torque
 from ..results.result import Result
 from ..results.round_off import noise_floor
-from .plots import Drawing, loads_by_kind, loads_title
-from .style import COLOURS, STYLE, WIDTH, as_written
+from .plots import Drawing, loads_by_kind, loads_title, write_all
+from .style import COLOURS, STYLE, WIDTH, as_written, empty_figure
 
 Both = tuple[Result, Result]
 
@@ -49,12 +48,8 @@ Overlay = tuple[str, Callable[[Both], list[Panel]], int]
 
 def plot_comparison(a: Result, b: Result, directory: Path, format: str = "png") -> list[Path]:
     """Write every overlay that the signals allow; the paths written."""
-    directory.mkdir(parents=True, exist_ok=True)
-    written = []
-    for name, _, figure in draw_comparison(a, b):
-        written.append(directory / f"compare_{name}.{format}")
-        figure.savefig(written[-1])
-    return written
+    drawn = (one._replace(name=f"compare_{one.name}") for one in draw_comparison(a, b))
+    return write_all(drawn, directory, format)
 
 
 def draw_comparison(a: Result, b: Result) -> Iterator[Drawing]:
@@ -92,8 +87,7 @@ def _curve_name(name: str, different: str, result: Result) -> str:
 
 def _overlay(title: str, panels: Sequence[Panel], columns: int, names: tuple[str, str]) -> Figure:
     rows = -(-len(panels) // columns)
-    figure = Figure(figsize=(WIDTH, 0.9 + 2.0 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(WIDTH, 0.9 + 2.0 * rows, "constrained")
     figure.suptitle(title)
     grid = figure.subplots(rows, columns, squeeze=False)
     for axes, panel in zip(grid.flat, panels, strict=False):

@@ -8,8 +8,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
@@ -20,7 +18,7 @@ from ..analysis.modes import Modes
 from ..analysis.statics.linear_model import LinearModel, NormalModes
 from ..analysis.statics.mechanism import Mechanism
 from .space import bounds, set_view
-from .style import COLOURS, DASHES, STYLE, WIDTH
+from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
 
 _LARGEST_DEFLECTION = 0.12
 """of the size of the whole, in a picture of a mode"""
@@ -54,8 +52,7 @@ def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Seq
         scale = _LARGEST_DEFLECTION * size / (largest or 1.0)
         shown = [a + scale * (b - a) for a, b in zip(rest, moved, strict=True)]
         with mpl.rc_context(STYLE):
-            figure = Figure(figsize=(6.0, 5.0))
-            FigureCanvasAgg(figure)
+            figure = empty_figure(6.0, 5.0)
             figure.suptitle(f"mode {k + 1}, {modes.frequencies[k]:.4g} Hz, axes in m")
             figure.subplots_adjust(left=0.05, right=0.9, bottom=0.05, top=0.9)
             axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
@@ -91,8 +88,7 @@ def draw_responses(
     """Magnitude and phase of complex curves over frequency (Hz), by (name, unit, values)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 6.0), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = empty_figure(WIDTH, 6.0, "constrained")
         magnitude, phase = figure.subplots(2, 1, sharex=True, height_ratios=[1.6, 1.0])
         for i, (name, unit, values) in enumerate(curves):
             style = {

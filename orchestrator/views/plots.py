@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -79,10 +79,14 @@ def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]
 
 def plot_all(result: Result, directory: str | Path, format: str = "png") -> list[Path]:
     """Write every figure that the signals of the result allow; the paths written."""
-    directory = Path(directory)
+    return write_all(draw_all(result), Path(directory), format)
+
+
+def write_all(drawings: Iterable[Drawing], directory: Path, format: str = "png") -> list[Path]:
+    """Write figures into a folder that is made if missing, under their names; the paths written."""
     directory.mkdir(parents=True, exist_ok=True)
     written = []
-    for name, _, figure in draw_all(result):
+    for name, _, figure in drawings:
         written.append(directory / f"{name}.{format}")
         figure.savefig(written[-1])
     return written

@@ -9,14 +9,13 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..analysis.scene_check import SceneCheck, Sketch
 from .space import bounds, draw_bodies, set_view
-from .style import COLOURS, STYLE, WIDTH
+from .style import COLOURS, STYLE, WIDTH, empty_figure
 
 _TRIAD = 0.06
 """Length of the axes of a frame, of the largest extent of a picture."""
@@ -41,8 +40,7 @@ def draw_scene(found: SceneCheck) -> Figure:
     names = list(dict.fromkeys(name for sketch in sketches.values() for name in sketch.faces))
     colours = dict(zip(names, cycle(COLOURS), strict=False))
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 8.4))
-        FigureCanvasAgg(figure)
+        figure = empty_figure(WIDTH, 8.4)
         figure.suptitle(f"{found.scene}, axes in m", y=0.985)
         figure.subplots_adjust(left=0.02, right=0.95, bottom=0.14, top=0.93, hspace=0.08)
         for k, (title, sketch) in enumerate(sketches.items()):

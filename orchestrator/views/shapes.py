@@ -6,8 +6,8 @@ from itertools import cycle
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from components.contract.component import Vector
@@ -15,8 +15,8 @@ from components.contract.component import Vector
 from ..assembly import Geometry
 from ..results.key_figures import is_latch_up
 from ..results.result import Result
-from .space import body_legend, bounds, draw_bodies, scale, set_view, with_margin
-from .style import COLOURS, WIDTH
+from .space import bounds, draw_bodies, scale, set_view, with_margin
+from .style import COLOURS, WIDTH, empty_figure
 
 _INSTANTS = 6
 
@@ -49,7 +49,8 @@ class Structure:
 
     def legend(self, figure: Figure) -> None:
         """Names of the bodies below all axes."""
-        body_legend(figure, self._colours)
+        handles = [Patch(facecolor=colour, label=name) for name, colour in self._colours.items()]
+        figure.legend(handles=handles, loc="lower center", ncols=6, frameon=False)
 
 
 def shapes(result: Result) -> Figure | None:
@@ -58,8 +59,7 @@ def shapes(result: Result) -> Figure | None:
     structure = Structure(result, rows)
     if not structure.names:
         return None
-    figure = Figure(figsize=(WIDTH, 7.6))
-    FigureCanvasAgg(figure)
+    figure = empty_figure(WIDTH, 7.6)
     figure.suptitle("Deployment, axes in m", y=0.985)
     figure.subplots_adjust(left=0.0, right=0.97, bottom=0.05, top=0.95, wspace=0.0, hspace=0.0)
     columns = _columns(structure.extent)

@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection  # type: ignore[import-untyped]
 
@@ -90,9 +88,3 @@ def scale(size: Vector, extent: Vector) -> float:
     """Inches per metre at which a box (3,) just fits into axes of a size (2,) in inches, with their labels."""
     shown = np.array([np.abs(direction) @ extent for direction in _screen()])
     return float(np.min(np.maximum(size - _MARGINS, 0.3 * size) / shown))
-
-
-def body_legend(figure: Figure, colours: Mapping[str, str]) -> None:
-    """Names of bodies below all axes."""
-    handles = [Patch(facecolor=colour, label=name) for name, colour in colours.items()]
-    figure.legend(handles=handles, loc="lower center", ncols=6, frameon=False)

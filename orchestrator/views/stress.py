@@ -8,9 +8,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import PowerNorm
-from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 
@@ -20,7 +18,7 @@ from components.flexible.stress import Indices, PeakStress, StressRecovery
 
 from ..analysis.stress.hot_spots import PanelStress
 from ..results.key_figures import latch_times
-from .style import COLOURS, DASHES, STYLE, WIDTH
+from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
 
 _LEVELS = 16
 _MEGA = 1e-6
@@ -49,8 +47,7 @@ def draw_field(
         x, y = recovery.positions[:, 0], recovery.positions[:, 1]
         length, width = np.ptp(plate.positions[:, :2], axis=0)
         height = min(max(1.0 + 5.2 * width / length, 2.5), 9.0)
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = empty_figure(WIDTH, height, "constrained")
         axes = figure.subplots()
         shown = _field(axes, x, y, _MEGA * peak.value, _triangles(plate, recovery.nodes))
         label = "peak von Mises stress, MPa"
@@ -100,8 +97,7 @@ def draw_histories(
 ) -> None:
     """Von Mises stress (N, k) in Pa of at most `MOST_HISTORIES` nodes; marks: instants by name."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = empty_figure(WIDTH, 3.6, "constrained")
         axes = figure.subplots()
         for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
             axes.plot(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -37,10 +37,16 @@ _LETTER = 0.0095
 """Width of a letter of an event's label, of that of the axes."""
 
 
+def empty_figure(width: float, height: float, layout: Literal["constrained"] | None = None) -> Figure:
+    """A figure of this size in inches, to be drawn without a display."""
+    figure = Figure(figsize=(width, height), layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def new_figure(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
     """A figure with one column of axes of the given relative heights."""
-    figure = Figure(figsize=(WIDTH, 0.9 + 2.2 * sum(heights)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(WIDTH, 0.9 + 2.2 * sum(heights), "constrained")
     figure.suptitle(title)
     grid = figure.subplots(len(heights), 1, squeeze=False, height_ratios=list(heights))
     return figure, list(grid[:, 0])

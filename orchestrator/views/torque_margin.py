@@ -9,13 +9,11 @@ from typing import Any, Final
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ..analysis.torque_margin.margins import TorqueMargin
 from ..analysis.torque_margin.rules import LIMIT, LineTorques, Margins
-from .style import COLOURS, STYLE, WIDTH
+from .style import COLOURS, STYLE, WIDTH, empty_figure
 
 _MARKERS: Final = ("s", "^", "D", "v", "x")
 _DASHES: Final = {"sum": "-", "ECSS": "--"}
@@ -38,8 +36,7 @@ def plot_margins(found: TorqueMargin, folder: Path) -> list[Path]:
 def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Sequence[Margins]]]) -> None:
     """Margins with limit and worst angles above, driving and factored resisting torque below."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(WIDTH, 5.6), layout="constrained")
-        FigureCanvasAgg(figure)
+        figure = empty_figure(WIDTH, 5.6, "constrained")
         figure.suptitle(title)
         upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[1.4, 1.0])
         for k, (case, torques, found) in enumerate(cases):

@@ -7,13 +7,12 @@ from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...results.result import Result
 from ..shapes import Structure
-from ..style import STYLE
+from ..style import STYLE, empty_figure
 
 _SIZE = (6.4, 4.2)
 _DPI = 90
@@ -39,8 +38,7 @@ def frames(result: Result, count: int) -> list[Frame]:
         return []
     found = []
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=_SIZE)
-        FigureCanvasAgg(figure)
+        figure = empty_figure(*_SIZE)
         figure.subplots_adjust(left=0.0, right=0.97, bottom=0.1, top=0.97)
         structure.legend(figure)
         axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
