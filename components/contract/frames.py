@@ -91,6 +91,23 @@ def rotation_matrix(q: Quaternion) -> NDArray[np.float64]:
     )
 
 
+def quaternion_of_axes(x: Vector3, y: Vector3, z: Vector3) -> Quaternion:
+    """Quaternion of the rotation whose matrix has these columns, orthonormal and right-handed."""
+    diagonal = (x[0], y[1], z[2])
+    squares = [
+        1.0 + sum(diagonal),
+        *(1.0 + 2.0 * d - sum(diagonal) for d in diagonal),
+    ]
+    largest = max(range(4), key=squares.__getitem__)
+    doubles = (
+        (squares[0], y[2] - z[1], z[0] - x[2], x[1] - y[0]),
+        (y[2] - z[1], squares[1], x[1] + y[0], z[0] + x[2]),
+        (z[0] - x[2], x[1] + y[0], squares[2], y[2] + z[1]),
+        (x[1] - y[0], z[0] + x[2], y[2] + z[1], squares[3]),
+    )
+    return normalized(doubles[largest])
+
+
 def left_product(q: Quaternion) -> NDArray[np.float64]:
     """Matrix (4, 4) that multiplies a quaternion by q from the left."""
     w, x, y, z = q

@@ -25,11 +25,11 @@ from ..scene.bodies import (
     base_model,
     body_model,
     scene_points,
-    start_poses,
     with_angles,
 )
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
+from ..scene.loops.closing import start_poses
 
 Places = Mapping[str, StartPose]
 Points = Mapping[str, Mapping[str, Vector3]]

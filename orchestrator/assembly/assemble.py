@@ -11,10 +11,11 @@ from components import ComponentError
 from components.contract.frames import add
 from components.flexible.modal import ModalData
 
-from ..scene.bodies import StartPose, attachments, base_model, body_model, scene_points, start_poses
+from ..scene.bodies import StartPose, attachments, base_model, body_model, scene_points
 from ..scene.body_tables import Body
 from ..scene.component_connections import WrenchMode, component_values
 from ..scene.locked_groups import Piece, held_bodies, joined_geometry, joined_model, pieces
+from ..scene.loops.closing import start_poses
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part

@@ -14,8 +14,9 @@ from components.contract.component import Vector
 from components.contract.frames import Vector3, rotate, rotation_matrix, skew
 from components.flexible.modal import ModalData
 
-from ..scene.bodies import StartPose, base_model, body_model, scene_points, start_poses, with_angles
+from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
 from ..scene.hinge_line_tables import HingeLine
+from ..scene.loops.closing import start_poses
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 

@@ -35,7 +35,10 @@ if TYPE_CHECKING:
 
 
 class Attachment(NamedTuple):
-    """One port of a connection and the place on a body where it sits; `key` locates it in the file."""
+    """One port of a connection and the place on a body where it sits; `key` locates it in the file.
+
+    axes: of the port in the world, at the start; None for those of the body.
+    """
 
     key: str
     connection: str
@@ -43,6 +46,7 @@ class Attachment(NamedTuple):
     body: str
     point: str
     offset: Vector3
+    axes: Quaternion | None = None
 
 
 class StartPose(NamedTuple):
@@ -160,15 +164,18 @@ def attachments(
             yield _attachment(f"damper.{damper.name}", damper.name, port, seat)
     for connection in connections:
         for port, seat in connection.ports.items():
-            yield _attachment(f"connection.{connection.name}.ports", connection.name, port, seat)
+            key, axes = f"connection.{connection.name}.ports", connection.axes
+            yield _attachment(key, connection.name, port, seat, None if axes is None else axes.quaternion)
 
 
-def _attachment(key: str, connection: str, port: str, seat: Seat) -> Attachment:
-    return Attachment(f"{key}.{port}", connection, port, seat.body, seat.point, seat.offset)
+def _attachment(
+    key: str, connection: str, port: str, seat: Seat, axes: Quaternion | None = None
+) -> Attachment:
+    return Attachment(f"{key}.{port}", connection, port, seat.body, seat.point, seat.offset, axes)
 
 
-def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
-    """Poses at the start along the tree of hinge lines from the base, whose frame is the world's, then placed bodies.
+def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
+    """Poses along the tree of hinge lines from the base, whose frame is the world's, then of placed bodies as written.
 
     All frames are parallel where every hinge angle is its aligned angle.
     """
@@ -186,7 +193,7 @@ def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]
     for body in scene.bodies:
         if body.place is not None:
             origin = poses[body.place.body].place(points[body.place.body][body.place.point])
-            poses[body.name] = StartPose(add(origin, body.place.offset), (1.0, 0.0, 0.0, 0.0))
+            poses[body.name] = StartPose(add(origin, body.place.offset), body.place.orientation.quaternion)
     return poses
 
 

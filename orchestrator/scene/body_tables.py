@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from components.body import CouplingLevel
 
 from .damping import StructuralDamping
-from .table import ORIGIN, Inertia, Name, Seat, Table
+from .table import ORIGIN, Inertia, Name, Place, Table
 from .units import Frequency, Mass, Position, Ratio
 
 Fidelity = Literal["rigid", "flexible"]
@@ -50,13 +50,13 @@ class Body(Table):
     panel, frame, rigid_twin: tables that `components.catalogue.reader` reads, or changes to those of the catalogue
     entry. like: another body of the scene, whose keys are those of this one where it says nothing else.
 
-    place: where the origin of a body that no hinge line carries starts, its offset in world axes, the body's axes
-    being those of the world. damping_ratio: of all its modes; structural_damping: in proportion to their frequency,
-    in place of the scene's. damping_scale multiplies what there is.
+    place: where the origin of a body that no hinge line carries starts, its offset in world axes, and how the body is
+    turned; loops that its joints close are closed from there. damping_ratio: of all its modes; structural_damping: in
+    proportion to their frequency, in place of the scene's. damping_scale multiplies what there is.
     """
 
     name: Name
-    place: Seat | None = None
+    place: Place | None = None
     like: Name | None = None
     catalogue: str | None = None
     panel: dict[str, Any] | None = None

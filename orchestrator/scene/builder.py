@@ -156,7 +156,10 @@ class Scene:
         return self._add("damper", Damper, {"name": name, "hinge": hinge, **keys})
 
     def connection(self, name: str, kind: str, *, ports: Mapping[str, object], **keys: object) -> str:
-        """Add any registered component, [[connection]]: ports as body, point and offset; structure, parameters."""
+        """Add any registered component, [[connection]]: ports as body, point and offset.
+
+        Further keys: structure, parameters, preset, axes.
+        """
         return self._add("connection", Connection, {"name": name, "kind": kind, "ports": ports, **keys})
 
     def joint(self, **keys: object) -> None:

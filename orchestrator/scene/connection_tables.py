@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
-from .table import Y_AXIS, Axis, Name, Seat, Table
+from .table import Y_AXIS, Axis, Name, Orientation, Seat, Table
 from .units import Damping, Force, PeakRate, Radius, Stiffness, TurningDamping
+
+Preset = Literal["spherical", "revolute", "cylindrical", "fixed", "bushing"]
 
 
 class Pulley(Seat):
@@ -42,11 +44,15 @@ class Connection(Table):
     """[[connection]]: any registered component between points of bodies, by its own ports and parameters.
 
     structure: what its constructor takes beside `wrench_mode`, in SI units. parameters: values by the names
-    that the component declares, with units.
+    that the component declares, with units. preset: the joint that a hinge is, its x axis along the hinge line; a
+    layer of the scene gives its stiffnesses, see `presets`, and it is closed where bodies are placed. axes: of all
+    ports in the world, at the start, in place of those of the bodies.
     """
 
     name: Name
     kind: str
+    preset: Preset | None = None
+    axes: Orientation | None = None
     ports: dict[str, Seat]
     structure: dict[str, Any] = Field(default_factory=dict)
     parameters: dict[str, Any] = Field(default_factory=dict)

@@ -18,7 +18,7 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 
-from .bodies import Attachment, StartPose
+from .bodies import Attachment, StartPose, scene_points, written_poses
 from .schema import CheckedScene
 
 _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -73,12 +73,13 @@ def pieces(
 ) -> dict[str, Piece]:
     """Every piece by its root, with the ports of the connections that do not stay within it."""
     roots = joined(scene)
-    acting = _acting(found, roots)
+    acting, written = _acting(found, roots), written_poses(scene, scene_points(scene))
     result = {}
     for root in dict.fromkeys(roots.values()):
         bodies = tuple(body for body, r in roots.items() if r == root)
         relative = {body: _relative(poses[root], poses[body]) for body in bodies}
-        sites = _sites([port for port in acting if roots[port.body] == root], relative, len(bodies) > 1)
+        own = [port for port in acting if roots[port.body] == root]
+        sites = _sites(own, written[root], relative, len(bodies) > 1)
         result[root] = Piece(root, bodies, relative, sites)
     return result
 
@@ -99,8 +100,9 @@ def _relative(frame: StartPose, pose: StartPose) -> StartPose:
 
 
 def _sites(
-    ports: Iterable[Attachment], poses: Mapping[str, StartPose], is_joined: bool
+    ports: Iterable[Attachment], root: StartPose, poses: Mapping[str, StartPose], is_joined: bool
 ) -> tuple[PortSite, ...]:
+    """Ports of a piece: `root` is where it was written, which axes go by, the other poses are in the root's frame."""
     listed = list(ports)
     counts = [port.connection for port in listed]
     sites = []
@@ -109,7 +111,8 @@ def _sites(
         name = port.connection if counts.count(port.connection) == 1 else f"{port.connection}_{port.port}"
         point = joined_point(port.body, port.point) if is_joined else port.point
         turn = pose.orientation if is_joined else _UPRIGHT
-        sites.append(PortSite(name, (port.connection, port.port), point, rotate(turn, port.offset), turn))
+        axes = turn if port.axes is None else multiply(conjugate(root.orientation), port.axes)
+        sites.append(PortSite(name, (port.connection, port.port), point, rotate(turn, port.offset), axes))
     return tuple(sites)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 
@@ -12,20 +12,23 @@ from components.contract.errors import unknown
 from components.contract.frames import Vector3
 
 from . import consistency as scene_check
-from .bodies import attachments, body_points, scene_points, start_poses
+from .bodies import attachments, body_points, scene_points
 from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .expansion.arrays import expanded
+from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, resolved
+from .loops.closing import closed, open_loops
 from .schema import CheckedScene, Header
 from .table import SceneError
 from .validation import Entries, EntryReader
 
 _STRUCTURAL = "structural_damping"
 _TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
-_ARRAYS = {"body", "hinge_line", "ccl", "damper", "connection"}
+_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection"}
 _ANY_HEADER = Header(name="any", until=1.0)
 
 
@@ -101,9 +104,10 @@ def read_scene(file: str, tree: Tree) -> CheckedScene:
 
 def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
-    whole, unlike = resolved(tree)
-    reader = EntryReader(whole, added)
-    reader.note(unlike)
+    repeated, wrong_arrays = expanded(tree)
+    whole, unlike = resolved(repeated)
+    reader = EntryReader(with_presets(whole), added)
+    reader.note([*wrong_arrays, *unlike])
     known = sorted(_TABLES | _ARRAYS)
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
@@ -125,8 +129,10 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
         bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
     )  # fmt: skip
     points = scene_points(scene)
-    poses = start_poses(scene, points)
-    if not reader.note(scene_check.open_hinges(scene, points, poses)):
+    joints = tuple(c for c in connections.sound if c.name not in refused)
+    found = closed(replace(scene, connections=joints), points)
+    poses = found.poses
+    if not reader.note([*scene_check.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
     return None if reader.problems else scene, reader.problems
 

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
 
 from components import ComponentError, FanfoldError
 from components.body import Body as BodyComponent
-from components.contract.frames import Vector3
+from components.contract.frames import (
+    Quaternion,
+    Vector3,
+    cross,
+    norm,
+    quaternion_of_axes,
+    scaled,
+)
 from components.flexible.modal import ModalData
 
 from .units import Position, to_si
@@ -18,6 +25,7 @@ Tensor = tuple[Vector3, Vector3, Vector3]
 
 _LONGEST_NAME = 200  # file systems allow 255, of which endings and marks of temporary files need some
 
+_PARALLEL = 1e-6
 _AXES = {
     f"{sign}{letter}": tuple(factor if i == j else 0.0 for j in range(3))
     for sign, factor in (("+", 1.0), ("-", -1.0))
@@ -80,6 +88,16 @@ def _physical(value: Tensor) -> Tensor:
     return value
 
 
+def _direction(value: object) -> object:
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise ValueError(f"is {value!r}; give the three components of a direction")
+    x, y, z = (to_si(entry, "1") for entry in value)
+    if norm((x, y, z)) == 0.0:
+        raise ValueError(f"is {value!r}; a direction needs a length")
+    return x, y, z
+
+
+Direction = Annotated[Vector3, BeforeValidator(_direction)]
 Name = Annotated[str, AfterValidator(_identifier), AfterValidator(_short)]
 SceneName = Annotated[str, AfterValidator(_scene_name), AfterValidator(_short)]
 Axis = Annotated[Vector3, BeforeValidator(_axis)]
@@ -100,3 +118,35 @@ class Seat(Table):
     body: str
     point: str
     offset: Position = ORIGIN
+
+
+class Orientation(Table):
+    """Axes in the world: x along one direction, z as near another as x allows."""
+
+    x: Direction = (1.0, 0.0, 0.0)
+    z: Direction = (0.0, 0.0, 1.0)
+
+    @property
+    def quaternion(self) -> Quaternion:
+        """That turns the world's axes into these."""
+        x, y, z = _right_handed(self.x, self.z)
+        return quaternion_of_axes(x, y, z)
+
+    @model_validator(mode="after")
+    def _spans(self) -> Self:
+        if norm(cross(self.z, self.x)) < _PARALLEL * norm(self.z) * norm(self.x):
+            raise ValueError("x and z have one direction; give two that differ")
+        return self
+
+
+def _right_handed(x: Vector3, z: Vector3) -> tuple[Vector3, Vector3, Vector3]:
+    """Unit vectors: x, what is normal to both, and what completes them."""
+    along, normal = scaled(1.0 / norm(x), x), cross(z, x)
+    across = scaled(1.0 / norm(normal), normal)
+    return along, across, cross(along, across)
+
+
+class Place(Seat):
+    """Where the origin of a body starts, and how it is turned."""
+
+    orientation: Orientation = Orientation()

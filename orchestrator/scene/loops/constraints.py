@@ -1,0 +1,141 @@
+"""Constraints of joints between placed bodies, with their derivatives by small displacements of the bodies.
+
+A displacement of a body is (translation of its origin, rotation vector), world axes, m and rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from components.contract.frames import (
+    Quaternion,
+    Vector3,
+    add,
+    conjugate,
+    frame_with_x_along,
+    multiply,
+    rotate,
+    rotate_back,
+    rotation_matrix,
+    rotation_vector,
+    skew,
+    subtract,
+    swing_twist,
+)
+from components.numerics.motion_law import MotionLaw
+from components.point_motion import PointMotion
+
+from ..bodies import StartPose
+from ..component_connections import component_values
+from ..connection_tables import Connection
+from ..expansion.presets import CONSTRAINED
+from ..schema import CheckedScene
+
+Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
+Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+_AXES = ("x", "y", "z")
+
+
+class Seated(NamedTuple):
+    """A port: its body, its place and its axes on that body (m, quaternion)."""
+
+    body: str
+    arm: Vector3
+    axes: Quaternion
+
+
+class Constraint(NamedTuple):
+    """What a connection holds: along and about the axes of its inboard port (each 0 or 1); a distance (m) it commands.
+
+    driven: it is a motion, not a joint.
+    """
+
+    connection: str
+    inboard: Seated
+    outboard: Seated
+    along: Vector3
+    about: Vector3
+    distance: float
+    driven: bool
+
+    def names(self) -> list[str]:
+        """One a row."""
+        held = [(f"along {axis}", is_held) for axis, is_held in zip(_AXES, self.along, strict=True)]
+        held += [(f"about {axis}", is_held) for axis, is_held in zip(_AXES, self.about, strict=True)]
+        return [f"{self.connection}: {text}" for text, is_held in held if is_held]
+
+    def rows(self, poses: Mapping[str, StartPose]) -> tuple[Vector, dict[str, Matrix]]:
+        """How far it is open (rows,), and the derivatives (rows, 6) by the displacements of both bodies."""
+        a, b = poses[self.inboard.body], poses[self.outboard.body]
+        frame = multiply(a.orientation, self.inboard.axes)
+        arm_a, arm_b = rotate(a.orientation, self.inboard.arm), rotate(b.orientation, self.outboard.arm)
+        gap = subtract(add(b.position, arm_b), add(a.position, arm_a))
+        offset = np.array(rotate_back(frame, gap)) - (self.distance, 0.0, 0.0)
+        relative = multiply(conjugate(frame), multiply(b.orientation, self.outboard.axes))
+        back = rotation_matrix(frame).T
+        # the second body as it moves, and the first as it carries the frame along
+        moved_b = np.hstack((back, -back @ skew(np.array(arm_b))))
+        moved_a = np.hstack((-back, back @ skew(np.array(arm_a) + np.array(gap))))
+        turned_b = np.hstack((np.zeros((3, 3)), back))
+        kept = np.array((*self.along, *self.about)) > 0.5
+        open_by = np.concatenate((offset, self._turn(relative)))[kept]
+        return open_by, {
+            self.inboard.body: np.vstack((moved_a, -turned_b))[kept],
+            self.outboard.body: np.vstack((moved_b, turned_b))[kept],
+        }
+
+    def _turn(self, relative: Quaternion) -> Vector:
+        """Rotation of the outboard port that a joint may hold: all of it, or that of its line."""
+        if self.about[0]:
+            return np.array(rotation_vector(relative))
+        _, y, z = swing_twist(relative)
+        return np.array((0.0, y, z))
+
+
+def constraints(
+    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], written: Mapping[str, StartPose]
+) -> Iterator[Constraint]:
+    """Of joints with a preset, and of point motions at the start; axes count in poses as written."""
+    for connection in scene.connections:
+        is_motion = connection.kind == PointMotion.kind
+        if not (is_motion or connection.preset in CONSTRAINED):
+            continue
+        line = _line(connection)
+        inboard, outboard = (
+            _seated(connection, port, points, written, line) for port in ("inboard", "outboard")
+        )
+        if is_motion:
+            along, about, distance = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), _commanded(connection)
+        else:
+            (along, about), distance = CONSTRAINED[str(connection.preset)], 0.0
+        if any((*along, *about)):
+            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion)
+
+
+def _line(connection: Connection) -> Quaternion:
+    """Frame whose x axis is the connection's, in the axes of its ports."""
+    axis = component_values(connection, "mean")[0]["axis"]
+    return frame_with_x_along(axis)
+
+
+def _seated(
+    connection: Connection,
+    port: str,
+    points: Mapping[str, Mapping[str, Vector3]],
+    written: Mapping[str, StartPose],
+    line: Quaternion,
+) -> Seated:
+    seat = connection.ports[port]
+    turn = (1.0, 0.0, 0.0, 0.0)
+    if connection.axes is not None:
+        turn = multiply(conjugate(written[seat.body].orientation), connection.axes.quaternion)
+    return Seated(seat.body, add(points[seat.body][seat.point], seat.offset), multiply(turn, line))
+
+
+def _commanded(connection: Connection) -> float:
+    """Distance (m) that a motion commands at the start."""
+    structure, start = component_values(connection, "mean")
+    return MotionLaw(structure["law"]).value(0.0) + float(np.ravel(start.get("offset", 0.0))[0])
