@@ -20,6 +20,7 @@ from collections.abc import Sequence
 from math import inf, isfinite
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ ARRAYS_FILE = "arrays.npz"
 
 ARRAY_KEY, TUPLE_KEY = "__array__", "__tuple__"
 _HEADER = struct.Struct("<16sd?q")
+_CHECK = struct.Struct("<I")
 _REMEMBERED_ACCESSES = 256
 _SAME_TIME = 1e-9
 """Relative tolerance of times."""
@@ -359,13 +361,15 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
     @staticmethod
     def _fmu_state_to_bytes(state: SavedState) -> bytes:
         header = _HEADER.pack(state.owner, state.time, state.initialized, state.known.size)
-        return header + state.known.tobytes() + state.state.tobytes()
+        content = header + state.known.tobytes() + state.state.tobytes()
+        return _CHECK.pack(crc32(content)) + content
 
     @staticmethod
     def _fmu_state_from_bytes(data: bytes) -> SavedState:
         """The state; bytes that are none make a state without owner, which no instance takes."""
-        if len(data) < _HEADER.size or (len(data) - _HEADER.size) % 8:
+        content = data[_CHECK.size :]
+        if len(content) < _HEADER.size or _CHECK.pack(crc32(content)) != data[: _CHECK.size]:
             return SavedState(b"", 0.0, False, _NO_STATE, _NO_STATE)
-        owner, time, initialized, size = _HEADER.unpack_from(data)
-        numbers = np.frombuffer(data, offset=_HEADER.size)
+        owner, time, initialized, size = _HEADER.unpack_from(content)
+        numbers = np.frombuffer(content, offset=_HEADER.size)
         return SavedState(owner, time, initialized, numbers[:size].copy(), numbers[size:].copy())

@@ -38,18 +38,28 @@ from components import Layout, Quantity
 from components.cache.temporary import process_folder
 from components.contract.roles import LATCH_DISTANCE, LATCHED
 from fmus import NATIVE_TOOL
+from fmus.binary import cut_short
 
 from .coupling_library import Calls, library
-from .participant import Matrix, ParticipantError, Vector
+from .participant import Matrix, ParticipantError, Vector, all_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
-from .shared_library import share_library
+from .shared_library import library_of, share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name)
 """Outputs that the master reads in every iteration beside the ports."""
-FAILURES = ("restore its state", "set inputs", "", "give outputs", "", "save its state", "give observations")
+FAILURES = (
+    "restore its state",
+    "set inputs",
+    "",
+    "give outputs",
+    "",
+    "save its state",
+    "give observations",
+    "",
+)
 """What an FMU could not do, by the number that the native solver has for it; "" where a message says more."""
-_FINITE = 4
+_FINITE, _OBSERVED = 4, 7
 _OVERWRITES_NO_STATE = "PythonFMU"
 _ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
 
@@ -79,7 +89,8 @@ class FmuParticipant:
             raise
         except Exception as error:
             self.close()
-            raise ParticipantError(f"{name}: {path.name} cannot be loaded: {error}") from None
+            reason = ": ".join([str(error), *self._messages[-1:]])
+            raise ParticipantError(f"{name}: {path.name} cannot be loaded: {reason}") from None
 
     def _load(self, start: Mapping[str, float | Sequence[float]]) -> None:
         description = read_model_description(str(self._folder), validate=False)
@@ -109,6 +120,9 @@ class FmuParticipant:
         self._write_arguments = _arguments(inputs, self.inputs)
         self._read_arguments = _arguments(coupled, self.outputs)
         self._observe_arguments = _arguments(observed, self._observations)
+        binary = library_of(self._folder, description.coSimulation.modelIdentifier)
+        if binary.is_file() and (problem := cut_short(binary)):
+            raise ParticipantError(f"{self.name}: {self.path.name} cannot be loaded: {problem}")
         if description.generationTool == NATIVE_TOOL:
             share_library(self._folder, description.coSimulation.modelIdentifier)
         self._fmu = FMU2Slave(
@@ -193,7 +207,9 @@ class FmuParticipant:
         self._time = time
         try:
             if call == _FINITE:
-                self._check_finite()
+                self._check_finite("output", self.output_layout, self.outputs)
+            if call == _OBSERVED:
+                self.observe()
             self.check(max(status, fmi2Warning + 1), FAILURES[call] or f"do a step of {h:g} s")
         except ParticipantError as error:
             return error
@@ -233,15 +249,13 @@ class FmuParticipant:
         """fmi2GetReal on all coupled outputs; values that are not finite are refused."""
         if self._get_real(self._component, *self._read_arguments) > fmi2Warning:
             self.check(3, "give outputs")
-        self._check_finite()
+        self._check_finite("output", self.output_layout, self.outputs)
 
-    def _check_finite(self) -> None:
-        if not np.isfinite(self.outputs.sum()):
-            bad = int(np.argmin(np.isfinite(self.outputs)))
-            name = self.output_layout.scalar_names()[bad]
-            raise ParticipantError(
-                f"{self.name}: output {name} is {self.outputs[bad]} at t = {self._time:.6g} s"
-            )
+    def _check_finite(self, what: str, layout: Layout, values: Vector) -> None:
+        if not all_finite(values):
+            bad = int(np.argmin(np.isfinite(values)))
+            name = layout.scalar_names()[bad]
+            raise ParticipantError(f"{self.name}: {what} {name} is {values[bad]} at t = {self._time:.6g} s")
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""
@@ -287,6 +301,7 @@ class FmuParticipant:
         """fmi2GetReal on all other outputs, into an array of its own."""
         self.write()
         self.check(self._get_real(self._component, *self._observe_arguments), "give observations")
+        self._check_finite("observation", self.observation_layout, self._observations)
         return self._observations
 
     def interface_jacobian(self, places: PortPlaces, width: Width) -> Matrix | None:

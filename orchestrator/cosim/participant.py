@@ -26,6 +26,11 @@ class ParticipantError(FanfoldError):
     """A participant failed: a sentence with its name, and the time where there is one."""
 
 
+def all_finite(values: Vector) -> bool:
+    """Whether all values are finite."""
+    return bool(np.isfinite(values).all())
+
+
 class NativeAccess(Protocol):
     """What a solver in C needs to call a participant by itself."""
 
@@ -144,7 +149,7 @@ class InProcess:
             self._instance.step(h)
         except (ValueError, ArithmeticError) as error:
             raise ParticipantError(f"{self._refusal(time, h)} ({error})") from None
-        if not np.isfinite(self._instance.state.sum()):
+        if not all_finite(self._instance.state):
             raise ParticipantError(self._refusal(time, h))
 
     def _refusal(self, time: float, h: float) -> str:
@@ -172,8 +177,13 @@ class InProcess:
         self.restore()
 
     def observe(self) -> Vector:
-        """Observations."""
-        return self._trying(self._instance.observe)
+        """Observations; those that are no numbers are refused."""
+        found = self._trying(self._instance.observe)
+        if not all_finite(found):
+            bad = int(np.argmin(np.isfinite(found)))
+            name = self.observation_layout.scalar_names()[bad]
+            raise ParticipantError(f"{self.name}: observation {name} is {found[bad]}")
+        return found
 
     def interface_jacobian(self, places: PortPlaces, width: Width) -> None:
         """Components tell of their steps by differences only."""

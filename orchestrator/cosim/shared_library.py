@@ -15,12 +15,17 @@ from fmpy import platform, sharedLibraryExtension
 from components.cache.temporary import process_folder
 
 
+def library_of(unpacked: Path, model_identifier: str) -> Path:
+    """Where an unpacked FMU has its binary for this platform, if it has one."""
+    return Path(unpacked, "binaries", platform, f"{model_identifier}{sharedLibraryExtension}")
+
+
 def share_library(unpacked: Path, model_identifier: str) -> None:
     """Make the binary of an unpacked FMU a link to the one of the same content, if the file system allows.
 
     Only for FMUs that keep no state outside of their instances.
     """
-    binary = unpacked / "binaries" / platform / f"{model_identifier}{sharedLibraryExtension}"
+    binary = library_of(unpacked, model_identifier)
     if not binary.is_file():
         return
     digest = hashlib.sha256(binary.read_bytes()).hexdigest()

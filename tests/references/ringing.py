@@ -95,5 +95,9 @@ def _set_moving(body: FmuParticipant, placed: PlacedBody, mass: Vector, rates: V
     x[7:13] = mass[:6, :6] @ rates[:6]
     x[13:16] = placed.axes.T @ rates[3:6]
     x[17 + placed.modes : 17 + 2 * placed.modes] = rates[6:]
+    sum_of_all = 14695981039346656037  # FNV-1a of all bytes but its own eight
+    for byte in state[:80] + state[88:]:
+        sum_of_all = (sum_of_all ^ byte) * 1099511628211 % 2**64
+    state[80:88] = sum_of_all.to_bytes(8, "little")
     body._fmu.setFMUstate(body._fmu.deSerializeFMUstate(bytes(state)))
     body.save()

@@ -37,6 +37,16 @@ static int inputs_finite(const Instance *instance, Reason *why) {
     return refuse(why, "input %s is %g; it must be a finite number", name, evaluate_inputs(instance)[bad]);
 }
 
+/* Whether the values from `first` to before `end`, just computed, are finite: sums of finite inputs overflow. */
+static int values_finite(const Instance *instance, size_t first, size_t end, Reason *why) {
+    size_t bad = 0;
+    char name[200];
+    if (evaluate_all_finite(instance->values + first, end - first, &bad))
+        return 1;
+    layout_scalar_name(instance, (uint32_t)(first + bad), name, sizeof name);
+    return refuse(why, "%s is not finite (%g)", name, instance->values[first + bad]);
+}
+
 int evaluate_state_finite(const Instance *instance, const double *x, Reason *why) {
     size_t bad = 0;
     if (evaluate_all_finite(x, instance->states, &bad))
@@ -84,11 +94,15 @@ void evaluate_states(const Instance *instance, double *states) {
 }
 
 int evaluate_continuous(Instance *instance, Reason *why) {
-    double *states = instance->values + instance->ends[3];
-    if (!evaluate_ready(instance, why) || !evaluate_rates(instance, states + instance->continuous.count, why))
+    double *states = instance->values + instance->ends[3], *rates = states + instance->continuous.count;
+    size_t bad = 0;
+    if (!evaluate_ready(instance, why) || !evaluate_rates(instance, rates, why))
         return 0;
     evaluate_states(instance, states);
-    return 1;
+    if (evaluate_all_finite(states, 2 * instance->continuous.count, &bad))
+        return 1;
+    return refuse(why, "continuous state %lu or its rate is %g", (unsigned long)(bad % instance->continuous.count) + 1,
+                  states[bad]);
 }
 
 int evaluate_outputs(Instance *instance, Reason *why) {
@@ -98,7 +112,7 @@ int evaluate_outputs(Instance *instance, Reason *why) {
         return 0;
     instance->kernel->outputs(instance->self, evaluate_state(instance), evaluate_inputs(instance),
                               instance->values + instance->ends[1]);
-    return instance->outputs_known = 1;
+    return instance->outputs_known = values_finite(instance, instance->ends[1], instance->ends[2], why);
 }
 
 int evaluate_observations(Instance *instance, Reason *why) {
@@ -108,5 +122,5 @@ int evaluate_observations(Instance *instance, Reason *why) {
         return 0;
     instance->kernel->observe(instance->self, evaluate_state(instance), evaluate_inputs(instance),
                               instance->values + instance->ends[2]);
-    return instance->observations_known = 1;
+    return instance->observations_known = values_finite(instance, instance->ends[2], instance->ends[3], why);
 }

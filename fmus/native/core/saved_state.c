@@ -1,6 +1,7 @@
 /* Saving, restoring and serialising the state of an instance. */
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,8 +60,19 @@ Status instance_restore(Instance *instance, const SavedState *state) {
 
 void instance_forget(SavedState *state) { free(state); }
 
+/* Owner, numbers, check sum of all the rest, values and states. */
 #define NUMBERS_BEFORE 8
-#define HEADER (16 + NUMBERS_BEFORE * sizeof(double))
+#define CHECKED (16 + NUMBERS_BEFORE * sizeof(double))
+#define HEADER (CHECKED + sizeof(uint64_t))
+
+/* FNV-1a over all bytes but its own: no damaged byte passes for a state. */
+static uint64_t check_sum(const unsigned char *bytes, size_t size) {
+    uint64_t sum = UINT64_C(14695981039346656037);
+    for (size_t i = 0; i < size; i++)
+        if (i < CHECKED || i >= HEADER)
+            sum = (sum ^ bytes[i]) * UINT64_C(1099511628211);
+    return sum;
+}
 
 size_t instance_serialized_size(const SavedState *state) {
     return HEADER + (state->known + state->states) * sizeof(double);
@@ -72,12 +84,17 @@ void instance_serialize(const SavedState *state, unsigned char *bytes) {
     memcpy(bytes, state->owner, 16);
     memcpy(bytes + 16, header, sizeof header);
     memcpy(bytes + HEADER, state->numbers, (state->known + state->states) * sizeof(double));
+    uint64_t sum = check_sum(bytes, instance_serialized_size(state));
+    memcpy(bytes + CHECKED, &sum, sizeof sum);
 }
 
 SavedState *instance_deserialize(Instance *instance, const unsigned char *bytes, size_t size) {
     double header[NUMBERS_BEFORE] = {0.0};
     size_t count = 0;
-    if (bytes && size >= HEADER && (size - HEADER) % sizeof(double) == 0) {
+    uint64_t sum = 0;
+    if (bytes && size >= HEADER)
+        memcpy(&sum, bytes + CHECKED, sizeof sum);
+    if (bytes && size >= HEADER && (size - HEADER) % sizeof(double) == 0 && sum == check_sum(bytes, size)) {
         memcpy(header, bytes + 16, sizeof header);
         count = (size - HEADER) / sizeof(double);
         int known_mode = header[1] >= 0.0 && header[1] <= MODE_TERMINATED && header[1] == floor(header[1]);

@@ -14,7 +14,7 @@
 #endif
 
 /* What a participant can fail in, in the order of FAILURES in orchestrator/cosim/fmu.py. */
-enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE };
+enum { RESTORE, SET, STEP, GET, FINITE, SAVE, OBSERVE, OBSERVED };
 /* How an iteration ends, in the order of Status in orchestrator/cosim/implicit/native_solver.py. */
 enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, WANTS_MATRICES, WANTS_EVALUATION, GOES_ON };
 
@@ -44,6 +44,14 @@ static double sum_of(const double *values, size_t size) {
     return (s0 + s1) + (s2 + s3);
 }
 
+/* The sum of finite numbers may overflow. */
+static int all_finite(const double *values, size_t size) {
+    if (isfinite(sum_of(values, size))) return 1;
+    for (size_t i = 0; i < size; i++)
+        if (!isfinite(values[i])) return 0;
+    return 1;
+}
+
 /* One participant from its saved state through the step. */
 static int step_one(Network *n, size_t i) {
     const Participant *p = n->participant + i;
@@ -55,7 +63,7 @@ static int step_one(Network *n, size_t i) {
     if (status > FMI_WARNING) return fail(n, i, STEP, status);
     status = p->get_real(p->component, p->output_references, p->outputs, p->output);
     if (status > FMI_WARNING) return fail(n, i, GET, status);
-    return isfinite(sum_of(p->output, p->outputs)) ? 1 : fail(n, i, FINITE, 0);
+    return all_finite(p->output, p->outputs) ? 1 : fail(n, i, FINITE, 0);
 }
 
 static int step_all(Network *n, size_t first, size_t last) {
@@ -327,6 +335,7 @@ EXPORT int coupling_observe(Network *n) {
         if (p->observations == 0) continue;
         status = p->get_real(p->component, p->observation_references, p->observations, p->observation);
         if (status > FMI_WARNING) return fail(n, i, OBSERVE, status);
+        if (!all_finite(p->observation, p->observations)) return fail(n, i, OBSERVED, 0);
     }
     const size_t *row = n->energy_rows;
     for (size_t kind = 0; kind < n->energy_kinds; kind++) {

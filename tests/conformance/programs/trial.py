@@ -199,10 +199,45 @@ def check_failures(kind, path):
         said(fmu, fmu.set(int(i), [reference.p[i]]), FAILED, names[i], "fixed")
     for strange in (b"", b"no state", bytes(43 + 8 * len(names))):
         refuse_state(fmu, strange)
+    for damaged in damaged_states(fmu, rng):
+        refuse_state(fmu, damaged)
     said(fmu, fmu.call("getInteger", [0]), FAILED, "of type Real")
     for _ in range(3):
         advance(fmu, reference, rng)
         same(fmu, reference, "after refused calls")
+
+
+def damaged_states(fmu, rng):
+    """A state with one bit that is another, in its head and anywhere."""
+    saved = fmu.slave.getFMUstate()
+    sound = fmu.slave.serializeFMUstate(saved)
+    fmu.slave.freeFMUstate(saved)
+    for place in (0, 17, 25, 60, *rng.integers(len(sound), size=10)):
+        damaged = bytearray(sound)
+        damaged[place] ^= 1 << int(rng.integers(8))
+        yield bytes(damaged)
+
+
+def check_absurd_inputs(kind, path):
+    """Of inputs that squares and sums overflow with, a native FMU gives numbers, or a sentence and none."""
+    if not NATIVE:
+        return
+    rng = np.random.default_rng(8)
+    fmu, reference = pair(kind, path, "wing")
+    begin(fmu, reference, rng)
+    _, u, y, z = reference.firsts
+    for scale in np.repeat(10.0 ** np.array([100, 155, 200, 307]), 25):
+        fmu.set(u, scale * rng.uniform(-1.0, 1.0, reference.u.size))
+        for first, layout in (
+            (y, reference.component.output_layout),
+            (z, reference.component.observation_layout),
+        ):
+            try:
+                values = fmu.get(first, layout.size)
+            except FMICallException as error:
+                said(fmu, error.status, REFUSED, "wing at t = ")
+                continue
+            assert np.isfinite(values).all(), f"{scale:g}: {values}"
 
 
 def refuse_state(fmu, strange):

@@ -12,13 +12,14 @@ from components import REGISTRY, ComponentError
 from components.contract.component import Vector
 from components.damper import EddyCurrentDamper
 
-FAULTS = ("none", "error", "nan", "load", "noise")
+FAULTS = ("none", "error", "nan", "observation", "load", "noise")
 
 
 class FaultyDamper(EddyCurrentDamper):
     """An eddy-current damper that fails as `fault` says, and after 0.1 s where time matters.
 
-    error: a step is refused. nan: one output is no number. load: an FMU of it cannot be made an instance.
+    error: a step is refused. nan: one output is no number; observation: one
+    observation. load: an FMU of it cannot be made an instance.
     noise: the same motion has another answer every time, from the start.
     """
 
@@ -51,7 +52,10 @@ class FaultyDamper(EddyCurrentDamper):
         return y
 
     def observe(self, c: Any, x: Vector, u: Vector) -> Vector:
-        return super().observe(c, x[:-1], u)
+        found = super().observe(c, x[:-1], u)
+        if self.fault == "observation" and x[-1] > 0.1:
+            found[self.observation_layout["dissipated_energy"]] = np.nan
+        return found
 
 
 # Not one of Fanfold's components: tests that iterate over the registry must not find it there.

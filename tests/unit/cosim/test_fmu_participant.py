@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+import sys
 import zipfile
 from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
@@ -17,9 +19,9 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit import solvers
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.participant import InProcess, ParticipantError, in_process
+from orchestrator.cosim.participant import InProcess, ParticipantError, all_finite, in_process
 from orchestrator.results.result import Result
-from orchestrator.run.run import RunError, as_fmus, run
+from orchestrator.run.run import RunError, as_fmus, export, run
 from orchestrator.scene import find_scene, load_scene
 from tests.unit.cosim.faulty import FaultyDamper
 
@@ -108,6 +110,46 @@ def test_fmu_whose_output_is_no_number(tmp_path):
     assert_readable_up_to_the_fault(tmp_path / "run.h5")
 
 
+def test_observation_that_is_no_number(tmp_path):
+    """R10: an observation is recorded and added up, so the FMU, the observation and the time are told as of outputs."""
+    sentence = error_of(run_with, tmp_path, "observation")
+    assert "brake: observation dissipated_energy is nan at t = 0." in sentence
+    assert_readable_up_to_the_fault(tmp_path / "run.h5")
+
+
+def test_observation_that_is_no_number_to_the_native_solver(tmp_path):
+    """The same where the compiled library reads it."""
+    assembly = scene(tmp_path)
+    brake = FmuParticipant("brake", faulty_fmu(tmp_path, assembly, "observation"))
+
+    @contextmanager
+    def load(_):
+        others = replace(assembly, parts=tuple(p for p in assembly.parts if p.name != "brake"))
+        with as_fmus(others) as found, ExitStack() as stack:
+            stack.callback(brake.close)
+            yield [*found, brake]
+
+    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.2, load=load)
+    assert "brake: observation dissipated_energy is nan at t = 0." in sentence
+
+
+def test_observation_of_a_component_that_is_no_number(tmp_path):
+    """The same without an FMU around it."""
+    assembly = scene(tmp_path)
+    part = next(p for p in assembly.parts if p.name == "brake")
+    brake = InProcess(part.name, FaultyDamper("observation", **part.structure), part.start)
+    load = with_brake(assembly, brake)
+    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.2, load=load)
+    assert "brake: observation dissipated_energy is nan" in sentence
+
+
+def test_large_outputs_are_numbers():
+    """R22: finite values whose sum is not are none that are refused; the one that is no number is found beside them."""
+    large = np.array([1e308, 1e308, 0.0])
+    assert all_finite(large)
+    assert not all_finite(np.array([1e308, np.nan]))
+
+
 def damaged(folder, fmu, name):
     """A copy of an FMU with one kind of damage."""
     path = folder / name / "brake.fmu"
@@ -137,6 +179,37 @@ def test_fmu_file_that_is_damaged(tmp_path, damage):
     sentence = error_of(FmuParticipant, "brake", damaged(tmp_path, fmu, damage))
     assert sentence.startswith("brake: ")
     assert "brake.fmu" in sentence
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="ELF binaries")
+@pytest.mark.parametrize("share", [0.001, 0.1, 0.5, 0.9, 0.999])
+def test_binary_that_is_cut_short(tmp_path, share):
+    """R21: it is told before the loader meets its end, which would end the whole process."""
+    assembly = scene(tmp_path)
+    fmu = export(assembly, tmp_path / "sound")[0]
+    path = tmp_path / "cut.fmu"
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            new.writestr(name, data[: int(share * len(data))] if name.startswith("binaries/") else data)
+    sentence = error_of(FmuParticipant, "inner", path)
+    assert "cut.fmu cannot be loaded: its binary" in sentence
+    assert "is cut short" in sentence
+
+
+def test_reason_of_a_native_fmu_that_makes_no_instance(tmp_path):
+    """R9: its own words are told, not only that it did not."""
+    fmu = export(scene(tmp_path), tmp_path / "sound")[0]
+    path = tmp_path / "other.fmu"
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile(path, "w") as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == "modelDescription.xml":
+                data = re.sub(rb'guid="[^"]*"', b'guid="{another}"', data)
+            new.writestr(name, data)
+    sentence = error_of(FmuParticipant, "inner", path)
+    assert "other.fmu cannot be loaded" in sentence
+    assert "another" in sentence
 
 
 def test_fmu_file_that_does_not_exist(tmp_path):
