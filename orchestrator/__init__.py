@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from components import FanfoldError as FanfoldError
 
+    from .api.analyses import constraints as constraints
     from .api.analyses import equilibrium as equilibrium
     from .api.analyses import frequency_response as frequency_response
     from .api.analyses import impacts as impacts
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "FanfoldError": "components",
+    "constraints": "orchestrator.api.analyses",
     "equilibrium": "orchestrator.api.analyses",
     "frequency_response": "orchestrator.api.analyses",
     "impacts": "orchestrator.api.analyses",

@@ -15,6 +15,7 @@ from .progress import chosen
 from .simulate import Quantity, SceneLike, in_si, load
 
 if TYPE_CHECKING:
+    from ..analysis.constraints import Constraints
     from ..analysis.equilibrium import Equilibrium
     from ..analysis.frequency_response import FrequencyResponse
     from ..analysis.impact import Impact
@@ -34,6 +35,13 @@ Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
 Way = tuple[Quantity, Quantity]
 """Angles of a hinge line from which and to which it is turned."""
+
+
+def constraints(scene: SceneLike) -> Constraints:
+    """Constraints of a scene's joints where it starts: count, rank, redundant ones, what can move."""
+    from ..analysis.constraints import find_constraints
+
+    return find_constraints(load(scene).check_one_run())
 
 
 def modes(

@@ -45,17 +45,28 @@ def closed(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> 
         return Closed(poses, {}, 0.0)
     names = [body.name for body in placed]
     weights = np.concatenate([_weights(body_model(body, flexible=False)) for body in placed])
-    start = poses
+    start, poses = poses, close(held, poses, names, weights)
+    left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
+    moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
+    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
+
+
+def close(
+    held: Sequence[Constraint], poses: Mapping[str, StartPose], names: Sequence[str], weights: Vector
+) -> dict[str, StartPose]:
+    """Poses where the constraints are fulfilled as far as they can be, by the least displacements of the named bodies.
+
+    weights: roots of the masses and inertias that displacements are weighed with (6 a body).
+    """
+    found = dict(poses)
     for _ in range(_ROUNDS):
-        open_by, slopes = jacobian(held, poses, names)
+        open_by, slopes = jacobian(held, found, names)
         if np.abs(open_by).max() < _CLOSED:
             break
         step = -np.linalg.lstsq(slopes / weights, open_by, rcond=_RANK)[0] / weights
         longest = float(np.abs(step).max())
-        poses = displaced(poses, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
-    left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
-    moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
-    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
+        found = displaced(found, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
+    return found
 
 
 def open_loops(found: Closed) -> list[str]:

@@ -115,6 +115,20 @@ def constraints(
             yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion)
 
 
+def hinge_constraints(
+    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]
+) -> Iterator[Constraint]:
+    """Of the hinges of hinge lines, by their kinds; a held line holds all."""
+    for line in scene.hinge_lines:
+        turn = frame_with_x_along(line.axis)
+        for hinge in line.hinges:
+            along, about = CONSTRAINED["fixed" if line.held else hinge.kind]
+            inboard = Seated(line.inboard, points[line.inboard][hinge.inboard], turn)
+            outboard = Seated(line.outboard, points[line.outboard][hinge.outboard], turn)
+            if any((*along, *about)):
+                yield Constraint(hinge.name, inboard, outboard, along, about, 0.0, False)
+
+
 def _line(connection: Connection) -> Quaternion:
     """Frame whose x axis is the connection's, in the axes of its ports."""
     axis = component_values(connection, "mean")[0]["axis"]

@@ -1,0 +1,156 @@
+"""What joints leave free: count of constraints, their rank where a scene starts, what is redundant, what can move.
+
+Joints are those with a preset, hinges of lines by their kinds, and motions apart; bushings, contacts and cables hold
+nothing. Displacements are scaled by 1 m, and a singular value counts from 1e-5 of the largest on: loops are closed to
+1e-12 m, which in a singular position leaves angles of the root of that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import qr
+
+from components.contract.frames import rotate, subtract
+
+from ..scene import CheckedScene
+from ..scene.bodies import StartPose, scene_points, written_poses
+from ..scene.loops.closing import close, displaced, jacobian, start_poses
+from ..scene.loops.constraints import Constraint, Matrix, constraints, hinge_constraints
+
+_RANK = 1e-5
+_AWAY = 0.01
+"""rad (m); how far away a rank is compared."""
+_NO_LINE = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Constraints:
+    """Bodies that can move, and the constraints of joints on them.
+
+    moving: their names. count: of constraints. rank: of their derivatives where the scene starts; nearby: the same a
+    hundredth of a radian away, None where nothing can move. redundant: names of constraints that others imply. spins:
+    bodies that turn freely about the line of their joints. driven: freedoms that motions take. smallest_kept,
+    largest_dropped: singular values beside the rank, None where there is none.
+    """
+
+    moving: tuple[str, ...]
+    count: int
+    rank: int
+    nearby: int | None
+    redundant: tuple[str, ...]
+    spins: tuple[str, ...]
+    driven: int
+    smallest_kept: float | None
+    largest_dropped: float | None
+
+    @property
+    def grubler(self) -> int:
+        """Degrees of freedom by count (Gruebler, Kutzbach): six a body less the constraints."""
+        return 6 * len(self.moving) - self.count
+
+    @property
+    def freedoms(self) -> int:
+        """Degrees of freedom where the scene starts, motions aside."""
+        return 6 * len(self.moving) - self.rank
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether the rank differs from the one nearby."""
+        return self.nearby is not None and self.nearby != self.rank
+
+    @property
+    def warnings(self) -> list[str]:
+        """What a reader should know beside the numbers."""
+        told = []
+        if self.is_singular:
+            told.append(
+                f"the scene starts in a singular position: {self.rank} of {self.count} constraints are independent, "
+                f"and {self.nearby} a hundredth of a radian away; forces there depend on the joints' stiffness"
+            )
+        if self.redundant:
+            told.append(
+                f"{len(self.redundant)} of the constraints are implied by others; how loads are shared among them "
+                "depends on the joints' stiffness"
+            )
+        return told
+
+
+def find_constraints(scene: CheckedScene) -> Constraints:
+    """Constraints of a scene where it starts."""
+    points = scene_points(scene)
+    poses = start_poses(scene, points)
+    found = [*constraints(scene, points, written_poses(scene, points)), *hinge_constraints(scene, points)]
+    fixed = () if scene.base.free is not None else (scene.base.name,)
+    moving = tuple(name for name in poses if name not in fixed)
+    held = [c for c in found if not c.driven]
+    slopes = _slopes(held, poses, moving)
+    values = np.linalg.svd(slopes, compute_uv=False)
+    rank = _rank(slopes)
+    names = [name for c in held for name in c.names()]
+    order: list[int] = qr(slopes.T, mode="r", pivoting=True)[1].tolist() if names else []
+    return Constraints(
+        moving=moving,
+        count=len(names),
+        rank=rank,
+        nearby=_nearby(held, poses, moving, slopes),
+        redundant=tuple(sorted(names[i] for i in order[rank:])),
+        spins=tuple(name for name in moving if _spins(name, held, poses, moving, slopes)),
+        driven=_rank(_slopes(found, poses, moving)) - rank,
+        smallest_kept=float(values[rank - 1]) if rank else None,
+        largest_dropped=float(values[rank]) if rank < values.size else None,
+    )
+
+
+def _slopes(held: Sequence[Constraint], poses: Mapping[str, StartPose], moving: Sequence[str]) -> Matrix:
+    """Derivatives (rows, 6 a body) of all constraints."""
+    return jacobian(held, poses, moving)[1] if held else np.zeros((0, 6 * len(moving)))
+
+
+def _rank(slopes: Matrix) -> int:
+    values = np.linalg.svd(slopes, compute_uv=False)
+    return int(np.sum(values > _RANK * values[0])) if values.size and values[0] > 0.0 else 0
+
+
+def _nearby(
+    held: Sequence[Constraint], poses: Mapping[str, StartPose], moving: Sequence[str], slopes: Matrix
+) -> int | None:
+    """The rank after a small motion that the constraints allow, of all that can move at once."""
+    free = np.linalg.svd(slopes)[2][_rank(slopes) :] if held else np.zeros((0, 0))
+    if not len(free):
+        return None
+    step = np.random.default_rng(0).standard_normal(len(free)) @ free
+    away = displaced(poses, moving, _AWAY / np.abs(step).max() * step)
+    return _rank(_slopes(held, close(held, away, moving, np.ones(6 * len(moving))), moving))
+
+
+def _spins(
+    name: str,
+    held: Sequence[Constraint],
+    poses: Mapping[str, StartPose],
+    moving: Sequence[str],
+    slopes: Matrix,
+) -> bool:
+    """Whether a body turns about the line of two of its joints without moving anything."""
+    pose = poses[name]
+    arms = [
+        rotate(pose.orientation, seat.arm)
+        for c in held
+        for seat in (c.inboard, c.outboard)
+        if seat.body == name
+    ]
+    for one, other in pairwise(arms):
+        line = np.array(subtract(other, one))
+        length = float(np.linalg.norm(line))
+        if length < _NO_LINE:
+            continue
+        spin = line / length
+        motion = np.zeros(slopes.shape[1])
+        place = 6 * moving.index(name)
+        motion[place : place + 6] = (*-np.cross(spin, one), *spin)
+        if np.abs(slopes @ motion).max() < _RANK:
+            return True
+    return False

@@ -1,0 +1,58 @@
+"""`fanfold analyse constraints`: what joints hold, what is redundant, and what can move."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import click
+
+import orchestrator as fanfold
+
+from ..options import SceneChoice, layered_scene
+
+if TYPE_CHECKING:
+    from ...analysis.constraints import Constraints
+
+
+def _number(value: float | None) -> str:
+    return "none" if value is None else f"{value:.3g}"
+
+
+def _rows(found: Constraints) -> list[tuple[str, str]]:
+    return [
+        ("moving bodies", str(len(found.moving))),
+        ("constraints", str(found.count)),
+        ("degrees of freedom by count (Gruebler)", str(found.grubler)),
+        ("rank of the constraints", str(found.rank)),
+        ("rank 0.01 rad away", "none" if found.nearby is None else str(found.nearby)),
+        ("degrees of freedom", str(found.freedoms)),
+        ("with motions", str(found.freedoms - found.driven)),
+        ("smallest singular value kept", _number(found.smallest_kept)),
+        ("largest singular value dropped", _number(found.largest_dropped)),
+        ("redundant", ", ".join(found.redundant) or "none"),
+        ("spin about the line of their joints", ", ".join(found.spins) or "none"),
+    ]
+
+
+@click.command("constraints")
+@layered_scene
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(choice: SceneChoice, as_json: bool) -> None:
+    """Constraints of the joints of SCENE where it starts: count, rank, redundant ones, free motions."""
+    found = fanfold.constraints(choice.load())
+    derived = {"grubler": found.grubler, "freedoms": found.freedoms, "singular": found.is_singular}
+    if as_json:
+        click.echo(json.dumps(asdict(found) | derived | {"warnings": found.warnings}))
+        return
+    from ..tables import plain_table, terminal
+
+    table = plain_table("constraints")
+    table.add_column("")
+    table.add_column("")
+    for row in _rows(found):
+        table.add_row(*row)
+    terminal().print(table)
+    for sentence in found.warnings:
+        click.echo(f"Warning: {sentence}", err=True)

@@ -1,0 +1,86 @@
+"""Constraints: the counts of the antenna unit as tried by an independent program, planar loops, hinge lines."""
+
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from orchestrator.analysis.constraints import find_constraints
+from orchestrator.cli.main import main
+from orchestrator.scene import find_scene, load_scene
+from tests.unit.scene.test_loops import FOUR_BAR, scene_of
+
+HEIGHTS = {"generic": 0.5, "folded": 0.0, "straight": 1.0}
+SPHERICAL = {"generic": (72, 29), "folded": (67, 34), "straight": (67, 35)}
+REVOLUTE = {"generic": (101, 0), "folded": (93, 8), "straight": (94, 8)}
+DIAGONAL = {"generic": (36, 17), "folded": (34, 19), "straight": (35, 19)}
+
+
+def unit(variants, height, length=0.6):
+    law = f'connection.motion.structure.law=[{{ profile = "constant", value = {2 * length * height} }}]'
+    return find_constraints(load_scene(find_scene("antenna-unit"), variants, [law]))
+
+
+@pytest.mark.parametrize("position", HEIGHTS)
+@pytest.mark.parametrize(
+    ("variants", "length", "count", "grubler", "expected"),
+    [
+        ((), 0.6, 72, 30, SPHERICAL),
+        (("without_spacers",), 0.6, 72, 30, SPHERICAL),
+        (("revolute",), 0.6, 120, -18, REVOLUTE),
+        (("diagonal",), 0.51, 36, 18, DIAGONAL),
+    ],
+)
+def test_the_unit(variants, length, count, grubler, expected, position):
+    """Ranks 72/67/67, 101/93/94 and 36/34/35; a motion takes a freedom but in the straight position, its dead point."""
+    found = unit(variants, HEIGHTS[position], length)
+    rank, driven = expected[position]
+    assert (found.count, found.grubler, found.rank) == (count, grubler, rank)
+    assert found.freedoms == 6 * len(found.moving) - rank
+    assert found.freedoms - found.driven == driven
+    assert len(found.redundant) == count - rank
+    assert found.is_singular == (position != "generic")
+    assert any("singular" in sentence for sentence in found.warnings) == found.is_singular
+
+
+def test_links_between_balls_spin():
+    """All sixteen, and with revolutes none."""
+    assert len(unit((), 0.4).spins) == 16
+    assert unit(("revolute",), 0.4).spins == ()
+
+
+def test_a_planar_four_bar_has_three_redundant_constraints():
+    """In space 18 - 20 = -2 by count, one in fact: the plane is held four times where once is enough."""
+    found = find_constraints(scene_of(FOUR_BAR))
+    assert (found.count, found.grubler, found.rank, found.freedoms) == (20, -2, 17, 1)
+    assert found.nearby == 17
+    assert len(found.redundant) == 3
+
+
+def test_a_four_bar_of_balls_is_free_of_redundancy():
+    """Two revolutes and two balls: 18 - 16 = 2, of which one is the coupler's spin about the line of its balls."""
+    text = FOUR_BAR
+    for name in ("second", "third"):
+        text = text.replace(f'name = "{name}"\npreset = "revolute"', f'name = "{name}"\npreset = "spherical"')
+    found = find_constraints(scene_of(text))
+    assert (found.grubler, found.freedoms, found.redundant, found.spins) == (2, 2, (), ("coupler",))
+
+
+def test_hinge_lines_are_joints():
+    """Three lines of AMOS-3, each one freedom, whose second hinges hold nothing that the first does not."""
+    found = find_constraints(load_scene(find_scene("amos3")))
+    assert (len(found.moving), found.freedoms) == (3, 3)
+    assert found.grubler < 3
+
+
+def test_command_and_function_agree():
+    run = CliRunner().invoke(main, ["analyse", "constraints", "antenna-unit", "--json"])
+    told = json.loads(run.stdout)
+    found = fanfold.constraints("antenna-unit")
+    assert (told["rank"], told["freedoms"]) == (found.rank, found.freedoms) == (72, 30)
+    assert np.isclose(told["smallest_kept"], found.smallest_kept)
+    table = CliRunner().invoke(main, ["analyse", "constraints", "antenna-unit", "--variant", "revolute"])
+    assert "Gruebler" in table.stdout
+    assert "implied by others" in table.stderr
