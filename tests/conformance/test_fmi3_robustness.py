@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import random
-import subprocess
 import zipfile
 from pathlib import Path
 
@@ -11,10 +9,11 @@ import pytest
 from fmpy import read_model_description
 
 from fmus import native_library
+from tests.conformance.programs.damage import damaged_folders
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import START, hinge
-from tests.conformance.programs.sanitized import program
-from tests.conformance.test_native_robustness import NATIVE, damaged
+from tests.conformance.programs.sanitized import program, told
+from tests.conformance.test_native_robustness import NATIVE
 
 HOST = Path(__file__).with_name("programs") / "host3.c"
 DAMAGED = 200
@@ -35,13 +34,8 @@ def unpacked(path, folder):
     return f"{folder}/resources/", read_model_description(str(path)).guid
 
 
-def told(host, cycles, component, token, *resources):
-    scalars = sum(layout.size for layout in component.layouts)
-    command = [str(host), str(cycles), token, str(scalars), *map(str, resources)]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert run.returncode == 0, run.stdout + run.stderr[-3000:]
-    made, _, messages, _ = run.stdout.split()
-    return int(made), int(messages)
+def scalars(component):
+    return sum(layout.size for layout in component.layouts)
 
 
 @pytest.mark.parametrize("kind", [*NATIVE, "latching"])
@@ -49,7 +43,7 @@ def test_is_driven_and_misused_without_a_fault(kind, host, tmp_path):
     component = hinge() if kind == "latching" else KINDS[kind].example()
     start = START if kind == "latching" else start_of(component)
     resources, token = unpacked(built(component, kind, start=start, fmi="3.0"), tmp_path)
-    made, messages = told(host, 20, component, token, resources)
+    made, messages = told(host, 20, token, scalars(component), resources)
     assert made == 20
     assert messages >= 10 * made
 
@@ -59,14 +53,7 @@ def test_damaged_resources_give_a_sentence(kind, host, tmp_path):
     component = KINDS[kind].example()
     path = built(component, kind, start=start_of(component), fmi="3.0")
     resources, token = unpacked(path, tmp_path / "sound")
-    content = Path(resources, "component.bin").read_bytes()
-    generator = random.Random(13)
-    folders = []
-    for k in range(DAMAGED):
-        folder = tmp_path / f"damaged{k}"
-        folder.mkdir()
-        (folder / "component.bin").write_bytes(damaged(content, generator))
-        folders.append(f"{folder}/")
-    made, messages = told(host, 1, component, token, *folders, f"{tmp_path}/nowhere/")
+    folders = [f"{folder}/" for folder in damaged_folders(resources, tmp_path, DAMAGED, seed=13)]
+    made, messages = told(host, 1, token, scalars(component), *folders, f"{tmp_path}/nowhere/")
     assert made + messages >= DAMAGED
     assert made < DAMAGED

@@ -9,32 +9,23 @@ goes through a command of the command line; whatever is no sentence is printed w
 from __future__ import annotations
 
 import random
-import sys
-import tempfile
 import traceback
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import process_time
-from typing import Any, NamedTuple
+from typing import Any
 
 import h5py
 import numpy as np
 from click.testing import CliRunner
 
-from orchestrator.cli.main import main
+from orchestrator.cli.main import main as command_line
+from tests.benchmark.faults.listing import Fault, main
 from tests.references import synthetic_result
 
 SLOWEST = 60.0
 """s of processor time; a reader that takes longer hangs."""
 Dice = random.Random
-
-
-class Fault(NamedTuple):
-    """A reader that did not answer with a sentence: the seed that repeats it, the command, what happened."""
-
-    seed: int
-    command: str
-    what: str
 
 
 def faults(count: int, first: int, folder: Path) -> Iterator[Fault]:
@@ -50,12 +41,12 @@ def faults(count: int, first: int, folder: Path) -> Iterator[Fault]:
         if process_time() - start > SLOWEST:
             what = f"took {process_time() - start:.0f} s of processor time"
         if what:
-            yield Fault(seed, command[0], what)
+            yield Fault(seed, f"{command[0]}: {what}")
 
 
 def answer(command: list[str]) -> str:
     """What went wrong with the answer of a command: an exception, or a terminal escape; empty for a good one."""
-    run = CliRunner().invoke(main, command)
+    run = CliRunner().invoke(command_line, command)
     if run.exception is not None and not isinstance(run.exception, SystemExit):
         return "".join(traceback.format_exception(run.exception)[-2:])
     return "a terminal escape" if "\x1b" in run.output else ""
@@ -125,11 +116,4 @@ _VALUES: tuple[Any, ...] = (
 
 
 if __name__ == "__main__":
-    number, start_seed = map(int, (*sys.argv[1:], *("300", "0")[len(sys.argv) - 1 :])[:2])
-    with tempfile.TemporaryDirectory() as place:
-        listed = []
-        for fault in faults(number, start_seed, Path(place)):
-            listed.append(fault)
-            print(f"seed {fault.seed}, {fault.command}: {fault.what}", flush=True)
-    print(f"{number} tampered results from seed {start_seed}: {len(listed)} answers that are no sentence")
-    sys.exit(bool(listed))
+    main(faults, "tampered results", 300)

@@ -12,21 +12,20 @@ from __future__ import annotations
 
 import random
 import signal
-import sys
-import tempfile
 import tomllib
 import traceback
 import warnings
 from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import tomli_w
 
 import orchestrator as fanfold
 from orchestrator.scene import find_scene, list_scenes
+from tests.benchmark.faults.listing import Fault, main
 
 SLOWEST = 120
 """s; what takes longer hangs."""
@@ -40,13 +39,6 @@ _VALUES: tuple[Any, ...] = (
     "1e9 N.m", "5 kg", "1e-12 ms", True, [], {}, [[]], "[/bold]", "\x1b[31m", "é", "a.b", "base", [0, 0, 0],
     ["1 m"] * 3, 10**30, {"name": "x"}, [{"name": "x"}],
 )  # fmt: skip
-
-
-class Fault(NamedTuple):
-    """A scene that was not refused with a sentence: the seed that repeats it, and what happened."""
-
-    seed: int
-    what: str
 
 
 def faults(count: int, first: int, folder: Path, run_every: int = 10) -> Iterator[Fault]:
@@ -183,11 +175,4 @@ def _places(value: Any) -> Iterator[tuple[Any, Any]]:
 
 
 if __name__ == "__main__":
-    number, start_seed = map(int, (*sys.argv[1:], *("3000", "0")[len(sys.argv) - 1 :])[:2])
-    with tempfile.TemporaryDirectory() as place:
-        listed = []
-        for fault in faults(number, start_seed, Path(place)):
-            listed.append(fault)
-            print(f"seed {fault.seed}: {fault.what}", flush=True)
-    print(f"{number} mutated scenes from seed {start_seed}: {len(listed)} answers that are no sentence")
-    sys.exit(bool(listed))
+    main(faults, "mutated scenes", 3000)

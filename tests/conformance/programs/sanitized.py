@@ -24,3 +24,11 @@ def program(host, folder):
         pytest.skip("the compiler has no sanitizers")
     assert run.returncode == 0, run.stderr[-2000:]
     return made
+
+
+def told(host, *arguments):
+    """Numbers of instances that the program made, and of messages that they gave."""
+    run = subprocess.run([host, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stdout + run.stderr[-3000:]
+    made, _, messages, _ = run.stdout.split()
+    return int(made), int(messages)
