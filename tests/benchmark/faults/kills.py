@@ -1,0 +1,155 @@
+"""Does a killed run leave a result that can be read, and does it go on as if nothing had been? Runs are killed by seed.
+
+    python -m tests.benchmark.faults.kills [COUNT] [FIRST_SEED]
+
+Runs of the command line are killed (SIGKILL) at a random moment between their start and their end, resumed where they
+left a checkpoint, by chance killed again, and compared bit by bit with the run that was not interrupted. A file that
+cannot be read, a resumption that fails or another bit is printed with its seed, and the exit code is 1.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from random import Random
+from time import monotonic
+from typing import NamedTuple
+
+import numpy as np
+
+from orchestrator.results.result import Result, ResultError
+from orchestrator.run.checkpoint import checkpoint_file
+
+RUNS: tuple[tuple[str, ...], ...] = (
+    ("amos3", "--rigid", "all", "--checkpoint", "0.4"),
+    ("amos3", "--variant", "spring_latch", "--rigid", "all", "--no-estimate", "--checkpoint", "1"),
+    ("amos3", "--no-estimate", "--checkpoint", "0.6"),
+    ("amos3-ground", "--rigid", "all", "--no-estimate", "--checkpoint", "0.5"),
+    ("bepicolombo", "--rigid", "all", "--no-estimate", "--checkpoint", "0.3"),
+    ("workbench", "--no-estimate", "--checkpoint", "0.02"),
+)
+_FIRST_ROW = "before its first communication point"
+_LONGEST = 600
+_RESUMED = 0.7
+"""Probability that a resumed run is not killed again."""
+_FANFOLD = (sys.executable, "-c", "from orchestrator.cli.main import main; main()")
+
+
+class Kill(NamedTuple):
+    """One killed run: the seed that repeats it, the run, what it left, and what was wrong, empty for nothing."""
+
+    seed: int
+    command: tuple[str, ...]
+    left: str
+    fault: str
+
+
+class Whole(NamedTuple):
+    """A run that was not interrupted: its result, and how long it took (s)."""
+
+    result: Path
+    seconds: float
+
+
+def kills(count: int, first: int, folder: Path, runs: Sequence[tuple[str, ...]] = RUNS) -> Iterator[Kill]:
+    """So many kills, each of one of the runs."""
+    wholes: dict[tuple[str, ...], Whole] = {}
+    for seed in range(first, first + count):
+        dice = Random(seed)
+        command = dice.choice(runs)
+        if command not in wholes:
+            path, start = folder / f"whole{len(wholes)}.h5", monotonic()
+            if said := _run(folder, "run", *command, "--output", str(path)):
+                raise RuntimeError(f"{' '.join(command)}: {said}")
+            wholes[command] = Whole(path, monotonic() - start)
+        yield Kill(seed, command, *_kill_and_go_on(dice, command, wholes[command], folder))
+
+
+def _kill_and_go_on(dice: Random, command: tuple[str, ...], whole: Whole, folder: Path) -> tuple[str, str]:
+    """What the run left, and what was wrong."""
+    path = folder / "cut.h5"
+    for old in folder.glob("cut.h5*"):
+        old.unlink()
+    start: tuple[str, ...] = ("run", *command, "--output", str(path))
+    while True:
+        _kill(folder, dice.uniform(0.0, whole.seconds), *start)
+        left, fault = _left(path)
+        if fault or not checkpoint_file(path).exists():
+            return left, fault
+        start = ("resume", str(path))
+        if dice.random() < _RESUMED:
+            return "a checkpoint", _run(folder, *start) or _differences(whole.result, path)
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    return {**os.environ, "TMPDIR": str(folder), "OMP_NUM_THREADS": "1"}
+
+
+def _run(folder: Path, *arguments: str) -> str:
+    """Run a command; what it said where it did not end well."""
+    done = subprocess.run(
+        [*_FANFOLD, *arguments],
+        env=_environment(folder), capture_output=True, text=True, timeout=_LONGEST,
+    )  # fmt: skip
+    return "" if done.returncode == 0 and "Traceback" not in done.stderr else done.stderr[-500:] or "no word"
+
+
+def _kill(folder: Path, after: float, *arguments: str) -> None:
+    """Run a command and kill it after some time (s), if it has not ended by then."""
+    process = subprocess.Popen(
+        [*_FANFOLD, *arguments],
+        env=_environment(folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        process.wait(after)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _left(path: Path) -> tuple[str, str]:
+    """What there is of a result, and why it cannot be read; no row may be there yet, and no file."""
+    if not path.exists():
+        return "nothing", ""
+    try:
+        result = Result.open(path)
+        for component in result.components:
+            for variable in result.variables(component):
+                result.signal(component, variable)
+    except ResultError as error:
+        return "no row", "" if _FIRST_ROW in str(error) else str(error)
+    return "everything" if result.complete else "rows", ""
+
+
+def _differences(one: Path, other: Path) -> str:
+    """The first signal in which two results differ."""
+    a, b = Result.open(one), Result.open(other)
+    if not b.complete or not np.array_equal(a.time, b.time) or a.events != b.events:
+        return (
+            f"complete {b.complete}, {a.time.size} and {b.time.size} rows, events {a.events} and {b.events}"
+        )
+    for component in a.components:
+        for variable in a.variables(component):
+            if not np.array_equal(a.signal(component, variable), b.signal(component, variable)):
+                return f"{component}.{variable} differs"
+    return ""
+
+
+if __name__ == "__main__":
+    number, start_seed = map(int, (*sys.argv[1:], *("100", "0")[len(sys.argv) - 1 :])[:2])
+    with tempfile.TemporaryDirectory() as place:
+        listed = []
+        for kill in kills(number, start_seed, Path(place)):
+            listed.append(kill)
+            if kill.fault:
+                print(f"seed {kill.seed}, {' '.join(kill.command)}: {kill.fault}", flush=True)
+    left = Counter(kill.left for kill in listed)
+    print(
+        f"{number} kills from seed {start_seed}; left: {', '.join(f'{what} {n}' for what, n in left.items())}"
+    )
+    sys.exit(any(kill.fault for kill in listed))

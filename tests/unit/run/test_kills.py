@@ -1,0 +1,14 @@
+"""A sample of the runs that `python -m tests.benchmark.faults.kills` kills."""
+
+import sys
+
+import pytest
+
+from tests.benchmark.faults.kills import RUNS, kills
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
+def test_killed_runs_are_readable_and_go_on(tmp_path):
+    """Identity of every bit after kills, from checkpoints where there are any; no file that cannot be read."""
+    found = list(kills(2, 0, tmp_path, RUNS[:1]))
+    assert [kill.fault for kill in found] == [""] * 2
