@@ -17,23 +17,31 @@ VARIANTS = ("without_spacers", "diagonal", "revolute", "step5", "as_published")
 CHAINS = [f"{side}_base_{corner}" for side in "xy" for corner in range(1, 5)]
 
 
+LINKS = {"rigid": (3.9405, 0.13113), "flexible": (3.7445, 0.11246)}
+"""Mass (kg) and inertia (kg.m2) of a link: with rounded ends, and the beam, which has none."""
+
+ROUNDED = {(16, "rigid"): 0.0005, (16, "flexible"): 0.0045, (8, "rigid"): 0.0089, (8, "flexible"): 0.0172}
+"""What the thesis rounds away of a link (kg): 3.94, 3.74, 3.37 and 3.2 for 3.9405, 3.7445, 3.3789 and 3.1828."""
+
+
 @cache
-def run(variant=()):
-    return fanfold.simulate(fanfold.load("antenna-unit", variant=variant), estimate=False)
+def run(variant=(), links="rigid"):
+    flexible = "all" if links == "flexible" else ()
+    return fanfold.simulate(fanfold.load("antenna-unit", variant=variant), flexible=flexible, estimate=False)
 
 
 def mass(part):
     return float(np.ravel(part.structure["modal"]["mass"])[0])
 
 
-def reference(result):
+def reference(result, links="rigid"):
     """The closed form at the rows of a result of `verification`, and the mass of the top (kg)."""
     t = np.array(result["motion", "distance"].time)
     law = MotionLaw(
         [{"profile": "constant", "value": 0.12}, {"profile": "step5", "duration": 1.0, "change": 0.96}]
     )
     path = [np.array([function(s) for s in t]) for function in (law.value, law.rate, law.acceleration)]
-    return t, Dyad(LINK, 3.9405, 0.13113, *path), 32.309
+    return t, Dyad(LINK, *LINKS[links], *path), 32.309
 
 
 def test_the_closed_form_is_the_data_sheet():
@@ -64,13 +72,15 @@ def test_the_closed_form_keeps_the_energy():
     assert now.top[:, 1] * now.rate == pytest.approx(power, abs=1e-5)
 
 
-def test_verification_follows_the_closed_form():
+@pytest.mark.parametrize("links", LINKS)
+def test_verification_follows_the_closed_form(links):
     """From 0.1 s on, after the vibration of the mid joints that the start excites, within what the design asks.
 
     Angle 0.02 deg, work 0.1 %; forces within 1.5 N and 1 %: at 0.1 s a hundredth of the 300 N of the start is left.
+    Links bend by micrometres, so those that can follow it as well.
     """
-    result = run("verification")
-    t, chain, top = reference(result)
+    result = run("verification", links)
+    t, chain, top = reference(result, links)
     after = t > 0.1
     angle = result["x_mid_1", "angle"][:]
     assert np.degrees(np.abs(np.abs(angle) - 2 * chain.angle))[after].max() < 0.02
@@ -81,8 +91,11 @@ def test_verification_follows_the_closed_form():
     closed_form = np.hypot(*chain.base.T)
     assert np.all(np.abs(force - closed_form)[after] < 1.5 + 0.01 * closed_form[after])
     assert np.interp(0.5, t, np.degrees(np.abs(angle)) / 2) == pytest.approx(30.0, abs=0.02)
-    assert np.interp(0.5, t, result["motion", "supplied_energy"][:]) == pytest.approx(89.65, rel=1e-3)
-    assert np.interp(0.5, t, result["motion", "motion_force"][:]) == pytest.approx(12.95, abs=1.5)
+    half_way = np.interp(0.5, t, 8 * chain.top[:, 1] + top * chain.acceleration)
+    assert np.interp(0.5, t, result["motion", "motion_force"][:]) == pytest.approx(half_way, abs=1.5)
+    assert np.interp(0.5, t, result["motion", "supplied_energy"][:]) == pytest.approx(
+        np.interp(0.5, t, energy), rel=1e-3
+    )
 
 
 @pytest.mark.parametrize("variant", ["verification", *VARIANTS])
@@ -115,16 +128,21 @@ def test_axial_forces_of_both_links_are_mirror_images():
 
 
 @pytest.mark.parametrize(
-    ("variant", "links", "heights", "rigid"),
-    [((), 16, (0.212, 1.388), 95.40), ("without_spacers", 16, (0.012, 1.188), 88.79),
-     ("diagonal", 8, (0.0102, 1.0098), 52.79)],
+    ("variant", "links", "heights", "rigid", "flexible"),
+    [((), 16, (0.212, 1.388), 95.31, 92.11), ("without_spacers", 16, (0.012, 1.188), 88.77, 85.57),
+     ("diagonal", 8, (0.0102, 1.0098), 52.69, 51.33)],
 )  # fmt: skip
-def test_masses_and_heights_of_the_data_sheet(variant, links, heights, rigid):
-    """M2 and M3: 16, 16, 8 links; totals of 127.58, 114.5, 78.42 kg less the base frame of 32.27, 25.73, 25.73."""
+def test_masses_and_heights_of_the_data_sheet(variant, links, heights, rigid, flexible):
+    """M2 and M3: 16, 16, 8 links; totals less a base frame of 32.27 or 25.73 kg.
+
+    With rigid links 127.58, 114.5, 78.42 kg, with flexible ones 124.38, 111.3, 77.06 kg.
+    """
     scene = load_scene(find_scene("antenna-unit"), [variant] if variant else [])
-    parts = [part for part in assemble(scene).parts if part.kind == "body"]
-    assert len(parts) == 1 + links
-    assert sum(map(mass, parts)) == pytest.approx(rigid, rel=1e-3)
+    for kind, total in (("rigid", rigid), ("flexible", flexible)):
+        parts = [part for part in assemble(scene, **{kind: ("all",)}).parts if part.kind == "body"]
+        assert len(parts) == 1 + links
+        rounded = links * ROUNDED[links, kind]
+        assert sum(map(mass, parts)) == pytest.approx(total, abs=1e-3 * total + rounded)
     height = run(variant)["top", "frame_position"][:][:, 2]
     assert (height[0], height.max()) == pytest.approx(heights, abs=1e-4)
 
