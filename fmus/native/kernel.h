@@ -61,6 +61,11 @@ typedef struct {
     int (*step_complex)(void *self, const double *x, const double complex *u, double h,
                         double complex *x_next, Reason *why);
     void (*outputs_complex)(void *self, const double complex *x, const double complex *u, double complex *y);
+    /* Derivatives of the wrenches of all ports, with slopes, over the step from x by the motions of the ports at its end:
+       a row for each of a port's force, torque and their slopes, a column for each of its position, rotation vector,
+       first moments of velocity and angular velocity, velocity, angular velocity, world axes. 0 where there are none for
+       this step or for so many ports; NULL where there never are, and the core takes a step for every column. */
+    int (*stiffness)(void *self, const double *x, const double *u, double h, size_t ports, double *matrix);
     /* Both NULL for components without events. Time until the next event if the motion of the inputs goes on:
        0 when it is due already, INFINITY when none is coming. */
     double (*next_event)(void *self, const double *x, const double *u);

@@ -22,7 +22,8 @@ class Calls(Structure):
     """A participant as the native solver calls it: functions, references, arrays, saved state; then its ports."""
 
     _fields_ = (
-        *_fields(c_void_p, "component set_real get_real do_step get_state set_state free_state derivative"),
+        *_fields(c_void_p, "component set_real get_real do_step get_state set_state free_state"),
+        *_fields(c_void_p, "derivative port_stiffness"),
         *_fields(c_void_p, "input_references output_references observation_references"),
         *_fields(c_size_t, "inputs outputs observations overwrites_state"),
         *_fields(c_void_p, "input output observation saved"),
@@ -96,6 +97,7 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "observe": ((c_void_p,), c_int),
     "mobility": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
     "stiffness": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
+    "stiffness_at_once": ((POINTER(Calls), c_void_p, c_int), c_int),
 }
 
 

@@ -183,6 +183,7 @@ class FmuParticipant:
             ("set_state", self._set_state),
             ("free_state", self._free_state),
             ("derivative", getattr(self._fmu.dll, "fmi2GetDirectionalDerivative", None)),
+            ("port_stiffness", getattr(self._fmu.dll, "fanfoldGetPortStiffness", None)),
         ):
             setattr(record, name, None if function is None else cast(function, c_void_p))
         for name, (references, count, values) in (
@@ -309,16 +310,30 @@ class FmuParticipant:
         compiled = library()
         if compiled is None or not self.directional_derivatives:
             return None
-        self.calls.ports, self.calls.slopes, self.calls.moments = (
-            places.ports,
-            places.slopes or 0,
-            places.moments or 0,
-        )
+        self._note(places)
         matrix, slope = np.empty(width.jacobian(places)), np.empty(self.outputs.size)
         derivatives = compiled.coupling_mobility if places.side == "body" else compiled.coupling_stiffness
         status = derivatives(byref(self.calls), matrix.ctypes.data, slope.ctypes.data, width == WIDTHS[4])
         self.check(status, "give derivatives")
         return matrix
+
+    def jacobian_at_once(self, places: PortPlaces, width: Width) -> Matrix | None:
+        """fanfoldGetPortStiffness, where the FMU has it, answers for this step, and ports are of order 4."""
+        compiled = library()
+        if compiled is None or places.side == "body":
+            return None
+        self._note(places)
+        matrix = np.empty(width.jacobian(places))
+        there = compiled.coupling_stiffness_at_once(byref(self.calls), matrix.ctypes.data, width == WIDTHS[4])
+        return matrix if there else None
+
+    def _note(self, places: PortPlaces) -> None:
+        """Tell the library of the ports."""
+        self.calls.ports, self.calls.slopes, self.calls.moments = (
+            places.ports,
+            places.slopes or 0,
+            places.moments or 0,
+        )
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Set a parameter, also in the saved state, which is the present one between steps."""

@@ -98,6 +98,9 @@ class Participant(Protocol):
         Of a body's motions by its wrenches (coordinates, wrenches), of a connection's wrenches by its motions.
         """
 
+    def jacobian_at_once(self, places: PortPlaces, width: Width) -> Matrix | None:
+        """A connection's interface Jacobian where it costs no more than a few steps; None otherwise."""
+
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; ParticipantError for an unknown name or an impossible value."""
 
@@ -187,6 +190,9 @@ class InProcess:
 
     def interface_jacobian(self, places: PortPlaces, width: Width) -> None:
         """Components tell of their steps by differences only."""
+
+    def jacobian_at_once(self, places: PortPlaces, width: Width) -> None:
+        """Differences take many steps."""
 
     def set_parameter(self, name: str, value: float | Sequence[float]) -> None:
         """Change a parameter; it acts from the next step on."""

@@ -5,10 +5,14 @@
 #include "input_slopes.h"
 #include "real.h"
 
+/* Inputs of the step just made, or of the present instant. */
+static const double *inputs_in_force(Instance *instance) {
+    return instance->stepped ? input_slopes_over_step(instance, instance->step_size) : evaluate_inputs(instance);
+}
+
 /* Inputs with the seed as their imaginary part. */
 static void seeded(Instance *instance, const uint32_t *knowns, size_t count, const double *seed) {
-    const double *u =
-        instance->stepped ? input_slopes_over_step(instance, instance->step_size) : instance->values + instance->ends[0];
+    const double *u = inputs_in_force(instance);
     for (size_t i = 0; i < instance->sizes.inputs; i++)
         instance->complex_inputs[i] = u[i];
     for (size_t i = 0; i < count; i++) {
@@ -55,4 +59,17 @@ Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t 
         if (is_exact(&exact, unknowns[i]))
             result[i] = cimag(instance->complex_outputs[unknowns[i] - instance->ends[1]]) / FANFOLD_INFINITESIMAL;
     return STATUS_OK;
+}
+
+Status instance_port_stiffness(Instance *instance, size_t ports, double *matrix) {
+    const Kernel *kernel = instance->kernel;
+    Reason why = {""};
+    if (!kernel->stiffness || !instance->stepped || instance->mode != MODE_STEP)
+        return STATUS_DISCARD;
+    if (!evaluate_ready(instance, &why))
+        return instance_fail(instance, STATUS_ERROR, "%s", why.text);
+    return kernel->stiffness(instance->self, instance->before, inputs_in_force(instance), instance->step_size, ports,
+                             matrix)
+               ? STATUS_OK
+               : STATUS_DISCARD;
 }

@@ -231,6 +231,11 @@ FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component component,
         instance, unknowns, unknown_count, knowns, known_count, seed, result);
 }
 
+FMI2_EXPORT fmi2Status fanfoldGetPortStiffness(fmi2Component component, size_t ports, fmi2Real stiffness[]) {
+    Instance *instance = fmi2_instance_of(component);
+    return instance ? (fmi2Status)instance_port_stiffness(instance, ports, stiffness) : fmi2Error;
+}
+
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real h, fmi2Boolean no_return) {
     (void)no_return;
     Instance *instance = fmi2_instance_of(component);

@@ -68,6 +68,10 @@ FMI2_EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, fmi2By
 FMI2_EXPORT fmi2Status fmi2DeSerializeFMUstate(fmi2Component, const fmi2Byte[], size_t, fmi2FMUstate *);
 FMI2_EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component, const fmi2ValueReference[], size_t, const
     fmi2ValueReference[], size_t, const fmi2Real[], fmi2Real[]);
+/* Not of the standard: what as many calls of fmi2GetDirectionalDerivative as there are columns give, at once. Right after
+   a step of a connection with so many ports, the derivatives of their wrenches by their motions at its end, as
+   instance_port_stiffness of instance.h says; fmi2Discard where the FMU offers none for this step. */
+FMI2_EXPORT fmi2Status fanfoldGetPortStiffness(fmi2Component, size_t ports, fmi2Real stiffness[]);
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
 FMI2_EXPORT fmi2Status fmi2EnterEventMode(fmi2Component);
 FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component, fmi2EventInfo *);

@@ -7,6 +7,7 @@
 #ifdef FMI2_FUNCTION_PREFIX
 #define FMI2_JOIN(prefix, name) prefix##name
 #define FMI2_NAME(prefix, name) FMI2_JOIN(prefix, name)
+#define fanfoldGetPortStiffness FMI2_NAME(FMI2_FUNCTION_PREFIX, fanfoldGetPortStiffness)
 #define fmi2CancelStep FMI2_NAME(FMI2_FUNCTION_PREFIX, fmi2CancelStep)
 #define fmi2CompletedIntegratorStep FMI2_NAME(FMI2_FUNCTION_PREFIX, fmi2CompletedIntegratorStep)
 #define fmi2DeSerializeFMUstate FMI2_NAME(FMI2_FUNCTION_PREFIX, fmi2DeSerializeFMUstate)

@@ -120,6 +120,10 @@ Status instance_update_discrete_states(Instance *instance);
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                            const uint32_t *knowns, size_t known_count, const double *seed, double *result);
 
+/* Derivatives of the wrenches of all ports over the step just made by the motions of the ports at its end, as `stiffness`
+   of the kernel has them; STATUS_DISCARD where the component has none for this step. */
+Status instance_port_stiffness(Instance *instance, size_t ports, double *matrix);
+
 /* Save into *state, which is made where it is NULL and reused otherwise. */
 Status instance_save(Instance *instance, SavedState **state);
 Status instance_restore(Instance *instance, const SavedState *state);

@@ -3,12 +3,14 @@
 
 #include "hinge_step.h"
 #include "hinge_exchange.h"
+#include "hinge_stiffness.h"
 
 #ifndef FANFOLD_COMPLEX
 
 #include "hinge_data.h"
 
 DECLARE_COMPLEX(hinge)
+int hinge_stiffness(void *self, const double *x, const double *u, double h, size_t ports, double *matrix);
 
 /* Unlatched, at the pose of the inputs; the angle is the one nearest the stowed angle. */
 static int hinge_initial(void *self, const double *u, double *x, Reason *why) {
@@ -116,6 +118,7 @@ const Kernel hinge_kernel = {
     CONNECTION_FUNCTIONS(hinge, hinge),
     .next_event = hinge_next_event,
     .event = hinge_event,
+    .stiffness = hinge_stiffness,
     .indicators = hinge_indicators,
     .update = hinge_update,
 };

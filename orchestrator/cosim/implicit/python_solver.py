@@ -154,9 +154,19 @@ class PythonSolver(Solver):
     def _direction(self, residual: Vector) -> Vector:
         return self._system.solve(residual)
 
+    def _present(self, stiffnesses: Matrices) -> list[Matrix]:
+        """Connections that give theirs at once: about the step just made; the others: as they were, turned."""
+        network, turned = self.network, stiffnesses.turned()
+        for i, (connection, places) in enumerate(
+            zip(network.connections, network.connection_places, strict=True)
+        ):
+            present = connection.jacobian_at_once(places, network.width)
+            turned[i] = turned[i] if present is None else present
+        return turned
+
     def _factorize(self, mobilities: Matrices, stiffnesses: Matrices, h: float) -> None:
         network = self.network
-        self._mobilities, turned = mobilities.turned(), stiffnesses.turned()
+        self._mobilities, turned = mobilities.turned(), self._present(stiffnesses)
         self._system.factorize(self._mobilities, turned)
         self._extent = Extent.of(
             connection.inputs[: 13 * len(ports)]

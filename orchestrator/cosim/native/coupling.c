@@ -354,3 +354,8 @@ EXPORT int coupling_mobility(const Participant *p, double *matrix, double *slope
 EXPORT int coupling_stiffness(const Participant *p, double *matrix, double *slope, int with_slopes) {
     return stiffness_of(p, width_of(with_slopes), matrix, slope);
 }
+
+/* The same where the participant gives it at once; 1 or 0. */
+EXPORT int coupling_stiffness_at_once(const Participant *p, double *matrix, int with_slopes) {
+    return stiffness_at_once(p, width_of(with_slopes), matrix);
+}

@@ -15,6 +15,7 @@ typedef int DoStep(void *, double, double, int);
 typedef int GetState(void *, void **);
 typedef int SetState(void *, void *);
 typedef int FreeState(void *, void **);
+typedef int PortStiffness(void *, size_t, double *);
 typedef int Derivative(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
 
 /* An FMU: its functions, its arrays, and the cell of its saved state; the links of its ports. */
@@ -27,6 +28,7 @@ typedef struct {
     SetState *set_state;
     FreeState *free_state;
     Derivative *derivative;
+    PortStiffness *port_stiffness; /* of a connection that has all columns at once; or NULL */
     const unsigned *input_references, *output_references, *observation_references;
     size_t inputs, outputs, observations, overwrites_state;
     double *input, *output, *observation;
@@ -110,10 +112,17 @@ static Displacement displacement(const Participant *p, Width width, size_t port,
     return found;
 }
 
+/* The same matrix as `stiffness_of` at once, about the step just made; 0 where a participant does not offer that. */
+static int stiffness_at_once(const Participant *p, Width width, double *matrix) {
+    return p->port_stiffness && p->slopes && p->moments && width.wrench == 2 * WRENCH &&
+           p->port_stiffness(p->component, p->ports, matrix) <= FMI_WARNING;
+}
+
 /* Derivative of a connection's wrenches (wrenches, coordinates) by its motions over the step just made; slope: room
    for all outputs. FMI status. */
 static int stiffness_of(const Participant *p, Width width, double *matrix, double *slope) {
     const size_t columns = width.coordinates * p->ports;
+    if (stiffness_at_once(p, width, matrix)) return 0;
     for (size_t column = 0; column < columns; column++) {
         const Displacement by = displacement(p, width, column / width.coordinates, column % width.coordinates);
         memset(slope, 0, p->outputs * sizeof(double));

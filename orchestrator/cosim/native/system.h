@@ -115,7 +115,7 @@ VECTORISED static void assemble(Network *n) {
         if (i < n->bodies)
             turn(n->mobility + i, p->output, width.coordinates * p->ports, width.wrench * p->ports,
                  width.coordinates, used, p->turned);
-        else
+        else if (!stiffness_at_once(p, width, p->turned))
             turn(n->stiffness + i - n->bodies, p->input, width.wrench * p->ports, width.coordinates * p->ports, 1, 1,
                  p->turned);
     }

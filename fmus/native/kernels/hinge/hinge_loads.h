@@ -91,8 +91,9 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         {0.0, 0.0, 0.0},
         {0.0, 0.0, 0.0},
     };
+    loads.about_line[0] = twist;
     if (hinge->base.paired) {
-        twist = slope[HINGE_ANGLE] + motor.slope + harness.slope + latch.slope;
+        twist = loads.about_line[1] = slope[HINGE_ANGLE] + motor.slope + harness.slope + latch.slope;
         loads.force_slope = (Vector3){slope[0], slope[1], slope[2]};
         loads.torque_slope = conjugate_torque(twist, (Transverse){slope[4], slope[5]}, swing);
     }

@@ -37,11 +37,13 @@ typedef struct Grip {
 } Grip;
 
 /* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping,
-   what the scheme took away; the slopes of force and torque, zero at order 2. */
+   what the scheme took away; the slopes of force and torque, zero at order 2; of a step, what turns about the hinge line,
+   and its slope. */
 typedef struct Loads {
     Vector3 force, torque;
     real latch_torque, friction_torque, heat[HEAT_CAUSES], numerical;
     Vector3 force_slope, torque_slope;
+    real about_line[2];
 } Loads;
 
 /* Mean loads of the bushing in the six coordinates and of the latch. */
