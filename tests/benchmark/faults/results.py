@@ -109,9 +109,10 @@ def _alter(dice: Dice, file: Any, place: str) -> None:
 
 _NAMES = ("[/bold]", "\x1b[31m", "<b>", "$\\frac{", "{}", " ", "é", "x" * 300)
 _VALUES: tuple[Any, ...] = (
-    np.nan, np.inf, 0.0, -1, 1e308, "", "[/bold]", "\x1b[2J", "null", "[]", "{}", "[" * 5000, '[{"name": 1}]', "\0",
-    np.zeros(0), np.zeros((3, 3)), np.full(50, np.nan), np.full((2000, 4), 1e308), np.arange(10)[::-1].astype(float),
-    np.ones((5, 3, 2)), np.array([1 + 2j] * 9), np.array([b"a", b"b"]), np.array([[10**6] * 4]), np.array([True] * 4),
+    np.nan, np.inf, 0.0, -1, 1e308, "", "[/bold]", "\x1b[2J", "null", "[]", "{}", "[" * 5000, '[{"name": 1}]',
+    np.bytes_(b"a\0b"), np.zeros(0), np.zeros((3, 3)), np.full(50, np.nan), np.full((2000, 4), 1e308),
+    np.arange(10.0)[::-1], np.ones((5, 3, 2)), np.array([1 + 2j] * 9), np.array([b"a", b"b"]),
+    np.array([[10**6] * 4]), np.array([True] * 4),
 )  # fmt: skip
 
 
