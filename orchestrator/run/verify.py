@@ -1,8 +1,8 @@
 """How far off is a run? Repeat it with every step halved, twice, and extrapolate each headline number.
 
-The accepted steps are replayed segment by segment between events. The scheme is symmetric, so its error
-has an even expansion in the step size and Richardson's extrapolation with order 2 applies (section 5 of
-the coupling design); the order that was observed is reported beside it, whatever it is.
+The accepted steps are replayed segment by segment between events. Richardson's extrapolation goes by the order that a
+number shows, between 1 and that of the coupling: rotations are of order 2 where vibrations are of order 4, and what is
+not resolved has none. The order that was observed is reported beside it, whatever it is.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from math import isfinite, log2
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
+from ..cosim.ports import Order
 from ..results.key_figures import Number
 from .run import Loader, Outcome, RunError, as_fmus, run
 
@@ -74,7 +75,7 @@ def verify(
         numbers.append(_by_name(finer))
     first, second, third = numbers
     return [
-        _verified(number, second[key].value, third[key].value)
+        _verified(number, second[key].value, third[key].value, outcome.order)
         for key, number in first.items()
         if key in second and key in third
     ]
@@ -89,11 +90,12 @@ def _by_name(outcome: Outcome) -> dict[tuple[str, str], Number]:
     }
 
 
-def _verified(number: Number, second: float, third: float) -> Verified:
+def _verified(number: Number, second: float, third: float, coupling: Order) -> Verified:
     coarse, fine = number.value - second, second - third
-    extrapolated = third + (third - second) / 3.0
     noise = 1e-9 * abs(third)
     order = log2(abs(coarse / fine)) if abs(fine) > noise and abs(coarse) > noise else None
+    power = coupling if order is None else min(max(order, 1.0), coupling)
+    extrapolated = third + (third - second) / (2.0**power - 1.0)
     return Verified(
         number,
         extrapolated,

@@ -60,12 +60,12 @@ def verified(tmp_path_factory):
     return outcome, found, {(n.quantity, n.of): n.value for n in tight.headline.numbers()}
 
 
-KNOWN = 5e-7
-"""Relative accuracy of the tight run, off which extrapolated latch torques lie by that much whatever is recorded."""
+KNOWN = 1e-9
+"""Relative accuracy to which rounding leaves the instant of an event known."""
 
 
 def ratios(verified, *quantities):
-    """Estimated over true error of the named quantities, both beside what the tight run knows of the truth.
+    """Estimated over true error of the named quantities, both beside rounding.
 
     What is zero by symmetry has no error to estimate.
     """
