@@ -7,7 +7,8 @@
 #include "bushing.h"
 #include "laws.h"
 
-/* Load of a discrete gradient, a tangent of its law and a damper over a step; numerical damping by the roughness. */
+/* Load of a discrete gradient, a tangent of its law and a damper over a step; numerical damping of the slope by the
+   roughness. */
 static inline MeanLoad workless_load(real elastic, real tangent, real damping, const StepMotion *m,
                                      double roughness) {
     real change = m->end - m->start, numerical = 0.0;
@@ -15,9 +16,9 @@ static inline MeanLoad workless_load(real elastic, real tangent, real damping, c
     real mean = change / m->h, slope = 3.0 * m->moment / m->h;
     real square = mean * change + slope * m->moment;
     return (MeanLoad){
-        elastic + 0.5 * tangent * m->moment - (damping + numerical) * mean,
+        elastic + 0.5 * tangent * m->moment - damping * mean,
         damping * square,
-        numerical * square,
+        numerical * slope * m->moment,
         -0.5 * tangent * change - (damping + numerical) * slope,
     };
 }
