@@ -20,6 +20,7 @@ from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
 from .latch_up import (
     StiffenedLine,
+    Stiffening,
     slopes,
     stiffened_line,
     stiffened_line_of,
@@ -345,20 +346,29 @@ class Master(CoSimulation):
         if line.kinematic or not self._controlled:
             self._command(LATCH_COMMAND.name, 1.0, line.hinges)
             return min(h, self.settings.event_step)
-        size = min(self._sizes.largest, _LONGEST_SWING)
-        solver.linearize(self.time, size)
         before = slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         after = slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            slow = stiffened_line(solver, hinges, size)
+            slow, size = self._swinging(hinges)
             self._latched.append(slow)
             self._judge_latches()
-            h = self._resolving(slow, size, h)
+            h = self._resolving(slow, size, h) if slow.fastest else min(h, self.settings.event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
+
+    def _swinging(self, hinges: tuple[Stiffening, ...]) -> tuple[StiffenedLine, float]:
+        """How a latched line swings as a whole, and the step size (s) that tells: the longest that does."""
+        size = min(self._sizes.largest, _LONGEST_SWING)
+        for _ in range(_FREQUENCY_SEARCH):
+            self.solver.linearize(self.time, size)
+            line = stiffened_line(self.solver, hinges, size)
+            if line.fastest:
+                break
+            size *= 0.5
+        return line, size
 
     def _resolving(self, line: StiffenedLine, size: float, h: float) -> float:
         """A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s).

@@ -85,3 +85,18 @@ def test_what_does_not_change_is_left_out():
     solver = at_latch_up(1e6)
     same = slopes(solver, HINGES, 0.0, STEP)
     assert stiffenings(solver, HINGES, same, same, STEP) == ()
+
+
+def test_a_hinge_that_would_turn_against_its_torque_tells_nothing(line):
+    """Rule: derivatives of a step too long for the motion give no frequency, not that of a wing at rest."""
+    solver = at_latch_up(1e9)
+
+    class Reversed:
+        network = solver.network
+
+        @staticmethod
+        def displacements(wrenches):
+            return -solver.displacements(wrenches)
+
+    assert stiffened_line(Reversed, line.hinges, STEP).fastest == 0.0
+    assert stiffened_line(solver, line.hinges, STEP).fastest > 0.0
