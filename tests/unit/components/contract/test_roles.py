@@ -72,17 +72,18 @@ def test_roles_of_observations_have_their_units(kind):
 @pytest.mark.parametrize("kind", CONNECTIONS)
 @pytest.mark.parametrize("order", [2.0, 4.0])
 def test_an_impulse_leaves_no_memory_of_motion(kind, order):
-    """After an impulse loads follow from the present alone, whether the step before took 1 or 100 ms.
+    """After an impulse loads follow from the present alone, whether the step before took 1 or 50 ms.
 
-    What has no such input must not remember at all: a plain step is then no different.
+    What has no such input must not remember at all: a plain step is then no different. Clocks show the same time.
     """
     seen = []
-    for h in (1e-3, 0.1):
+    for h in (1e-3, 0.05):
         instance, move = running(kind, 3)
         if roles.ORDER.name in instance.component.parameter_layout:
             instance.set(roles.ORDER.name, order)
             instance.set_parameters(instance.parameters.copy())
             instance.initialize()
+        instance.step(0.1 - h)
         move()
         instance.step(h)
         if roles.IMPULSE.name in instance.component.input_layout:

@@ -190,10 +190,13 @@ def wrench_errors(h, structure):
     ids=["linear", "table"],
 )
 def test_mean_and_slope_are_of_order_four_and_three(structure):
-    """Along a prescribed path with exact moments: the errors of the mean go with h^4, of the slope with h^3."""
+    """Along a prescribed path with exact moments: the errors of the mean go with h^4, of the slope with h^3.
+
+    Beside linear laws the mean is exact, up to the rounding of divided differences.
+    """
     errors = np.array([wrench_errors(h, structure) for h in (0.1, 0.05, 0.025)])
     orders = np.log2(errors[:-1] / errors[1:])
-    assert np.all(orders[:, 0] > 3.5)
+    assert np.all((orders[:, 0] > 3.5) | (errors[1:, 0] < 1e-10))
     assert np.all(orders[:, 1] > 2.5)
 
 
