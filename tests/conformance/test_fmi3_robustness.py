@@ -24,7 +24,7 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no na
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """The host with all native sources in one program."""
-    return program(HOST, tmp_path_factory.mktemp("host3"))
+    return program(HOST, tmp_path_factory)
 
 
 def unpacked(path, folder):

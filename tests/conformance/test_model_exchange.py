@@ -132,7 +132,7 @@ def test_mean_wrenches_and_python_fmus_are_for_co_simulation_only():
 
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
-    return program(HOST, tmp_path_factory.mktemp("host"))
+    return program(HOST, tmp_path_factory)
 
 
 def sizes(component):

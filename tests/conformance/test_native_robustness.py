@@ -26,7 +26,7 @@ DAMAGED = 300
 @pytest.fixture(scope="module")
 def host(tmp_path_factory):
     """The host with all native sources in one program."""
-    return program(HOST, tmp_path_factory.mktemp("host"))
+    return program(HOST, tmp_path_factory)
 
 
 def unpacked(kind, folder):

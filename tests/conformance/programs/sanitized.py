@@ -2,28 +2,54 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
+from pathlib import Path
 
 import pytest
 
+from components.cache.locks import hold
 from fmus.native import FLAGS, compiler, sources
 
 SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 
-def program(host, folder):
-    """The path of the program made of the host's source file; skips the test where there are no sanitizers."""
-    own = {path.name: path.read_text(encoding="utf-8") for path in (host, *host.parent.glob("*.h"))}
-    for name, text in {**sources(), **own}.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility"))]
-    made = folder / host.stem
-    command = [*compiler(), *flags, *SANITIZERS, *map(str, folder.glob("*.c")), "-o", str(made), "-lm"]
-    run = subprocess.run(command, capture_output=True, text=True)
+def program(host, temporary):
+    """The path of the program made of the host's source file; skips the test where there are no sanitizers.
+
+    temporary: pytest's factory of folders. What all programs share is compiled once a session.
+    """
+    shared = _shared_folder(temporary) / "sanitized"
+    shared.mkdir(exist_ok=True)
+    lock = hold(shared)
+    try:
+        if not list(shared.glob("*.o")):
+            for name, text in sources().items():
+                (shared / name).write_text(text, encoding="utf-8")
+            _compile(["-c", *(path.name for path in shared.glob("*.c"))], shared)
+    finally:
+        os.close(lock)
+    made = temporary.mktemp("host") / host.stem
+    _compile(
+        [str(host), f"-I{host.parent}", f"-I{shared}", *map(str, shared.glob("*.o")), "-o", str(made), "-lm"],
+        shared,
+    )
+    return made
+
+
+def _shared_folder(temporary) -> Path:
+    """That of the session, the parent of its workers' where there are some."""
+    own = temporary.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
+def _compile(arguments, folder):
+    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility", "-shared"))]
+    command = [*compiler(), *flags, *SANITIZERS, *arguments]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     if "cannot find" in run.stderr and "san" in run.stderr:
         pytest.skip("the compiler has no sanitizers")
     assert run.returncode == 0, run.stderr[-2000:]
-    return made
 
 
 def told(host, *arguments):

@@ -1,4 +1,7 @@
-"""Order, tolerance and energy: errors against tight runs, on scenes of one and two panels in process."""
+"""Order, tolerance and energy: errors against tight runs, on scenes of one and two panels.
+
+As native FMUs, where a compiler has made them; without, the same in process takes minutes.
+"""
 
 from functools import cache
 
@@ -6,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from fmus import native_library
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.master import Settings
 from orchestrator.scene.builder import Scene
@@ -25,7 +29,10 @@ def solved():
         built = SCENES[name]
         scene = assemble((undamped_scene(built) if undamped else built).check())
         options = Settings(**{"largest_step": scene.largest_step, **settings})
-        outcome = run(scene.parts, scene.links, scene.hinge_lines, until or scene.until, options)
+        native = native_library() is not None
+        outcome = run(
+            scene.parts, scene.links, scene.hinge_lines, until or scene.until, options, native=native
+        )
         assert not outcome.failure
         return scene, outcome.record
 
