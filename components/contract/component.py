@@ -41,6 +41,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -234,6 +235,11 @@ class Component(ABC):
         parameters by name from the declared layouts, so they are not repeated here.
         """
         return None
+
+    @classmethod
+    def has_wrench_mode(cls) -> bool:
+        """Whether its wrenches are means over steps or those of an end point, as its structure says."""
+        return "wrench_mode" in signature(cls).parameters
 
     @classmethod
     @abstractmethod

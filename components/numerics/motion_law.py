@@ -97,8 +97,7 @@ class MotionLaw:
 
     def mean(self, start: float, end: float) -> float:
         """Mean between two times by Gauss' rule with three points: exact for polynomials where no break is between."""
-        before, middle, after = self.samples(start, end)
-        return (5.0 * before + 8.0 * middle + 5.0 * after) / 18.0
+        return gauss_moments(self.samples(start, end))[0]
 
     def samples(self, start: float, end: float) -> tuple[float, float, float]:
         """Values at the three points of Gauss' rule."""

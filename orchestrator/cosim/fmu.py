@@ -41,7 +41,7 @@ from fmus import NATIVE_TOOL
 from fmus.binary import cut_short
 
 from .coupling_library import Calls, library
-from .participant import Matrix, ParticipantError, Vector, all_finite
+from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
 from .shared_library import library_of, share_library
 
@@ -253,10 +253,7 @@ class FmuParticipant:
         self._check_finite("output", self.output_layout, self.outputs)
 
     def _check_finite(self, what: str, layout: Layout, values: Vector) -> None:
-        if not all_finite(values):
-            bad = int(np.argmin(np.isfinite(values)))
-            name = layout.scalar_names()[bad]
-            raise ParticipantError(f"{self.name}: {what} {name} is {values[bad]} at t = {self._time:.6g} s")
+        refuse_not_finite(self.name, what, layout, values, self._time)
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""

@@ -31,6 +31,16 @@ def all_finite(values: Vector) -> bool:
     return bool(np.isfinite(values).all())
 
 
+def refuse_not_finite(
+    owner: str, what: str, layout: Layout, values: Vector, time: float | None = None
+) -> None:
+    """ParticipantError that names the first value that is not finite: of whom, what its values are, and when (s)."""
+    if not all_finite(values):
+        bad = int(np.argmin(np.isfinite(values)))
+        when = "" if time is None else f" at t = {time:.6g} s"
+        raise ParticipantError(f"{owner}: {what} {layout.scalar_names()[bad]} is {values[bad]}{when}")
+
+
 class NativeAccess(Protocol):
     """What a solver in C needs to call a participant by itself."""
 
@@ -182,10 +192,7 @@ class InProcess:
     def observe(self) -> Vector:
         """Observations; those that are no numbers are refused."""
         found = self._trying(self._instance.observe)
-        if not all_finite(found):
-            bad = int(np.argmin(np.isfinite(found)))
-            name = self.observation_layout.scalar_names()[bad]
-            raise ParticipantError(f"{self.name}: observation {name} is {found[bad]}")
+        refuse_not_finite(self.name, "observation", self.observation_layout, found)
         return found
 
     def interface_jacobian(self, places: PortPlaces, width: Width) -> None:

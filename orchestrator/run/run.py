@@ -187,16 +187,9 @@ def _follow(
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
     start = perf_counter() - (resumed.wall_time if resumed else 0.0)
-    around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
-    recorder: MemoryRecorder | ResultWriter
-    if output is None:
-        recorder = MemoryRecorder(*around)
-    elif resumed is None:
-        recorder = ResultWriter(output, *around)
-        checkpoint_file(output).unlink(missing_ok=True)  # of an earlier run
-    else:
+    if resumed is not None:
         resumed.refuse_other(assembly.name, same)
-        recorder = ResultWriter.resumed(output, groups, resumed.place)
+    recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
         runner = (
@@ -232,6 +225,24 @@ def _follow(
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
     return Outcome(result, kind, network.order, headline(result), costs, segments)
+
+
+def _recorder(
+    assembly: Assembly,
+    output: Path | None,
+    groups: Sequence[SignalGroup],
+    provenance: Mapping[str, str],
+    resumed: Checkpoint | None,
+) -> MemoryRecorder | ResultWriter:
+    """In memory where no file is named; a new file, or that of the run to go on with."""
+    if output is not None and resumed is not None:
+        return ResultWriter.resumed(output, groups, resumed.place)
+    around = (groups, provenance, assembly.geometry, assembly.hinge_lines)
+    if output is None:
+        return MemoryRecorder(*around)
+    writer = ResultWriter(output, *around)
+    checkpoint_file(output).unlink(missing_ok=True)  # of an earlier run
+    return writer
 
 
 def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunError:

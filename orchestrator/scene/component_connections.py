@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from inspect import signature
 from math import isfinite
 from typing import Any, Literal
 
@@ -127,7 +126,7 @@ def _parameter_problems(key: str, connection: Connection, component: Component) 
 def _component(connection: Connection, mode: WrenchMode) -> Component:
     kind = REGISTRY[connection.kind]
     structure: dict[str, Any] = dict(connection.structure)
-    if "wrench_mode" in signature(kind).parameters:
+    if kind.has_wrench_mode():
         structure["wrench_mode"] = mode
     return kind(**structure)
 

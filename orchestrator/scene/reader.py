@@ -11,7 +11,7 @@ from components import ComponentError
 from components.contract.errors import unknown
 from components.contract.frames import Vector3
 
-from . import consistency as scene_check
+from . import consistency
 from .bodies import attachments, body_points, scene_points
 from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
@@ -132,7 +132,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     joints = tuple(c for c in connections.sound if c.name not in refused)
     found = closed(replace(scene, connections=joints), points)
     poses = found.poses
-    if not reader.note([*scene_check.open_hinges(scene, points, poses), *open_loops(found)]):
+    if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
     return None if reader.problems else scene, reader.problems
 
@@ -152,9 +152,9 @@ class _References:
     def check(self) -> bool:
         """Note all problems; whether the start poses of all bodies can be told."""
         note, lines = self.reader.note, self.lines.saying("inboard", "outboard", "hinges")
-        note(scene_check.repeated_names(self._named()))
+        note(consistency.repeated_names(self._named()))
         points = self._points()
-        note(scene_check.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
+        note(consistency.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
         if self.base is None:
             return False
         known = [line for line in lines if line.inboard in points and line.outboard in points]
@@ -162,16 +162,16 @@ class _References:
         found = list(attachments(known, loops, (), connections))  # dampers sit where hinges do
         placed = [body.name for body in self.bodies.sound if body.place is not None]
         lost = [
-            note(scene_check.unknown_bodies(lines, points)),
-            note(scene_check.unknown_places(found, points)),
-            note(scene_check.misplaced(self.bodies.sound, points)),
-            note(scene_check.repeated_ports(found)),
-            note(scene_check.misdirected(self.base.name, known, placed)),
+            note(consistency.unknown_bodies(lines, points)),
+            note(consistency.unknown_places(found, points)),
+            note(consistency.misplaced(self.bodies.sound, points)),
+            note(consistency.repeated_ports(found)),
+            note(consistency.misdirected(self.base.name, known, placed)),
         ]
         if len(known) < self.lines.total or lost[-1]:
             return False  # of a broken tree nobody can say what hangs on it
         carried = [body.name for body in self.bodies.sound if body.place is None]
-        lost.append(note(scene_check.disconnected(self.base.name, carried, known)))
+        lost.append(note(consistency.disconnected(self.base.name, carried, known)))
         all_sound = len(self.lines.sound) == self.lines.total and None not in points.values()
         return all_sound and not any(lost)
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from inspect import signature
 
 import numpy as np
 
@@ -31,7 +30,7 @@ _SAME = 1e-6
 def at_rest(part: Part) -> Part:
     """The part with end-point wrenches, without friction, and with a kinematic latch as its lock."""
     structure, start = dict(part.structure), dict(part.start)
-    if "wrench_mode" in signature(REGISTRY[part.kind]).parameters:
+    if REGISTRY[part.kind].has_wrench_mode():
         structure["wrench_mode"] = "endpoint"
     layout = REGISTRY[part.kind](**structure).parameter_layout
     if structure.get("latch") == "kinematic":

@@ -52,6 +52,12 @@ def with_brake(assembly, brake):
     return load
 
 
+def faulty_brake(assembly, fault):
+    """The brake in process, with a fault."""
+    part = next(p for p in assembly.parts if p.name == "brake")
+    return InProcess(part.name, FaultyDamper(fault, **part.structure), part.start)
+
+
 def faulty_fmu(folder, assembly, fault):
     """The path of an FMU of a faulty brake in place of the scene's, which does not stay in the user's cache."""
     part = next(p for p in assembly.parts if p.name == "brake")
@@ -136,9 +142,7 @@ def test_observation_that_is_no_number_to_the_native_solver(tmp_path):
 def test_observation_of_a_component_that_is_no_number(tmp_path):
     """The same without an FMU around it."""
     assembly = scene(tmp_path)
-    part = next(p for p in assembly.parts if p.name == "brake")
-    brake = InProcess(part.name, FaultyDamper("observation", **part.structure), part.start)
-    load = with_brake(assembly, brake)
+    load = with_brake(assembly, faulty_brake(assembly, "observation"))
     sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.2, load=load)
     assert "brake: observation dissipated_energy is nan" in sentence
 
@@ -262,9 +266,7 @@ def test_unknown_parameter_is_refused(tmp_path):
 def test_tolerance_that_cannot_be_met(tmp_path):
     """Bad input: a connection that answers at random; the error names it, its residual, time and step."""
     assembly = scene(tmp_path)
-    part = next(p for p in assembly.parts if p.name == "brake")
-    brake = InProcess(part.name, FaultyDamper("noise", **part.structure), part.start)
-    load = with_brake(assembly, brake)
+    load = with_brake(assembly, faulty_brake(assembly, "noise"))
     sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.1, load=load)
     assert "t = 0.000000 s does not converge" in sentence
     assert "the wrench of brake.outboard on inner.brake still changes by" in sentence
