@@ -13,7 +13,6 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator, PPoly
 
 from ..contract.component import ComponentError
 from .scheme import LEAST_CHANGE
@@ -120,6 +119,8 @@ class Table:
             raise ComponentError("a table needs at least two points and as many values as coordinates")
         if not np.all(np.diff(s) > 0.0):
             raise ComponentError(f"the coordinates of a table must increase; they are {s.tolist()}")
+        from scipy.interpolate import PchipInterpolator, PPoly  # takes its time, which most need not
+
         curve = PchipInterpolator(s, f)
         slopes = (curve.derivative()(s[0]), curve.derivative()(s[-1]))
         pieces = np.zeros((4, s.size + 1))

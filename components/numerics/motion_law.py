@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
-from scipy.interpolate import PchipInterpolator
 
 from ..contract.component import ComponentError
 
@@ -239,6 +238,8 @@ def _table(times: Sequence[float], values: Sequence[float]) -> _Term:
     lists = isinstance(times, tuple) and isinstance(values, tuple)
     if not lists or len(times) != len(values) or len(times) < 2 or np.any(np.diff(times) <= 0.0):
         raise ValueError("give as many values as times, at least two, and the times rising")
+    from scipy.interpolate import PchipInterpolator  # takes its time, which most laws need not
+
     cubics = PchipInterpolator(times, values)
     own = [Polynomial(c[::-1])(Polynomial([-t, 1.0])) for c, t in zip(cubics.c.T, times, strict=False)]
     return _Term(tuple(times), (Polynomial([values[0]]), *own, Polynomial([values[-1]])))
