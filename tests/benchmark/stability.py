@@ -303,9 +303,9 @@ def free_pair(joint: float = 2e6) -> tuple[list[Part], list[Link], list[HingeLin
     return parts, links, [HingeLine("HL", ("left", "right"), "left", latches=True, kinematic=True)]
 
 
-def plastic_event(h: float, order: Order = 2, joint: float = 2e6) -> PlasticEvent:
+def plastic_event(h: float, order: Order = 2, joint: float = 2e6, *, native: bool = False) -> PlasticEvent:
     """Latch two free panels and compare with momentum kept and the drop 1/2 J_eff w² of ideal joints."""
-    record, _, failure = run(*free_pair(joint), 0.4, Settings(fixed_step=h, order=order))
+    record, _, failure = run(*free_pair(joint), 0.4, Settings(fixed_step=h, order=order), native=native)
     if failure or not record.events:
         raise RuntimeError(failure or "the panels never latched")
     before = int(np.argmin(np.abs(np.array(record.times) - record.events[0][0])))
@@ -381,22 +381,23 @@ def print_sweep(
         )
 
 
-def print_plastic_events(steps: Sequence[float], order: Order = 2) -> None:
+def print_plastic_events(steps: Sequence[float], order: Order = 2, *, native: bool = False) -> None:
     """The kinematic latch as a plastic event."""
     print(f"\nkinematic latch between free panels, order {order}: relative changes")
     print(f"{'H, s':>8} {'momentum':>10} {'ang. mom.':>10} {'drop':>10} {'reduced':>10} {'rate left':>10}")
     for h in steps:
-        print(f"{h:8g} " + " ".join(f"{value:10.1e}" for value in plastic_event(h, order)))
+        print(f"{h:8g} " + " ".join(f"{value:10.1e}" for value in plastic_event(h, order, native=native)))
 
 
 def main(arguments: Sequence[str]) -> None:
     """Print everything; --quick prints two panels and two step sizes."""
     order: Order = 4 if "--order" in arguments and arguments[arguments.index("--order") + 1] == "4" else 2
-    print_plastic_events(STEPS, order)
+    native = "--native" in arguments
+    print_plastic_events(STEPS, order, native=native)
     panels, steps, count = PANELS, STEPS, 200
     if "--quick" in arguments:
         panels, steps, count = ((0, 1.0), (16, 1.0)), (1e-3, 2e-2), 60
-    print_sweep(panels, steps, count, order, native="--native" in arguments)
+    print_sweep(panels, steps, count, order, native=native)
 
 
 if __name__ == "__main__":

@@ -18,9 +18,8 @@ from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
 from tests.references.coupled import completed, mastered
 
-needs_native = pytest.mark.skipif(
-    native_library() is None or library() is None, reason="no C compiler built the native FMUs"
-)
+HAS_NATIVE = native_library() is not None and library() is not None
+needs_native = pytest.mark.skipif(not HAS_NATIVE, reason="no C compiler built the native FMUs")
 _TIGHT = Tolerance(1e-9, 1e-5, 1e-5)
 
 
