@@ -5,14 +5,9 @@ FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
 
 from __future__ import annotations
 
-import json
-import os
 import re
-import subprocess
-import sys
 import zipfile
 from functools import cache
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -21,14 +16,13 @@ from fmpy.validation import validate_fmu
 from components import ComponentError
 from fmus import check_fmu, native_backend, native_library
 from fmus.archive import zip_bytes
+from tests.conformance.programs import apart
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.latching import CHECKS as LATCHING
 from tests.conformance.programs.latching import START, hinge
 from tests.conformance.programs.toy import Toy
-from tests.conformance.test_fmus import ALONE
+from tests.conformance.test_fmus import rows_alone
 
-ROOT = Path(__file__).resolve().parents[2]
-HERE = Path(__file__).with_name("programs")
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
 CHECKS = (
     "equal", "serialization", "reset", "instances", "order", "values", "parameter", "access", "derivative",
@@ -49,14 +43,7 @@ def latching_path():
     return str(built(hinge(), "latching", start=START, fmi="3.0"))
 
 
-@cache
-def findings(script, *arguments):
-    command = [sys.executable, str(HERE / script), *arguments]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
-    if run.returncode:
-        pytest.fail(f"ended with {run.returncode}: {run.stderr[-2000:]}")
-    return json.loads(run.stdout.splitlines()[-1])
+findings = cache(apart.findings)
 
 
 def description(path):
@@ -70,13 +57,9 @@ def test_has_no_problems(kind):
     assert check_fmu(path_of(kind)) == []
 
 
-@pytest.mark.parametrize("kind", NATIVE)
-def test_runs_without_fanfold(kind, tmp_path):
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    command = [sys.executable, "-P", "-c", ALONE, path_of(kind)]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120)
-    assert run.returncode == 0, run.stderr[-2000:]
-    assert run.stdout.split()[-1] == "11"
+def test_all_run_without_fanfold(tmp_path):
+    paths = [path_of(kind) for kind in NATIVE]
+    assert rows_alone(paths, tmp_path) == dict.fromkeys(paths, 11)
 
 
 @pytest.mark.parametrize("check", CHECKS)

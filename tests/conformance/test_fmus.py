@@ -10,32 +10,14 @@ import os
 import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import pytest
 
 from fmus import check_fmu, native_backend, native_library
 from fmus.native import compiler
+from tests.conformance.programs import apart
 from tests.conformance.programs.driver import KINDS, Reference, built, start_of
 from tests.conformance.programs.trial import CHECKS
-
-ROOT = Path(__file__).resolve().parents[2]
-TRIAL = Path(__file__).with_name("programs") / "trial.py"
-
-ALONE = """
-import sys
-
-class Absent:
-    def find_spec(self, name, path=None, target=None):
-        if name in ("components", "fmus", "orchestrator", "skfem", "tests"):
-            raise ModuleNotFoundError(f"{name} must not be needed")
-
-sys.meta_path.insert(0, Absent())
-from fmpy import simulate_fmu
-result = simulate_fmu(sys.argv[1], stop_time=0.01, output_interval=0.001)
-print(len(result))
-"""
-
 
 BACKENDS = {
     "python": list(KINDS),
@@ -54,12 +36,17 @@ def path_of(kind, backend):
 
 @cache
 def findings(backend, checks, *kinds):
-    subjects = (f"{kind}={path_of(kind, backend)}" for kind in kinds)
-    command = [sys.executable, str(TRIAL), backend, checks, *subjects]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
-    if run.returncode:
-        pytest.fail(f"ended with {run.returncode}: {run.stderr[-2000:]}")
+    return apart.findings(
+        "trial.py", backend, checks, *(f"{kind}={path_of(kind, backend)}" for kind in kinds)
+    )
+
+
+def rows_alone(paths, folder):
+    """Rows of the results of FMUs in a world without Fanfold."""
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    command = [sys.executable, "-P", str(apart.HERE / "alone.py"), *paths]
+    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=folder, timeout=300)
+    assert run.returncode == 0, run.stderr[-2000:]
     return json.loads(run.stdout.splitlines()[-1])
 
 
@@ -68,13 +55,10 @@ def test_has_no_problems(kind, backend):
     assert check_fmu(path_of(kind, backend)) == []
 
 
-@pytest.mark.parametrize(("kind", "backend"), SUBJECTS)
-def test_runs_without_fanfold(kind, backend, tmp_path):
-    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-    command = [sys.executable, "-P", "-c", ALONE, path_of(kind, backend)]
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path, timeout=120)
-    assert run.returncode == 0, run.stderr[-2000:]
-    assert run.stdout.split()[-1] == "11"
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_all_run_without_fanfold(backend, tmp_path):
+    paths = [path_of(kind, backend) for kind in BACKENDS[backend]]
+    assert rows_alone(paths, tmp_path) == dict.fromkeys(paths, 11)
 
 
 @pytest.mark.parametrize("check", CHECKS)
@@ -102,12 +86,7 @@ def test_outputs_depend_on_inputs_only_with_feedthrough(kind):
 @pytest.mark.parametrize("kind", BACKENDS["native"])
 def test_step_derivatives_are_those_of_whole_steps(kind):
     """Central differences of save, set, doStep, get, restore; their own error is below 1e-7 for these steps."""
-    script, subject = str(TRIAL.with_name("derivatives.py")), f"{kind}={path_of(kind, 'native')}"
-    command = [sys.executable, script, "native", subject]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
-    assert run.returncode == 0, run.stderr[-2000:]
-    errors = json.loads(run.stdout.splitlines()[-1])
+    errors = apart.findings("derivatives.py", "native", f"{kind}={path_of(kind, 'native')}")
     assert {pair: error for pair, error in errors.items() if not error < 1e-6} == {}
 
 

@@ -5,10 +5,6 @@ FMUs are loaded in subprocesses, because a fault in a binary would end pytest.
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
 import zipfile
 from functools import cache
 from pathlib import Path
@@ -21,12 +17,12 @@ from components import REGISTRY
 from components.hinge import Hinge
 from fmus import build_fmu, native_backend, native_library
 from tests.conformance.programs import exchange, exchange_runs
+from tests.conformance.programs.apart import findings
 from tests.conformance.programs.damage import damaged_folders
 from tests.conformance.programs.driver import built, start_of
 from tests.conformance.programs.exchange import SUBJECTS
 from tests.conformance.programs.sanitized import program, told
 
-ROOT = Path(__file__).resolve().parents[2]
 HOST = Path(__file__).with_name("programs") / "host_model_exchange.c"
 DAMAGED = 200
 
@@ -37,15 +33,6 @@ pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no na
 def path_of(subject):
     component = SUBJECTS[subject]()
     return str(built(component, subject, start=start_of(component), backend="native"))
-
-
-def findings(script, *arguments):
-    command = [sys.executable, str(Path(__file__).with_name("programs") / script), *arguments]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-    run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=ROOT, timeout=300)
-    if run.returncode:
-        pytest.fail(f"ended with {run.returncode}: {run.stderr[-2000:]}")
-    return json.loads(run.stdout.splitlines()[-1])
 
 
 @cache

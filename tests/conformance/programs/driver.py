@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import tempfile
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -40,12 +39,12 @@ def built(component, name, **options):
     )
 
 
-@cache
-def _extracted(path):
-    """The unpacked FMU, once for all instances of this process, which removes it in the end."""
-    folder = tempfile.TemporaryDirectory(prefix="fanfold_test_")
-    extract(path, folder.name)
-    return folder
+def unpacked(path):
+    """The folder beside an FMU that it is unpacked to, once for all instances and programs."""
+    folder = Path(path).with_suffix("")
+    if not folder.exists():
+        extract(path, str(folder))
+    return str(folder)
 
 
 class Fmu:
@@ -63,7 +62,7 @@ class Fmu:
         self._callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
         self.slave = self.interface(
             guid=self.description.guid,
-            unzipDirectory=_extracted(path).name,
+            unzipDirectory=unpacked(path),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=instance,
         )

@@ -8,7 +8,7 @@ import numpy as np
 from fmpy import read_model_description
 from fmpy.fmi3 import FMU3Slave
 
-from tests.conformance.programs.driver import OK, Fmu, _extracted
+from tests.conformance.programs.driver import OK, Fmu, unpacked
 
 
 class Slave(FMU3Slave):
@@ -34,7 +34,7 @@ class Fmu3(Fmu):
         self.sizes = {v.valueReference: math.prod(v.shape) for v in self.description.modelVariables}
         self.slave = Slave(
             guid=self.description.guid,
-            unzipDirectory=_extracted(path).name,
+            unzipDirectory=unpacked(path),
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName=instance,
         )

@@ -11,7 +11,8 @@ import pytest
 from components.cache.locks import hold
 from fmus.native import FLAGS, compiler, sources
 
-SANITIZERS = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+SANITIZERS = ("-g", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+"""Without optimization, which takes four times as long and may remove what they would find."""
 
 
 def program(host, temporary):
