@@ -73,6 +73,7 @@ def simulate(
     save: str | Path | None = None,
     checkpoint: Quantity | None = None,
     estimate: bool = True,
+    refine: bool = True,
     progress: bool | Progress | None = None,
 ) -> Result:
     """Deploy a scene and return what happened, in memory or in the file that `save` names.
@@ -82,7 +83,8 @@ def simulate(
     2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
     need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
     gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. estimate: tell the
-    errors of headline numbers, for half the cost of the run. progress: a bar, by default in notebooks.
+    errors of headline numbers, for half the cost of the run. refine: where these are likely to miss the tolerance,
+    run again at a smaller one. progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
@@ -98,6 +100,7 @@ def simulate(
         master=master,
         backend=backend,
         checkpoint=in_si(checkpoint, "s", "checkpoint"),
+        refine=refine,
     )
     found = run_simulation(
         loaded.check_one_run(),

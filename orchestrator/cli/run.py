@@ -54,6 +54,10 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
     help="Estimate the errors of headline numbers, for half the cost of the run.",
 )  # fmt: skip
+@click.option(
+    "--refine/--no-refine", "refine", default=True, show_default=True,
+    help="Where estimated errors are likely to miss the tolerance, run again at a smaller one.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
@@ -66,6 +70,7 @@ def command(
     checkpoint: float | None,
     with_verify: bool,
     with_estimate: bool,
+    refine: bool,
     as_json: bool,
     backend: Backend | None,
 ) -> None:
@@ -95,6 +100,7 @@ def command(
             save=phase_file(output, phase) if output else result_file(scene.name, scene.chosen),
             checkpoint=checkpoint,
             estimate=with_estimate,
+            refine=refine,
             progress=progress,
         )
         verified = result.verify(progress) if with_verify else None

@@ -56,6 +56,7 @@ class Settings:
     sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
     through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
     snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
+    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it.
     """
 
     tolerance: float = 1e-4
@@ -68,6 +69,7 @@ class Settings:
     driving_energy: float = 0.0
     order: Order | None = None
     snapshot_every: float | None = None
+    asked_tolerance: float | None = None
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 

@@ -97,7 +97,16 @@ def _largest_exchange(result: Result) -> float:
 
 def tolerance_asked(result: Result) -> float | None:
     """The tolerance that the provenance tells; None where it tells none."""
+    return _tolerance(result, "tolerance")
+
+
+def tolerance_taken(result: Result) -> float | None:
+    """The smaller tolerance of a run that was repeated, as it was likely to miss the one asked; None of others."""
+    return _tolerance(result, "refined_tolerance")
+
+
+def _tolerance(result: Result, name: str) -> float | None:
     try:
-        return float(result.provenance["tolerance"])
+        return float(result.provenance[name])
     except (KeyError, ValueError):
         return None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from .result import Result, ResultError
@@ -12,7 +12,8 @@ Key = tuple[str, str]
 """Quantity and what it is of, which tell a headline number from all others of a run."""
 ESTIMATED_ERRORS = "estimated_errors"
 """Name of the statistic that holds them."""
-_MOST_TOLERANCES = 10.0
+MOST_TOLERANCES = 10.0
+"""What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
 _VOUCHED_FOR = ("latch time", "latch impulse", "latch torque peak", *_LOADS)
 
@@ -52,24 +53,51 @@ def unknown_errors(result: Result) -> list[str]:
 
 
 def doubts(
-    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float | None
+    numbers: Sequence[tuple[Key, float]],
+    errors: Mapping[Key, EstimatedError],
+    tolerance: float | None,
+    refined: float | None = None,
 ) -> list[str]:
     """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
 
     Latch times, impulses and torques are judged beside their own values, components of a load beside its largest;
-    by what the error may be at the most.
+    by what the error may be at the most. refined: the smaller tolerance that the run took in the end, if it did.
     """
     if tolerance is None:
         return []
+    advice = (
+        "a smaller tolerance makes it surer"
+        if refined is None
+        else f"a run at {refined:.2g} did not make it surer"
+    )
+    return [
+        f"the {quantity} of {of} may be off by {errors[quantity, of].most / size:.1g} of its size, more than ten "
+        f"times the tolerance of {tolerance:g}; {advice}"
+        for (quantity, of), size in _sizes(numbers, errors)
+        if errors[quantity, of].most > MOST_TOLERANCES * tolerance * size
+    ]
+
+
+def largest_shares(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
+) -> EstimatedError:
+    """The largest errors of what a run promises over the sizes that they are judged by; 0 where there are none."""
+    shares = [
+        EstimatedError(*(e / size for e in errors[key])) for key, size in _sizes(numbers, errors) if size
+    ]
+    return EstimatedError(
+        max((share.likely for share in shares), default=0.0),
+        max((share.most for share in shares), default=0.0),
+    )
+
+
+def _sizes(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
+) -> Iterator[tuple[Key, float]]:
+    """What a run promises and has errors of, with the sizes that these are judged by."""
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
     }
-    return [
-        f"the {quantity} of {of} may be off by {errors[quantity, of].most / size:.1g} of its size, more than ten "
-        f"times the tolerance of {tolerance:g}; a smaller tolerance makes it surer"
-        for (quantity, of), value in numbers
-        if quantity in _VOUCHED_FOR
-        and (quantity, of) in errors
-        and errors[quantity, of].most
-        > _MOST_TOLERANCES * tolerance * (size := largest.get(quantity, abs(value)))
-    ]
+    for key, value in numbers:
+        if key[0] in _VOUCHED_FOR and key in errors:
+            yield key, largest.get(key[0], abs(value))

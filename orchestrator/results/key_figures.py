@@ -18,7 +18,7 @@ from components import SUPPLIED_ENERGY
 from components.contract.roles import INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
-from .energy_ledger import energy_ledger, tolerance_asked
+from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .latch_impulse import latch_impulse
 from .result import Result
@@ -214,7 +214,8 @@ def headline(result: Result) -> Headline:
         warnings=ledger.warnings() if ledger else (),
         estimated_errors={key: error.likely for key, error in errors.items()},
     )
-    told = doubts([(number.key, number.value) for number in found.numbers()], errors, tolerance_asked(result))
+    numbers = [(number.key, number.value) for number in found.numbers()]
+    told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result))
     return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
 
 

@@ -302,8 +302,10 @@ def _settings(settings: Settings, end: float, kind: MasterKind, order: Order) ->
         "master": kind,
         "order": str(order),
         "until": f"{end:g} s",
-        "tolerance": f"{settings.tolerance:g}",
+        "tolerance": f"{settings.asked_tolerance or settings.tolerance:g}",
     }
+    if settings.asked_tolerance is not None:
+        found["refined_tolerance"] = f"{settings.tolerance:g}"
     if settings.fixed_step is not None:
         found["step"] = f"{settings.fixed_step:g} s"
     return found

@@ -20,6 +20,7 @@ from ..scene import CheckedScene, read_scene
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .progress import Progress, followed, silent
+from .refinement import refined
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
@@ -34,7 +35,7 @@ class Options:
 
     rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
     constant communication step size, s. order: of the coupling. checkpoint: simulated time between checkpoints, s.
-    RunError for what cannot be.
+    refine: repeat a run that is likely to miss its tolerance at a smaller one. RunError for what cannot be.
     """
 
     rigid: Collection[str] = ()
@@ -46,6 +47,7 @@ class Options:
     master: MasterKind = "implicit"
     backend: Backend | None = None
     checkpoint: float | None = None
+    refine: bool = True
 
     def __post_init__(self) -> None:
         low, high = _TOLERANCES
@@ -147,6 +149,8 @@ def simulate(
         if estimate:
             with followed(progress, f"{assembly.name}: errors", end) as watch:
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+            if options.refine:
+                outcome, settings = refined(assembly, outcome, settings, end, progress, warn, load)
     for sentence in outcome.headline.open_ends():
         warn(sentence)
     return Simulation(assembly, settings, end, partial(as_fmus, backend=options.backend), outcome)

@@ -24,7 +24,8 @@ _RESOLVED = 0.1
 class Deviation(NamedTuple):
     """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any.
 
-    told: whether the run says in a sentence that it does not vouch for the number.
+    told: whether the run says in a sentence that it does not vouch for the number. settled: whether runs at the
+    reference's tolerance and at three times it agree far better than run and reference do.
     """
 
     group: str
@@ -32,6 +33,7 @@ class Deviation(NamedTuple):
     error: float
     estimate: float | None
     told: bool = False
+    settled: bool = True
 
 
 def estimated_errors(found: Headline) -> Mapping[Key, float]:
@@ -112,6 +114,17 @@ def _largest(
 def worst(found: Collection[Deviation], group: str) -> Deviation | None:
     """The largest deviation of a group, None where a wing has none of it."""
     return max((d for d in found if d.group == group), key=lambda d: d.error, default=None)
+
+
+def with_settled(
+    found: Collection[Deviation], references: Collection[Deviation], tolerance: float
+) -> list[Deviation]:
+    """The deviations, those marked as not settled of which the references themselves differ by ten tolerances.
+
+    references: deviations of a run at three times the reference's tolerance.
+    """
+    restless = {(d.group, d.of) for d in misses(references, tolerance, 10.0)}
+    return [d._replace(settled=(d.group, d.of) not in restless) for d in found]
 
 
 def misses(found: Collection[Deviation], tolerance: float, factor: float) -> list[Deviation]:

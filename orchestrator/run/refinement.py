@@ -1,0 +1,121 @@
+"""A run whose numbers are likely to miss its tolerance is repeated at a smaller one, until all can be vouched for.
+
+A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster towards
+its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from them: a
+decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall, as where the motion is chaotic,
+it ends, and the result says which numbers nobody can vouch for.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, isfinite, log
+from pathlib import Path
+
+from ..assembly import Assembly
+from ..cosim.master import Settings
+from ..results.estimated_errors import (
+    MOST_TOLERANCES,
+    EstimatedError,
+    estimated_errors,
+    largest_shares,
+    unknown_errors,
+)
+from ..results.result_file import refuse_to_replace
+from .companion import with_estimates
+from .progress import Progress, followed, silent
+from .run import Loader, Outcome, RunError, as_fmus, run
+
+_AIM = 3.0
+"""What an error may be at the most after a repetition, in tolerances."""
+_PER_DECADE = 5.0
+_MOST = 0.01
+"""Smallest part of its tolerance that a run is repeated at, and of that again where errors fall but not far enough."""
+_FALLING = 1.0 / 3.0
+_SMALLEST = 1e-10
+
+
+def refined(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    until: float | None = None,
+    progress: Progress = silent,
+    warn: Callable[[str], None] = lambda sentence: None,
+    load: Loader = as_fmus,
+) -> tuple[Outcome, Settings]:
+    """The outcome, or one with smaller errors in place of it, in its file as well; and the settings it was made with.
+
+    outcome: with estimated errors; without, or with steps that were given, it stays. A repetition that does not reach
+    its end, or is interrupted, leaves the earlier outcome.
+    """
+    asked = settings.tolerance
+    error = error_in_tolerances(outcome, asked)
+    given = settings.fixed_step is not None or settings.step_plan is not None
+    repeat = error.likely > MOST_TOLERANCES and not given
+    while repeat and (tolerance := smaller_tolerance(settings.tolerance, error.most)) < settings.tolerance:
+        finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
+        warn(_sentence(assembly.name, error.likely, asked, tolerance))
+        try:
+            better = _again(assembly, outcome, finer, until, progress, load)
+        except RunError as reason:
+            warn(
+                f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: {reason}"
+            )
+            break
+        before, error = error, error_in_tolerances(better, asked)
+        outcome, settings = better, finer
+        repeat = MOST_TOLERANCES < error.most <= _FALLING * before.most
+    return outcome, settings
+
+
+def error_in_tolerances(outcome: Outcome, tolerance: float) -> EstimatedError:
+    """The largest error of a number that a run promises, over the tolerance; infinite where none is known."""
+    if unknown_errors(outcome.result):
+        return EstimatedError(inf, inf)
+    numbers = [(number.key, number.value) for number in outcome.headline.numbers()]
+    found = largest_shares(numbers, estimated_errors(outcome.result))
+    return EstimatedError(*(share / tolerance for share in found))
+
+
+def smaller_tolerance(tolerance: float, error: float) -> float:
+    """Where a run of a tolerance that may be off by so many of them should be."""
+    part = 0.1 if not isfinite(error) else 10.0 ** -(log(error / _AIM) / log(_PER_DECADE))
+    return max(_SMALLEST, tolerance * max(part, _MOST))
+
+
+def _again(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    until: float | None,
+    progress: Progress,
+    load: Loader,
+) -> Outcome:
+    """A run with its estimates in a file beside that of the earlier outcome, whose place it takes in the end."""
+    path = outcome.result.path
+    beside = None if path is None else path.with_name(f"{path.stem}.refined{path.suffix}")
+    end, name = until or assembly.until, f"{assembly.name}: at {settings.tolerance:.2g}"
+    try:
+        if beside is not None:
+            refuse_to_replace(beside)
+        with followed(progress, name, end) as watch:
+            found = run(assembly, beside, settings, until, watch=watch, load=load)
+        with followed(progress, f"{name}: errors", end) as watch:
+            found = with_estimates(assembly, found, settings, until, watch, load)
+        return found if beside is None or path is None else _moved(found, beside, path)
+    finally:
+        if beside is not None:
+            beside.unlink(missing_ok=True)
+
+
+def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
+    os.replace(source, target)
+    return replace(outcome, result=replace(outcome.result, path=target))
+
+
+def _sentence(name: str, error: float, asked: float, tolerance: float) -> str:
+    off = f"{error:.0f} times its tolerance of {asked:g}" if isfinite(error) else "nobody knows how much"
+    return f"{name}: numbers are likely to be off by {off}; it is run again at {tolerance:.2g}"

@@ -1,0 +1,111 @@
+"""Runs that are likely to miss their tolerance are repeated at a smaller one, which the result is not judged by."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from shutil import copy
+
+import pytest
+
+from fmus import native_library
+from orchestrator.cosim.master import Settings
+from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, errors_text
+from orchestrator.results.key_figures import headline
+from orchestrator.results.result import Result
+from orchestrator.results.result_file import with_statistics
+from orchestrator.run.companion import with_estimates
+from orchestrator.run.refinement import error_in_tolerances, refined, smaller_tolerance
+from orchestrator.run.run import run
+from tests.unit.run.test_verify import smooth_scene
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
+ASKED = Settings(tolerance=1e-3)
+UNTIL = 2.4
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A run that keeps its tolerance, and says so."""
+    path, assembly = tmp_path_factory.mktemp("finished") / "run.h5", smooth_scene()
+    return with_estimates(assembly, run(assembly, path, ASKED, UNTIL), ASKED, UNTIL)
+
+
+@pytest.fixture
+def outcome(finished, tmp_path):
+    """The same in a file of its own."""
+    path = Path(copy(finished.path, tmp_path))
+    return replace(finished, result=replace(finished.result, path=path))
+
+
+def claiming(outcome, errors):
+    """The same with other estimated errors, in its file as well."""
+    result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(outcome, result=result, headline=headline(result))
+
+
+def off_by(outcome, tolerances):
+    """The same that says that its first latch time is off by so many tolerances."""
+    line, time = next(iter(outcome.headline.latch_times.items()))
+    error = EstimatedError(*(tolerances * ASKED.tolerance * time for _ in range(2)))
+    return claiming(outcome, {("latch time", line): error})
+
+
+def test_how_far_to_go():
+    """Closed form: five times less error a decade of tolerance, aiming at 3 tolerances; two decades at the most."""
+    assert smaller_tolerance(1e-3, 15.0) == pytest.approx(1e-4)
+    assert smaller_tolerance(1e-3, 75.0) == smaller_tolerance(1e-3, 1e9) == pytest.approx(1e-5)
+    assert smaller_tolerance(1e-3, inf) == pytest.approx(1e-4)
+    assert smaller_tolerance(2e-10, 1e3) == 1e-10
+
+
+def test_a_run_that_keeps_its_tolerance_stays(outcome):
+    """Rule: it is not repeated, nor one with steps that were given, nor one whose errors nobody estimated."""
+    bad = off_by(outcome, 60.0)
+    assert refined(smooth_scene(), off_by(outcome, 9.0), ASKED, UNTIL)[0].segments == outcome.segments
+    given = replace(ASKED, step_plan=outcome.segments)
+    assert refined(smooth_scene(), bad, given, UNTIL) == (bad, given)
+
+
+@pytest.mark.parametrize("unknown", [False, True])
+def test_a_run_that_misses_is_repeated(outcome, tmp_path, unknown):
+    """Rule: the repetition takes its place, in the file too, and is judged by the tolerance that was asked for."""
+    bad, said = claiming(outcome, {}) if unknown else off_by(outcome, 60.0), []
+    better, settings = refined(smooth_scene(), bad, ASKED, UNTIL, warn=said.append)
+    assert settings.tolerance == smaller_tolerance(1e-3, inf if unknown else 60.0)
+    assert better.costs.steps > outcome.costs.steps
+    assert error_in_tolerances(better, 1e-3).most < error_in_tolerances(outcome, 1e-3).most < 10.0
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+    kept = Result.open(tmp_path / "run.h5")
+    assert (kept.provenance["tolerance"], headline(kept)) == ("0.001", better.headline)
+    (sentence,) = said
+    assert f"it is run again at {settings.tolerance:.2g}" in sentence
+
+
+def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
+    """Bad input: interrupted on its way, it leaves the result as it was, no file beside it, and says why."""
+    bad, said = off_by(outcome, 60.0), []
+
+    @contextmanager
+    def interrupting(_, __):
+        def watch(time, h):
+            if time > 1.0:
+                raise KeyboardInterrupt
+
+        yield watch
+
+    assert refined(smooth_scene(), bad, ASKED, UNTIL, interrupting, said.append) == (bad, ASKED)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+    assert "the result is that of 0.001, as the repetition failed" in said[-1]
+    assert "interrupted at t = 1" in said[-1]
+
+
+def test_doubts_of_a_repeated_run(outcome):
+    """Rule: where a smaller tolerance was taken already, it is not advised."""
+    result = replace(outcome.result, provenance={**outcome.result.provenance, "refined_tolerance": "1e-05"})
+    (sentence,) = headline(off_by(replace(outcome, result=result), 60.0).result).warnings
+    assert sentence.endswith(
+        "more than ten times the tolerance of 0.001; a run at 1e-05 did not make it surer"
+    )
