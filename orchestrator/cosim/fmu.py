@@ -36,7 +36,7 @@ from fmpy.fmi2 import (
 
 from components import Layout, Quantity
 from components.cache.temporary import process_folder
-from components.contract.roles import LATCH_DISTANCE, LATCHED
+from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
 from fmus import NATIVE_TOOL
 from fmus.binary import cut_short
 
@@ -46,8 +46,8 @@ from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
 from .shared_library import library_of, share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
-EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name)
-"""Outputs that the master reads in every iteration beside the ports."""
+EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
+"""Outputs that the master reads beside the ports: of latches in every iteration, of motion laws after a step."""
 FAILURES = (
     "restore its state",
     "set inputs",

@@ -1,9 +1,11 @@
-"""Small scenes run by the master in process, with every observation kept by name."""
+"""Small scenes run by the master, in process or as native FMUs, with every observation kept by name."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,7 +15,8 @@ from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
-from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.participant import Participant, in_process
+from orchestrator.run.run import as_fmus
 from tests.references.record import Record
 
 
@@ -38,14 +41,15 @@ def prepared(
     settings: Settings | None = None,
     commands: Mapping[tuple[str, str], float] | None = None,
     iteration: Tolerance | None = None,
+    participants: Sequence[Participant] | None = None,
 ) -> Run:
     """An initialised scene; `commands` are discrete inputs by (participant, input) that hold from t = 0.
 
-    `iteration` replaces the tolerance to which wrenches are iterated, in which the conservation of angular
-    momentum is to be seen.
+    `participants` replace those in process, `iteration` the tolerance to which wrenches are iterated, in which the
+    conservation of angular momentum is to be seen.
     """
     settings = settings or Settings()
-    network = Network(in_process(parts), links, settings.order or 2)
+    network = Network(participants or in_process(parts), links, settings.order or 2)
     run = mastered(network, settings, lines)
     if iteration is not None:
         run.master.solver.tolerance = iteration
@@ -56,10 +60,12 @@ def prepared(
     return run
 
 
-def completed(until: float, *scene: Any, **options: Any) -> Run:
-    """The scene of `prepared` after running to `until` (s)."""
-    run = prepared(*scene, **options)
-    run.master.run(until)
+def completed(until: float, parts: Sequence[Part], *scene: Any, native: bool = False, **options: Any) -> Run:
+    """The scene of `prepared` after running to `until` (s); as native FMUs, it is unloaded in the end."""
+    assembly = SimpleNamespace(name="scene", parts=parts)
+    with as_fmus(assembly, "native") if native else nullcontext(in_process(parts)) as participants:  # type: ignore[arg-type]
+        run = prepared(parts, *scene, participants=participants, **options)
+        run.master.run(until)
     return run
 
 

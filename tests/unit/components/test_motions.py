@@ -1,4 +1,7 @@
-"""Point motion and load: Newton's law, exact work, breaks that the master meets, native twins."""
+"""Point motion and load: Newton's law, exact work, breaks that the master meets, native twins.
+
+Motions at the stiff end of a body take thousands of steps, and run as native FMUs where there are some.
+"""
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from orchestrator.assembly import Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Settings
 from tests.references.coupled import base, between, completed, rigid
+from tests.references.native_fmus import HAS_NATIVE
 
 MASS, INERTIA = 12.0, (0.5, 0.8, 1.1)
 NOWHERE = (0.0, 0.0, 0.0)
@@ -33,7 +37,7 @@ def has(run, name, observation):
 
 
 def moved(law, until, h=None, order=4, stiffness=5e7, damping=5e3):
-    """A body that a point motion along a tilted axis moves, in process."""
+    """A body that a point motion along a tilted axis moves."""
     axis = (0.6, 0.0, 0.8)
     start = {"stiffness": stiffness, "damping": damping}
     parts = [
@@ -43,7 +47,7 @@ def moved(law, until, h=None, order=4, stiffness=5e7, damping=5e3):
     ]
     links = between("motion", "base.point", "body.point")
     settings = Settings(fixed_step=h, order=order, largest_step=0.05, tolerance=1e-5)
-    return completed(until, parts, links, settings=settings, iteration=TIGHT)
+    return completed(until, parts, links, settings=settings, iteration=TIGHT, native=HAS_NATIVE)
 
 
 @pytest.mark.parametrize("order", [2, 4])
