@@ -43,7 +43,8 @@ def frames(result: Result, count: int) -> list[Frame]:
         structure.legend(figure)
         axes: Any = figure.add_subplot(projection="3d", proj_type="ortho")
         for k, time in enumerate(result.time[rows].tolist()):
-            axes.clear()
+            for body in list(axes.collections):  # all else is the same in every picture
+                body.remove()
             structure.draw(axes, k)
             figure.suptitle(f"{time:.2f} s, axes in m", y=0.985)
             found.append(Frame(time, _png(figure)))

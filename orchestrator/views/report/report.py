@@ -21,10 +21,11 @@ def report(result: Result, other: Result | None = None, frame_count: int = 60) -
     from .page import page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
-    body = [*_opening(result, title), *_numbers(result), *_animation(result, frame_count), *_figures(result)]
+    opening, figures = [*_opening(result, title), *_numbers(result)], [*_figures(result)]
     if other is not None:
-        body += _comparison(result, other)
-    return page(f"{title}: {_file(result)}", [*body, *_provenance(result)])
+        figures += _comparison(result, other)
+    film = _animation(result, frame_count)  # takes longest, so all that may be wrong with a result is told before
+    return page(f"{title}: {_file(result)}", [*opening, *film, *figures, *_provenance(result)])
 
 
 def _file(result: Result) -> str:
