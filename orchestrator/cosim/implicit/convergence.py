@@ -14,7 +14,9 @@ from ..ports import Width
 
 MAX_ITERATIONS = 14
 REFRESHED = (2, 4, 8)
-"""Iterations after which slow contraction has matrices refreshed: first only turned, then probed anew."""
+"""Iterations after which slow contraction has matrices refreshed: first only turned, then those of connections probed
+anew, at last those of bodies as well, which cost tens of sweeps."""
+LAST_REFRESHED = REFRESHED[-1]
 SLOW = 0.15
 """Contraction beyond which turning pays; probing costs several iterations, see `is_too_slow`."""
 PATIENCE = 8

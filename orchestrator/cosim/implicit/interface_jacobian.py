@@ -87,11 +87,12 @@ class InterfaceJacobian:
         self._network = network
         self._mobilities: dict[Key, Matrices] = {}
         self._stiffnesses: dict[Key, Matrices] = {}
+        self._outdated: set[Key] = set()
 
     def matrices(self, key: Key, time: float) -> tuple[Matrices, Matrices]:
         """Those of all bodies and of all connections, made about the step just made where they are not known."""
         network = self._network
-        if key not in self._mobilities or key not in self._stiffnesses:
+        if key not in self._mobilities or key in self._outdated:
             self._evaluate_bodies(key, time)
         if key not in self._stiffnesses:
             self._stiffnesses[key] = Matrices(
@@ -103,6 +104,7 @@ class InterfaceJacobian:
     def _evaluate_bodies(self, key: Key, time: float) -> None:
         """Mobilities of all bodies but those that are known and constant, which are only turned along."""
         network, known = self._network, self._mobilities.get(key)
+        self._outdated.discard(key)
         if known and all(body.constant_mobility for body in network.bodies):
             return
         self._mobilities[key] = Matrices(
@@ -116,9 +118,21 @@ class InterfaceJacobian:
         """Known mobilities of all bodies, in the axes of now."""
         return self._mobilities[key].turned()
 
-    def forget(self, key: Key | None = None, *, bodies: bool = False) -> None:
-        """Connections are evaluated anew when they are asked for, of one key or of all; so are bodies."""
-        for known in (self._stiffnesses, self._mobilities) if bodies else (self._stiffnesses,):
+    def outdate(self, key: Key | None = None, *, bodies: bool = False) -> None:
+        """Connections are evaluated anew when they are asked for, of one key or of all; so are a key's varying bodies.
+
+        A body's mobility costs tens of sweeps and changes little from step to step, a law may change at once.
+        """
+        if key is None:
+            self._stiffnesses.clear()
+            return
+        self._stiffnesses.pop(key, None)
+        if bodies:
+            self._outdated.add(key)
+
+    def forget(self, key: Key | None = None) -> None:
+        """Everything is evaluated anew, of one key or of all."""
+        for known in (self._stiffnesses, self._mobilities):
             if key is None:
                 known.clear()
             else:

@@ -16,7 +16,7 @@ from ..network import Network
 from ..participant import NativeAccess, Vector
 from ..ports import carried
 from . import convergence
-from .convergence import Solution, Tolerance
+from .convergence import LAST_REFRESHED, Solution, Tolerance
 from .elimination import eliminate
 from .history import Table
 from .interface_jacobian import Matrices
@@ -210,7 +210,7 @@ class NativeSolver(Solver):
             again = status == Status.WANTS_EVALUATION
             self._in_use = None
             if again:
-                self.jacobian.forget(key)
+                self.jacobian.outdate(key, bodies=data.iteration == LAST_REFRESHED)
             self._use(*self.jacobian.matrices(key, time))
             self._in_use = key
             status = self._library.coupling_resume(self._pointer, again)

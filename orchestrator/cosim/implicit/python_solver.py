@@ -136,7 +136,8 @@ class PythonSolver(Solver):
                 late = self._endured > convergence.PATIENCE or convergence.is_too_slow(size, last, iteration)
                 if late or not evaluate:
                     self._endured = 0 if evaluate else self._endured
-                    self._refresh(time, h, evaluate=evaluate)
+                    bodies = iteration == convergence.LAST_REFRESHED
+                    self._refresh(time, h, evaluate=evaluate, bodies=bodies)
                     steps.clear()
                     correction = self._direction(residual) / scale
             last = size

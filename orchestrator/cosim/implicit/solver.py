@@ -115,12 +115,12 @@ class Solver(ABC):
 
     def forget(self) -> None:
         """Laws changed (an event): evaluate connections anew at the next solve."""
-        self.jacobian.forget()
+        self.jacobian.outdate()
         self._in_use = None
 
     def forget_all(self) -> None:
         """Keep nothing but what a step starts from."""
-        self.jacobian.forget(bodies=True)
+        self.jacobian.forget()
         self._in_use = None
 
     def linearize(self, time: float, h: float) -> None:
@@ -148,6 +148,7 @@ class Solver(ABC):
         solution = self._attempt(self._iterate, time, h, guess)
         if not solution.converged:
             self.forget()
+            self.jacobian.outdate((self.mode, h), bodies=True)
             near = self.tolerance.is_near(solution.correction)
             again = self._attempt(self._iterate, time, h, self.wrenches.copy() if near else guess)
             solution = again._replace(iterations=solution.iterations + again.iterations)
@@ -167,12 +168,12 @@ class Solver(ABC):
             self._in_use = None
             return Solution(False, 1, np.inf, 0, error)
 
-    def _refresh(self, time: float, h: float, *, evaluate: bool) -> None:
-        """Have matrices of a step in use at the present orientations; evaluate: connections' are made anew."""
+    def _refresh(self, time: float, h: float, *, evaluate: bool, bodies: bool = False) -> None:
+        """Have matrices of a step in use at the present orientations; anew those of connections, or of bodies too."""
         key = (self.mode, h)
         self._in_use = None
         if evaluate:
-            self.jacobian.forget(key)
+            self.jacobian.outdate(key, bodies=bodies)
         self._factorize(*self.jacobian.matrices(key, time), h)
         self._in_use = key
 
@@ -183,7 +184,7 @@ class Solver(ABC):
         for iteration in range(1, _MAX_DAMPED + 1):
             if residual is None:
                 break
-            self.jacobian.forget((self.mode, h), bodies=True)
+            self.jacobian.forget((self.mode, h))
             self._refresh(time, h, evaluate=True)
             direction = self._direction(residual)
             scale = self.tolerance.scale(self.wrenches + direction)

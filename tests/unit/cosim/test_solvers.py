@@ -250,6 +250,37 @@ def start(network):
 
 
 @needs_native
+def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
+    """By count: after an event those of connections alone, after a failed step those of bodies that vary too."""
+    assembly = assemble(load_scene(find_scene("amos3")), rigid={"yoke", "panel1"})
+    with as_fmus(assembly, "native") as participants:
+        network = Network(participants, assembly.links)
+        solver = solver_for(network, Tolerance(1e-6))
+        start(network)
+        solver.save(0.0)
+        solver.sweep(0.0, 1e-3)
+        key = ("dynamic", 1e-3)
+
+        def evaluated(before):
+            now = [block for kind in solver.jacobian.matrices(key, 0.0) for block in kind.blocks]
+            names = [participant.name for participant in network.participants]
+            return now, {name for name, a, b in zip(names, before or now, now, strict=True) if a is not b}
+
+        connections = {connection.name for connection in network.connections}
+        blocks, _ = evaluated(None)
+        solver.forget()
+        blocks, anew = evaluated(blocks)
+        assert anew == connections
+        solver.jacobian.outdate(key, bodies=True)
+        blocks, anew = evaluated(blocks)
+        assert anew == connections | {"panel2"}
+        blocks, anew = evaluated(blocks)
+        assert not anew
+        solver.forget_all()
+        assert evaluated(blocks)[1] == connections | {body.name for body in network.bodies}
+
+
+@needs_native
 def test_derivatives_equal_differences_of_steps():
     """Independent path: the interface Jacobians that native FMUs return are those of differences of the same step."""
     assembly = wing()
