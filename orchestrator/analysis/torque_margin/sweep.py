@@ -7,24 +7,25 @@ any. Each hinge is then asked for its torques while it opens slowly from there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
-from components import ComponentError
 from components.contract.frames import Vector3, rotate
 from components.hinge import Hinge
 
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
+from ...cosim.fmu import FmuParticipant
 from ...cosim.master import Master, Settings
 from ...cosim.network import Network, NetworkError
-from ...cosim.participant import InProcess, ParticipantError, Vector, in_process
+from ...cosim.participant import InProcess, ParticipantError, Vector
 from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
-from ...run.run import RunError
+from ...run.run import RunError, as_fmus
 from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
@@ -103,38 +104,39 @@ def sweep(
 def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
     """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
-    settled = _equilibrium(assembly)
     parts = {part.name: part for part in assembly.parts}
-    found = {
-        line.name: sum(
-            (
-                _opening_torques(parts[hinge.name], line.axis, settled[hinge.name], friction)
-                for hinge in line.hinges
-            ),
-            start=np.zeros(len(_OBSERVED)),
-        )
-        for line in driven_lines(scene)
-    }
-    for motor, names in motors(scene).items():
-        place = settled[motor].observation_layout[MOTOR_TORQUE]
-        for name in names:
-            found[name][0] += float(settled[motor].observe()[place][0])
+    with _equilibrium(assembly) as settled:
+        found = {
+            line.name: sum(
+                (
+                    _opening_torques(parts[hinge.name], line.axis, settled[hinge.name], friction)
+                    for hinge in line.hinges
+                ),
+                start=np.zeros(len(_OBSERVED)),
+            )
+            for line in driven_lines(scene)
+        }
+        for motor, names in motors(scene).items():
+            place = settled[motor].observation_layout[MOTOR_TORQUE]
+            for name in names:
+                found[name][0] += float(settled[motor].observe()[place][0])
     return found
 
 
-def _equilibrium(assembly: Assembly) -> dict[str, InProcess]:
-    """Every participant by name, in static equilibrium with all hinges held; RunError where there is none."""
-    try:
-        participants = in_process(assembly.parts)
-        network = Network(participants, assembly.links)
-        master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
-        master.initialize(preload=True)
-    except (ComponentError, ParticipantError, NetworkError, StepError) as error:
-        raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
-    return {participant.name: participant for participant in participants}
+@contextmanager
+def _equilibrium(assembly: Assembly) -> Iterator[dict[str, FmuParticipant]]:
+    """Every FMU by name, in static equilibrium with all hinges held; RunError where there is none."""
+    with as_fmus(assembly) as participants:
+        try:
+            network = Network(participants, assembly.links)
+            master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
+            master.initialize(preload=True)
+        except (ParticipantError, NetworkError, StepError) as error:
+            raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None
+        yield {participant.name: participant for participant in participants}
 
 
-def _opening_torques(part: Part, axis: Vector3, settled: InProcess, friction: FrictionKind) -> Vector:
+def _opening_torques(part: Part, axis: Vector3, settled: FmuParticipant, friction: FrictionKind) -> Vector:
     """Motor, harness and friction torque (3,) of a hinge in its pose in equilibrium, opening slowly.
 
     The end-point form of the component gives the torques of an instant; no torque depends on the rate but the
