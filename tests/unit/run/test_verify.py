@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,6 @@ import pytest
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.master import Settings
-from orchestrator.cosim.participant import in_process
 from orchestrator.results.result import Result
 from orchestrator.run.run import RunError, run
 from orchestrator.run.verify import halved, verify
@@ -38,10 +36,6 @@ def smooth_scene():
     return assemble(scene.with_settings({"hinge_line": [root, middle]}).check())
 
 
-def loader(assembly):
-    return lambda _: nullcontext(in_process(assembly.parts))
-
-
 def test_halved_steps():
     """Closed form: twice as many steps, segment by segment, that reach the same times."""
     segments = [[0.25, 0.5], [], [1.0]]
@@ -53,10 +47,10 @@ def verified(tmp_path_factory):
     """A coarse run with its verification, and headline numbers of a run at a hundredth of its tolerance."""
     folder = tmp_path_factory.mktemp("verified")
     assembly = smooth_scene()
-    settings, load = Settings(tolerance=1e-3), loader(assembly)
-    outcome = run(assembly, folder / "run.h5", settings, 2.8, load=load)
-    found = verify(assembly, outcome, settings, 2.8, load=load)
-    tight = run(assembly, folder / "tight.h5", Settings(tolerance=1e-5), 2.8, load=load)
+    settings = Settings(tolerance=1e-3)
+    outcome = run(assembly, folder / "run.h5", settings, 2.8)
+    found = verify(assembly, outcome, settings, 2.8)
+    tight = run(assembly, folder / "tight.h5", Settings(tolerance=1e-5), 2.8)
     return outcome, found, {(n.quantity, n.of): n.value for n in tight.headline.numbers()}
 
 
@@ -125,7 +119,7 @@ def test_plan_that_ends_before_its_event(tmp_path):
     """Regression: beyond the end of a plan the last step, cut short by an event, is not repeated for ever."""
     assembly = smooth_scene()
     plan = Settings(step_plan=[[0.005] * 5 + [1e-7], [0.005]])
-    outcome = run(assembly, tmp_path / "run.h5", plan, 0.1, load=loader(assembly))
+    outcome = run(assembly, tmp_path / "run.h5", plan, 0.1)
     assert outcome.costs.steps < 30
     assert np.all(np.diff(Result.open(outcome.path).time) > 0.0)
 
@@ -133,11 +127,11 @@ def test_plan_that_ends_before_its_event(tmp_path):
 def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
     """Bad luck: numbers that not all runs have are left out, the others are still verified."""
     assembly = smooth_scene()
-    settings, load = Settings(tolerance=1e-3), loader(assembly)
-    outcome = run(assembly, tmp_path / "run.h5", settings, 0.1, load=load)
+    settings = Settings(tolerance=1e-3)
+    outcome = run(assembly, tmp_path / "run.h5", settings, 0.1)
     early = replace(outcome.headline, latch_times={"middle_line": 0.09})
     quantities = [v.number.quantity for v in verify(
-        assembly, replace(outcome, headline=early), settings, 0.1, load=load)]  # fmt: skip
+        assembly, replace(outcome, headline=early), settings, 0.1)]  # fmt: skip
     assert "latch time" not in quantities
     assert "motor energy" in quantities
 
@@ -146,6 +140,6 @@ def test_explicit_run_is_not_verified(tmp_path):
     """Bad input: no halving of steps that were not recorded; a sentence instead."""
     assembly = smooth_scene()
     settings = Settings(fixed_step=1e-4)
-    outcome = run(assembly, tmp_path / "run.h5", settings, 1e-3, "jacobi", load=loader(assembly))
+    outcome = run(assembly, tmp_path / "run.h5", settings, 1e-3, "jacobi")
     with pytest.raises(RunError, match="only a run of the implicit master can be verified"):
-        verify(assembly, outcome, settings, load=loader(assembly))
+        verify(assembly, outcome, settings)
