@@ -11,7 +11,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchling is there in a build only
-    """Compiles the components' library and the master's, and puts both into the wheel."""
+    """Compiles the components' library and the two of the master, and puts them into the wheel."""
 
     PLUGIN_NAME = "custom"
 
@@ -19,10 +19,17 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
         """Before the build of a wheel, editable or not."""
         root = Path(self.root)
         build = _module(root / "fmus" / "native" / "compile.py")
+        cosim = root / "orchestrator" / "cosim"
+        isolation = cosim / "isolation" / "native"
         libraries = {
             "fmus/native/lib/fanfold": build.compile_library,
             "orchestrator/cosim/native/_coupling": lambda target: build.compile_files(
-                [root / "orchestrator" / "cosim" / "native" / "coupling.c"], target
+                [cosim / "native" / "coupling.c"], target
+            ),
+            "orchestrator/cosim/isolation/native/_isolation": lambda target: build.compile_files(
+                [isolation / "caller.c", isolation / "server.c"],
+                target,
+                (*build.FLAGS, "-pthread"),
             ),
         }
         for name, make in libraries.items():

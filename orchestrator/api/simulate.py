@@ -72,6 +72,7 @@ def simulate(
     backend: Backend | None = None,
     save: str | Path | None = None,
     checkpoint: Quantity | None = None,
+    isolate: bool = False,
     estimate: bool = True,
     refine: bool = True,
     progress: bool | Progress | None = None,
@@ -82,9 +83,9 @@ def simulate(
     tolerance: relative accuracy, by default that of the scene. step: a constant communication step size, s. order:
     2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
     need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
-    gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. estimate: tell the
-    errors of headline numbers, for half the cost of the run. refine: where these are likely to miss the tolerance,
-    run again at a smaller one. progress: a bar, by default in notebooks.
+    gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. isolate: every
+    FMU in a process of its own. estimate: tell the errors of headline numbers, for half the cost of the run. refine:
+    where these are likely to miss the tolerance, run again at a smaller one. progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
@@ -101,6 +102,7 @@ def simulate(
         backend=backend,
         checkpoint=in_si(checkpoint, "s", "checkpoint"),
         refine=refine,
+        isolate=isolate,
     )
     found = run_simulation(
         loaded.check_one_run(),

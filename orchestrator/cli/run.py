@@ -49,6 +49,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     help="Keep a checkpoint after so much simulated time, from which `fanfold resume` goes on; last digits differ from "
     "those of a run without.",
 )  # fmt: skip
+@click.option("--isolate", is_flag=True, help="Every FMU in a process of its own: what breaks it is named.")
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
 @click.option(
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
@@ -68,6 +69,7 @@ def command(
     order: str,
     master: MasterKind,
     checkpoint: float | None,
+    isolate: bool,
     with_verify: bool,
     with_estimate: bool,
     refine: bool,
@@ -99,6 +101,7 @@ def command(
             backend=backend,
             save=phase_file(output, phase) if output else result_file(scene.name, scene.chosen),
             checkpoint=checkpoint,
+            isolate=isolate,
             estimate=with_estimate,
             refine=refine,
             progress=progress,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from ctypes import (
     POINTER,
@@ -28,22 +29,27 @@ import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import (
     FMU2Slave,
+    calloc,
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
     fmi2OK,
     fmi2Warning,
+    free,
 )
+from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
+from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
 
 from components import Layout, Quantity
 from components.cache.temporary import process_folder
 from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
-from fmus import NATIVE_TOOL
 from fmus.binary import cut_short
 
 from .coupling_library import Calls, library
+from .isolation.process import LONGEST_CALL, IsolatedFmu
+from .isolation.process import library as isolation_library
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
-from .shared_library import library_of, share_library
+from .shared_library import is_own, library_of, share_library
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
@@ -60,7 +66,8 @@ FAILURES = (
 )
 """What an FMU could not do, by the number that the native solver has for it; "" where a message says more."""
 _FINITE, _OBSERVED = 4, 7
-_OVERWRITES_NO_STATE = "PythonFMU"
+_PYTHON = "PythonFMU"
+"""Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
 _ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
 
 
@@ -69,15 +76,26 @@ class FmuParticipant:
 
     Raises ParticipantError with the FMU's own log message when a call fails, and names the FMU and time.
     directional_derivatives: whether it gives, right after a step, the derivatives of that step; the standard means
-    those at the end of the step alone.
+    those at the end of the step alone. isolate: whether it has a process of its own, by default where its binary is
+    not the one that was compiled here; longest_call: time (s) after which a call of such a one is taken to hang.
+    lacks_isolation: whether it should have one, and nothing was compiled here that it takes.
     """
 
     def __init__(
-        self, name: str, path: Path, start: Mapping[str, float | Sequence[float]] | None = None
+        self,
+        name: str,
+        path: Path,
+        start: Mapping[str, float | Sequence[float]] | None = None,
+        *,
+        isolate: bool | None = None,
+        longest_call: float = LONGEST_CALL,
     ) -> None:
         self.name = name
         self.path = path
-        self._messages: list[str] = []
+        self._isolate = isolate
+        self._longest_call = longest_call
+        self._messages: deque[str] = deque(maxlen=1)
+        self._last_words = ""
         self._time = 0.0
         self._saved = c_void_p()
         self._folder = Path(mkdtemp(dir=process_folder()))
@@ -89,7 +107,7 @@ class FmuParticipant:
             raise
         except Exception as error:
             self.close()
-            reason = ": ".join([str(error), *self._messages[-1:]])
+            reason = ": ".join([str(error), *self._messages])
             raise ParticipantError(f"{name}: {path.name} cannot be loaded: {reason}") from None
 
     def _load(self, start: Mapping[str, float | Sequence[float]]) -> None:
@@ -104,7 +122,7 @@ class FmuParticipant:
         )
         self.constant_mobility = _says(annotation, "Mobility", "constant")
         self.noun = "" if (said := _said(annotation, "Component")) is None else said.get("noun", "")
-        self._overwrites_state = _OVERWRITES_NO_STATE not in (description.generationTool or "")
+        self._is_python = _PYTHON in (description.generationTool or "")
         reals = [v for v in description.modelVariables if v.type == "Real"]
         self.parameter_layout, self._parameter_references = _group(
             v for v in reals if v.causality == "parameter"
@@ -123,25 +141,48 @@ class FmuParticipant:
         binary = library_of(self._folder, description.coSimulation.modelIdentifier)
         if binary.is_file() and (problem := cut_short(binary)):
             raise ParticipantError(f"{self.name}: {self.path.name} cannot be loaded: {problem}")
-        if description.generationTool == NATIVE_TOOL:
-            share_library(self._folder, description.coSimulation.modelIdentifier)
-        self._fmu = FMU2Slave(
-            guid=description.guid,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            unzipDirectory=str(self._folder),
-            instanceName=self.name,
-        )
-        self._callbacks = fmi2CallbackFunctions()
-        self._callbacks.logger = fmi2CallbackLoggerTYPE(self._log)
-        self._fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        own = is_own(binary)
+        if own:
+            share_library(binary)
+        apart = not own if self._isolate is None else self._isolate
+        self.lacks_isolation = apart and self._isolate is None and isolation_library() is None
+        if apart and not self.lacks_isolation:
+            self._fmu: FMU2Slave | IsolatedFmu = self._instance_apart(description, binary, len(reals))
+        else:
+            self._fmu = self._instance_here(description)
         self._component = self._fmu.component
         self._bind()
         self._start = start
         self._set_up()
 
+    def _instance_here(self, description: Any) -> FMU2Slave:  # noqa: ANN401
+        fmu = FMU2Slave(
+            guid=description.guid,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            unzipDirectory=str(self._folder),
+            instanceName=self.name,
+        )
+        self._callbacks = fmi2CallbackFunctions(
+            fmi2CallbackLoggerTYPE(self._log), Allocate(calloc), Free(free)
+        )
+        fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
+        return fmu
+
+    def _instance_apart(self, description: Any, binary: Path, numbers: int) -> IsolatedFmu:  # noqa: ANN401
+        return IsolatedFmu(
+            binary,
+            description.guid,
+            (self._folder / "resources").as_uri(),
+            self.name,
+            formatted=not self._is_python,
+            numbers=numbers,
+            longest_call=self._longest_call,
+        )
+
     def _set_up(self) -> None:
         """From a new instance, or one that was reset, into initialization mode."""
-        self._fmu.setupExperiment(startTime=0.0)
+        dll, component = self._fmu.dll, self._component
+        self.check(dll.fmi2SetupExperiment(component, 0, 0.0, 0.0, 0, 0.0), "set up the experiment")
         for key, value in self._start.items():
             self._set(key, value)
         self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
@@ -162,13 +203,10 @@ class FmuParticipant:
     def _bind(self) -> None:
         """Raw functions; argument types are set so that nothing is converted per call but the two times."""
         dll = self._fmu.dll
-        self._set_real, self._get_real = dll.fmi2SetReal, dll.fmi2GetReal
-        self._do_step = dll.fmi2DoStep
-        self._get_state, self._set_state, self._free_state = (
-            dll.fmi2GetFMUstate,
-            dll.fmi2SetFMUstate,
-            dll.fmi2FreeFMUstate,
-        )
+        self._set_real = getattr(dll, "post_SetReal", dll.fmi2SetReal)
+        self._get_real, self._do_step = dll.fmi2GetReal, dll.fmi2DoStep
+        self._set_state = getattr(dll, "post_SetFMUstate", dll.fmi2SetFMUstate)
+        self._get_state, self._free_state = dll.fmi2GetFMUstate, dll.fmi2FreeFMUstate
         self.calls = self._record()
 
     def _record(self) -> Calls:
@@ -195,7 +233,7 @@ class FmuParticipant:
             setattr(record, f"{name}s", count)
             setattr(record, name, cast(values, c_void_p))
         record.saved = cast(pointer(self._saved), c_void_p)
-        record.overwrites_state = self._overwrites_state
+        record.overwrites_state = not self._is_python
         return record
 
     @property
@@ -224,9 +262,21 @@ class FmuParticipant:
         """ParticipantError with the FMU's own words when a call could not do what it should."""
         if status in (fmi2OK, fmi2Warning):
             return
-        reason = self._messages[-1] if self._messages else f"FMI status {status}, no message"
+        if isinstance(self._fmu, IsolatedFmu):
+            if self._fmu.interrupted:
+                raise KeyboardInterrupt
+            self._messages.append(self._fmu.reason)
+        reason = "".join(self._messages) or f"FMI status {status}, no message"
         self._messages.clear()
-        raise ParticipantError(f"{self.name}: cannot {action} at t = {self._time:.6g} s: {reason}")
+        sentence = self._last_words or f"{self.name}: cannot {action} at t = {self._time:.6g} s: {reason}"
+        if isinstance(self._fmu, IsolatedFmu) and not self._fmu.is_sound:
+            self._last_words = sentence  # shorter steps are tried in vain
+        raise ParticipantError(sentence)
+
+    @property
+    def is_isolated(self) -> bool:
+        """Whether it has a process of its own."""
+        return isinstance(self._fmu, IsolatedFmu)
 
     def initialize(self, time: float) -> None:
         """Write the inputs and leave initialization mode."""
@@ -257,7 +307,7 @@ class FmuParticipant:
 
     def save(self) -> None:
         """fmi2GetFMUstate into the one slot."""
-        if not self._overwrites_state:
+        if self._is_python:
             self._free_saved()
         self.check(self._get_state(self._component, byref(self._saved)), "save its state")
 
@@ -347,10 +397,13 @@ class FmuParticipant:
         self.check(self._fmu.dll.fmi2SetReal(self._component, *arguments), f"set {name}")
 
     def close(self) -> None:
-        """Free state and instance, unload, remove the unpacked files."""
+        """Free state and instance, end its process, remove the unpacked files."""
         if getattr(self, "_component", None) is not None:
             self._free_saved()
-            self._fmu.dll.fmi2FreeInstance(self._component)
+            if isinstance(self._fmu, IsolatedFmu):
+                self._fmu.close()
+            else:
+                self._fmu.dll.fmi2FreeInstance(self._component)
             self._component = None
         shutil.rmtree(self._folder, ignore_errors=True)
 

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import hashlib
 import os
+from functools import cache
 from pathlib import Path
 
 from fmpy import platform, sharedLibraryExtension
 
 from components.cache.temporary import process_folder
+from fmus import native_library
 
 
 def library_of(unpacked: Path, model_identifier: str) -> Path:
@@ -20,16 +22,27 @@ def library_of(unpacked: Path, model_identifier: str) -> Path:
     return Path(unpacked, "binaries", platform, f"{model_identifier}{sharedLibraryExtension}")
 
 
-def share_library(unpacked: Path, model_identifier: str) -> None:
-    """Make the binary of an unpacked FMU a link to the one of the same content, if the file system allows.
+def is_own(binary: Path) -> bool:
+    """Whether a binary is the one that was compiled when Fanfold was installed here."""
+    compiled = native_library()
+    return compiled is not None and binary.is_file() and _digest(binary) == _own_digest(compiled)
+
+
+@cache
+def _own_digest(compiled: Path) -> str:
+    return _digest(compiled)
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def share_library(binary: Path) -> None:
+    """Make a binary a link to the one of the same content, if the file system allows.
 
     Only for FMUs that keep no state outside of their instances.
     """
-    binary = library_of(unpacked, model_identifier)
-    if not binary.is_file():
-        return
-    digest = hashlib.sha256(binary.read_bytes()).hexdigest()
-    kept = process_folder() / f"{digest}{sharedLibraryExtension}"
+    kept = process_folder() / f"{_digest(binary)}{sharedLibraryExtension}"
     try:
         if not kept.exists():
             os.link(binary, kept)

@@ -104,19 +104,24 @@ def export(
 
 
 @contextmanager
-def as_fmus(assembly: Assembly, backend: Backend | None = None) -> Iterator[Sequence[FmuParticipant]]:
-    """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens."""
+def as_fmus(
+    assembly: Assembly, backend: Backend | None = None, *, isolate: bool = False
+) -> Iterator[Sequence[FmuParticipant]]:
+    """Every part of an assembly as an FMU, exported and loaded; unloaded in the end, whatever happens.
+
+    isolate: each in a process of its own.
+    """
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
         participants: list[FmuParticipant] = []
         for path in export(assembly, folder, backend):
-            participants.append(FmuParticipant(path.stem, path))
+            participants.append(FmuParticipant(path.stem, path, isolate=isolate))
             stack.callback(participants[-1].close)
         yield participants
 
 
 @contextmanager
-def kept_fmus(backend: Backend | None = None) -> Iterator[Loader]:
+def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Iterator[Loader]:
     """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset."""
     with ExitStack() as stack:
         kept: list[FmuParticipant] = []
@@ -126,7 +131,7 @@ def kept_fmus(backend: Backend | None = None) -> Iterator[Loader]:
             for participant in kept:
                 participant.reset()
             if not kept:
-                kept.extend(stack.enter_context(as_fmus(assembly, backend)))
+                kept.extend(stack.enter_context(as_fmus(assembly, backend, isolate=isolate)))
             yield kept
 
         yield load
@@ -154,6 +159,14 @@ def run(
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))
+            exposed = ", ".join(
+                p.name for p in participants if isinstance(p, FmuParticipant) and p.lacks_isolation
+            )
+            if exposed:
+                warn(
+                    f"{assembly.name}: {exposed} shares the process of this run, which ends if it crashes; processes "
+                    "of their own need Fanfold installed where there is a C compiler"
+                )
             fixed = ", ".join(p.name for p in participants if not p.can_restore)
             if fixed and master == "implicit":
                 master = "gauss-seidel"

@@ -35,7 +35,8 @@ class Options:
 
     rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
     constant communication step size, s. order: of the coupling. checkpoint: simulated time between checkpoints, s.
-    refine: repeat a run that is likely to miss its tolerance at a smaller one. RunError for what cannot be.
+    refine: repeat a run that is likely to miss its tolerance at a smaller one. isolate: every FMU in a process of its
+    own. RunError for what cannot be.
     """
 
     rigid: Collection[str] = ()
@@ -48,6 +49,7 @@ class Options:
     backend: Backend | None = None
     checkpoint: float | None = None
     refine: bool = True
+    isolate: bool = False
 
     def __post_init__(self) -> None:
         low, high = _TOLERANCES
@@ -141,7 +143,7 @@ def simulate(
     for sentence in [*doubts(scene), *_held_sentences(assembly, options.flexible)]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
-    with kept_fmus(options.backend) as load:
+    with kept_fmus(options.backend, isolate=options.isolate) as load:
         with followed(progress, assembly.name, end) as watch:
             asked = options.asked(scene, estimate)
             outcome = run(assembly, output, settings, end, options.master, watch, warn, load, asked, start)
@@ -153,7 +155,8 @@ def simulate(
                 outcome, settings = refined(assembly, outcome, settings, end, progress, warn, load)
     for sentence in outcome.headline.open_ends():
         warn(sentence)
-    return Simulation(assembly, settings, end, partial(as_fmus, backend=options.backend), outcome)
+    load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
+    return Simulation(assembly, settings, end, load_again, outcome)
 
 
 def resume(result: Path, progress: Progress = silent, warn: Warn = lambda sentence: None) -> Simulation:
