@@ -51,7 +51,8 @@ class Settings:
     """Numbers of the master.
 
     tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
-    with the root of the tolerance, as the rotations' error goes with its square. fixed_step: constant
+    with the root of the tolerance, as the rotations' error goes with its square. start_step: before errors can be told,
+    for which two steps must be seen; what motors stir up by starting begins in these. fixed_step: constant
     communication step size instead of control, divided only where it does not converge. step_plan: step
     sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
     through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
@@ -62,7 +63,7 @@ class Settings:
     tolerance: float = 1e-4
     largest_step: float = 0.02
     smallest_step: float = 2e-5
-    start_step: float = 1e-3
+    start_step: float = 2e-5
     event_step: float = 2e-4
     fixed_step: float | None = None
     step_plan: Sequence[Sequence[float]] | None = None

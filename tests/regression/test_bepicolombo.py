@@ -70,11 +70,14 @@ def test_semi_flexible_peak_is_lower_and_oscillates_slower():
 
 
 def test_inboard_panel_is_pressed_on_the_wall_then_pulled_off():
-    """Data sheet, sheet (b): no contact at 4 N.m once the outboard panel pulls; contact after latch-up at 20 N.m."""
+    """Data sheet, sheet (b): no contact at 4 N.m once the outboard panel pulls; contact after latch-up at 20 N.m.
+
+    It is pressed as soon as the joints, of periods of milliseconds, have taken up the motor's start.
+    """
     normal, raised = (
         impacts(RUNS.result("bepicolombo", *layers, rigid=RIGID)) for layers in ((), ("impact",))
     )
-    assert normal[0].start == pytest.approx(0.0, abs=1e-6)
+    assert normal[0].start < 1e-2
     assert all(impact.start < 2.0 for impact in normal)
     assert any(impact.start > 4.0 and impact.peak_force > 100.0 for impact in raised)
 
