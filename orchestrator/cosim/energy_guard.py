@@ -39,6 +39,8 @@ class EnergyGuard:
     def allows(self, found: Energies, h: float) -> bool:
         """Whether a step of size h (s) from the last accepted one to these energies stands."""
         jump = self._jump(found)
+        if jump <= _SHARE * self._kinetic:
+            return True
         known = max(self._power * h, self._rounding, _ROUNDED * sum(map(abs, found)))
         if not jump > max(_SHARE * self._in_motion(found), known):
             return True

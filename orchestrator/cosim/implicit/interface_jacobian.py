@@ -76,6 +76,9 @@ class Matrices:
         return [block.turned() for block in self.blocks]
 
 
+_ALIKE = 1e-2
+"""Largest relative difference of step sizes that share mobilities; these go with its square: 2 % of an error stay."""
+
 Key = tuple[str, float]
 """What matrices hold for: the parameters in force (static or dynamic), and the step size (s)."""
 
@@ -92,6 +95,8 @@ class InterfaceJacobian:
     def matrices(self, key: Key, time: float) -> tuple[Matrices, Matrices]:
         """Those of all bodies and of all connections, made about the step just made where they are not known."""
         network = self._network
+        if key not in self._mobilities and (alike := self._alike(key)) is not None:
+            self._mobilities[key] = alike
         if key not in self._mobilities or key in self._outdated:
             self._evaluate_bodies(key, time)
         if key not in self._stiffnesses:
@@ -100,6 +105,16 @@ class InterfaceJacobian:
                 for connection, places in zip(network.connections, network.connection_places, strict=True)
             )
         return self._mobilities[key], self._stiffnesses[key]
+
+    def _alike(self, key: Key) -> Matrices | None:
+        """Mobilities of a step of nearly this size: an event is searched for by steps that differ little."""
+        mode, h = key
+        known = (
+            found
+            for (other, size), found in self._mobilities.items()
+            if other == mode and abs(size - h) < _ALIKE * h
+        )
+        return next(known, None)
 
     def _evaluate_bodies(self, key: Key, time: float) -> None:
         """Mobilities of all bodies but those that are known and constant, which are only turned along."""

@@ -251,7 +251,10 @@ def start(network):
 
 @needs_native
 def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
-    """By count: after an event those of connections alone, after a failed step those of bodies that vary too."""
+    """By count: after an event those of connections alone, after a failed step those of bodies that vary too.
+
+    Steps that differ little, by which an event is searched for, share those of bodies.
+    """
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"yoke", "panel1"})
     with as_fmus(assembly, "native") as participants:
         network = Network(participants, assembly.links)
@@ -276,6 +279,9 @@ def test_bodies_are_differentiated_seldom_and_laws_when_they_may_have_changed():
         assert anew == connections | {"panel2"}
         blocks, anew = evaluated(blocks)
         assert not anew
+        for size, shared in ((1.005e-3, True), (1.02e-3, False)):
+            alike, _ = solver.jacobian.matrices(("dynamic", size), 0.0)
+            assert all((a is b) == shared for a, b in zip(alike.blocks, blocks, strict=False))
         solver.forget_all()
         assert evaluated(blocks)[1] == connections | {body.name for body in network.bodies}
 
