@@ -352,7 +352,7 @@ def test_fmu_that_cannot_roll_back(tmp_path):
         Settings(fixed_step=2e-4),
         0.2,
         warn=warnings.append,
-        load=with_brake(assembly, Untouchable("brake", path)),
+        load=with_brake(assembly, Untouchable("brake", path, isolate=False)),
     )
     assert (outcome.master, outcome.order) == ("gauss-seidel", 2)
     assert len(warnings) == 1

@@ -4,7 +4,7 @@
    A step costs one exchange: what is posted goes with the next request, and a step comes back with the outputs that
    were asked for after the step before. The FMU sees the calls in the order in which they were made. */
 
-#define _DEFAULT_SOURCE
+#define _GNU_SOURCE
 
 #include <poll.h>
 #include <stdarg.h>
@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
-#include <time.h>
 
 #include "channel.h"
+#include "processor.h"
 
 enum { SLICE = 50, CLEARED = 1000 }; /* ms */
 enum { PORT_WRENCH = 12, PORT_MOTION = 18 };
@@ -115,12 +115,6 @@ static int is_interrupted(Caller *c) {
     return c->interrupted;
 }
 
-static double seconds_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 /* Whether the answer comes within a slice of time. */
 static int answers_soon(const Caller *c) {
     struct pollfd polled = {c->from, POLLIN, 0};
@@ -132,6 +126,7 @@ static int exchange(Caller *c) {
     Channel *channel = c->channel;
     if (c->broken) return FATAL;
     channel->length = c->posted;
+    channel->processor = processor_here();
     c->posted = 0;
     c->brought = c->after_step = 0;
     tell(c->to);

@@ -74,6 +74,7 @@ typedef struct {
 /* The beginning of the shared memory; then `room` bytes for requests, and as many for answers. */
 typedef struct {
     int call, status;      /* the call under way or made last, and its FMI status */
+    int processor;         /* that the caller runs on; -1 where that is not known */
     size_t room, length;   /* length: bytes of the request */
     char message[MESSAGE]; /* what the FMU logged last */
 } Channel;

@@ -1,7 +1,6 @@
 /* The process that has an FMU: it makes the calls that another process asks for, until that one is gone. */
 
-#define _XOPEN_SOURCE 700
-#define _DEFAULT_SOURCE
+#define _GNU_SOURCE
 
 #include <dlfcn.h>
 #include <poll.h>
@@ -14,6 +13,7 @@
 #include <sys/stat.h>
 
 #include "channel.h"
+#include "processor.h"
 
 enum { LOOK = 1000 }; /* ms between two looks at who the parent is */
 
@@ -206,8 +206,11 @@ EXPORT int isolated_serve(int memory, int from, int to, int parent) {
     if (fstat(memory, &file)) return 1;
     server.channel = mmap(NULL, (size_t)file.st_size, PROT_READ | PROT_WRITE, MAP_SHARED, memory, 0);
     if (server.channel == MAP_FAILED || pthread_create(&thread, NULL, watch, &watched)) return 1;
+    Place place = place_here();
     for (int goes_on = 1; goes_on && await(from) == COME;) {
+        const double begin = seconds_now();
         goes_on = perform_all(&server);
+        follow(&place, server.channel->processor, seconds_now() - begin);
         tell(to);
     }
     return 0;
