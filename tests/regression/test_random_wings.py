@@ -6,15 +6,12 @@ from math import inf
 import pytest
 
 from tests.benchmark.campaign import try_wing
-from tests.benchmark.campaign_errors import LATCH_TIME, LATCH_TORQUE, misses
+from tests.benchmark.campaign_errors import misses
 from tests.references.random_wings import load_wing, random_wing, toml_text
 
 SEEDS = range(5)
 SMALL = (2, 3)
 TOLERANCE = 1e-2
-JUDGED = (LATCH_TIME, LATCH_TORQUE)
-"""Interface loads after an impulse between rigid bodies are their joints' ringing; the campaign tells of them."""
-MOST_THAT_MISS = 1
 
 
 @pytest.fixture(scope="module")
@@ -29,14 +26,12 @@ def test_every_wing_runs(trials):
     )
 
 
-def test_latch_times_and_torques_stay_within_ten_tolerances(trials):
-    """All but one, which is one too many still: the latch torque of a light line at this loose tolerance."""
+def test_headline_numbers_stay_within_ten_tolerances(trials):
+    """Latch times, impulses, torques and interface loads of all; runs that would miss are repeated by themselves."""
     missing = {
-        seed
-        for seed, trial in trials.items()
-        if any(d.group in JUDGED for d in misses(trial.deviations, TOLERANCE, 10.0))
+        seed: missed for seed, t in trials.items() if (missed := misses(t.deviations, TOLERANCE, 10.0))
     }
-    assert len(missing) <= MOST_THAT_MISS, missing
+    assert missing == {}
 
 
 def test_every_wing_knows_its_errors(trials):
