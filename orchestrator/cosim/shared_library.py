@@ -38,11 +38,8 @@ def _digest(path: Path) -> str:
 
 
 def share_library(binary: Path) -> None:
-    """Make a binary a link to the one of the same content, if the file system allows.
-
-    Only for FMUs that keep no state outside of their instances.
-    """
-    kept = process_folder() / f"{_digest(binary)}{sharedLibraryExtension}"
+    """Make a binary that `is_own` a link to the first one, if the file system allows; it has no state of its own."""
+    kept = process_folder() / f"fanfold{sharedLibraryExtension}"
     try:
         if not kept.exists():
             os.link(binary, kept)
