@@ -71,6 +71,11 @@ def is_too_slow(correction: float, last: float, iteration: int) -> bool:
     return correction * (correction / last) ** (MAX_ITERATIONS - iteration) > 1.0
 
 
+def leaves_little(correction: float, last: float) -> bool:
+    """Whether all scaled corrections to come, which shrink like the last, add up to less than 1: slow ones may not."""
+    return correction <= 1.0 - correction / last
+
+
 def is_credible(wrenches: Vector, residual: Vector) -> bool:
     """Whether wrenches like these can leave this residual.
 

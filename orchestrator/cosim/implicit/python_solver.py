@@ -124,7 +124,7 @@ class PythonSolver(Solver):
             size = float(np.abs(correction).max(initial=0.0))
             settled = self._settled(size, residual, scale)
             if settled and (
-                last <= 1.0 or iteration == convergence.MAX_ITERATIONS or self._agrees(residual, scale)
+                iteration == convergence.MAX_ITERATIONS or self._is_enough(size, last, residual, scale)
             ):
                 self._tolerated = scale * min(size, 1.0)
                 return Solution(True, iteration, size, 0)
@@ -144,6 +144,11 @@ class PythonSolver(Solver):
             steps.append(correction)
             self.wrenches += correction * scale
         return Solution(False, iteration, size, int(np.argmax(np.abs(correction))))
+
+    def _is_enough(self, size: float, last: float, residual: Vector, scale: Vector) -> bool:
+        """Whether no further sweep is worth it after a small correction; one beyond 1 is rounding."""
+        little = size > 1.0 or convergence.leaves_little(size, last)
+        return little and (last <= 1.0 or self._agrees(residual, scale))
 
     def _agrees(self, residual: Vector, scale: Vector) -> bool:
         """Whether residuals are as small as the accuracy asked of the recorded loads, or as rounding lets them be.

@@ -190,6 +190,11 @@ static int agrees(const Network *n) {
     return 1;
 }
 
+/* Whether all corrections to come, which shrink like the last, add up to less than 1: slow ones may not. */
+static int leaves_little(const Network *n) {
+    return n->correction <= 1.0 - n->correction / n->last;
+}
+
 /* Keep the step and take it. */
 static int apply(Network *n, const double *step) {
     n->last = n->correction;
@@ -219,7 +224,8 @@ static int correct(Network *n) {
     n->correction = largest_of(step, n->size, &n->worst_row);
     if (n->correction <= 1.0) {
         if (!is_credible(n)) return NOT_CONVERGED;
-        if (n->last <= 1.0 || n->iteration == n->limits.most || agrees(n)) return CONVERGED;
+        if (n->iteration == n->limits.most) return CONVERGED;
+        if (leaves_little(n) && (n->last <= 1.0 || agrees(n))) return CONVERGED;
         return apply(n, step); /* once more */
     }
     const int near = n->correction * n->tolerance.relative <= n->limits.near;
