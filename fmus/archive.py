@@ -14,6 +14,9 @@ LARGEST_BYTES = 256_000_000
 MOST_MEMBERS = 10_000
 """Of an archive that is unpacked; FMUs have a few dozen members of some MB."""
 _GENERATED = re.compile(rb'generationDateAndTime="[^"]*"')
+_DESCRIPTION = "modelDescription.xml"
+_LARGE = 100_000
+_digests: dict[tuple[int, int], bytes] = {}
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -60,8 +63,21 @@ def digest_of(files: Mapping[str, bytes]) -> str:
 
 
 def content_digest(path: Path) -> str:
-    """SHA-256 of the files in an FMU, whenever it was generated."""
+    """SHA-256 of the digests of the files in an FMU, whenever it was generated.
+
+    Large files of one size and CRC-32, such as the library in all FMUs of a run, are read once in a process.
+    """
     with zipfile.ZipFile(path) as archive:
-        files = {name: archive.read(name) for name in archive.namelist()}
-    description = "modelDescription.xml"
-    return digest_of({**files, description: _GENERATED.sub(b"", files[description])})
+        digests = {member.filename: _member_digest(archive, member) for member in archive.infolist()}
+        description = archive.read(_DESCRIPTION)
+    return digest_of({**digests, _DESCRIPTION: _GENERATED.sub(b"", description)})
+
+
+def _member_digest(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:
+    key = member.file_size, member.CRC
+    if key in _digests:
+        return _digests[key]
+    digest = hashlib.sha256(archive.read(member)).digest()
+    if member.file_size >= _LARGE:
+        _digests[key] = digest
+    return digest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from ctypes import (
     POINTER,
     addressof,
@@ -26,7 +26,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from fmpy import extract, read_model_description
+from fmpy import read_model_description
 from fmpy.fmi2 import (
     FMU2Slave,
     calloc,
@@ -49,7 +49,7 @@ from .isolation.process import LONGEST_CALL, IsolatedFmu
 from .isolation.process import library as isolation_library
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
-from .shared_library import is_own, library_of, share_library
+from .shared_library import library_of, unpack
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
@@ -100,8 +100,7 @@ class FmuParticipant:
         self._saved = c_void_p()
         self._folder = Path(mkdtemp(dir=process_folder()))
         try:
-            extract(str(path), unzipdir=str(self._folder))
-            self._load(start or {})
+            self._load(start or {}, unpack(path, self._folder))
         except ParticipantError:
             self.close()
             raise
@@ -110,7 +109,8 @@ class FmuParticipant:
             reason = ": ".join([str(error), *self._messages])
             raise ParticipantError(f"{name}: {path.name} cannot be loaded: {reason}") from None
 
-    def _load(self, start: Mapping[str, float | Sequence[float]]) -> None:
+    def _load(self, start: Mapping[str, float | Sequence[float]], own: Collection[Path]) -> None:
+        """own: binaries that were compiled here."""
         description = read_model_description(str(self._folder), validate=False)
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
@@ -141,10 +141,7 @@ class FmuParticipant:
         binary = library_of(self._folder, description.coSimulation.modelIdentifier)
         if binary.is_file() and (problem := cut_short(binary)):
             raise ParticipantError(f"{self.name}: {self.path.name} cannot be loaded: {problem}")
-        own = is_own(binary)
-        if own:
-            share_library(binary)
-        apart = not own if self._isolate is None else self._isolate
+        apart = binary not in own if self._isolate is None else self._isolate
         self.lacks_isolation = apart and self._isolate is None and isolation_library() is None
         if apart and not self.lacks_isolation:
             self._fmu: FMU2Slave | IsolatedFmu = self._instance_apart(description, binary, len(reals))

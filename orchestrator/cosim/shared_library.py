@@ -1,17 +1,19 @@
 """One loaded library for all native FMUs of a process, though every FMU file carries its own copy.
 
 The loader maps a file once however often it is asked for, and the processor's instruction cache then serves
-all instances: a chain of 128 panels steps three to four times as fast.
+all instances: a chain of 128 panels steps three to four times as fast. Copies are not even unpacked.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
+import shutil
+import zipfile
+import zlib
 from functools import cache
 from pathlib import Path
 
-from fmpy import platform, sharedLibraryExtension
+from fmpy import extract, platform, sharedLibraryExtension
 
 from components.cache.temporary import process_folder
 from fmus import native_library
@@ -22,30 +24,43 @@ def library_of(unpacked: Path, model_identifier: str) -> Path:
     return Path(unpacked, "binaries", platform, f"{model_identifier}{sharedLibraryExtension}")
 
 
-def is_own(binary: Path) -> bool:
-    """Whether a binary is the one that was compiled when Fanfold was installed here."""
+def unpack(path: Path, folder: Path) -> list[Path]:
+    """Unpack an FMU into a folder; returned are its binaries that are the one compiled when Fanfold was installed here.
+
+    In place of these, which have no state of their own, stand links to one copy for all.
+    """
+    own = _own_members(path)
+    extract(str(path), unzipdir=str(folder), include=lambda name: name not in own)
+    binaries = [folder / name for name in own]
+    for binary in binaries:
+        binary.parent.mkdir(parents=True, exist_ok=True)
+        _share(binary)
+    return binaries
+
+
+def _own_members(path: Path) -> list[str]:
+    """Members of an archive with size and CRC-32 of the compiled library, which then takes their place."""
     compiled = native_library()
-    return compiled is not None and binary.is_file() and _digest(binary) == _own_digest(compiled)
+    if compiled is None:
+        return []
+    with zipfile.ZipFile(path) as archive:
+        return [m.filename for m in archive.infolist() if (m.file_size, m.CRC) == _size_and_crc(compiled)]
 
 
 @cache
-def _own_digest(compiled: Path) -> str:
-    return _digest(compiled)
+def _size_and_crc(path: Path) -> tuple[int, int]:
+    content = path.read_bytes()
+    return len(content), zlib.crc32(content)
 
 
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
-
-
-def share_library(binary: Path) -> None:
-    """Make a binary that `is_own` a link to the first one, if the file system allows; it has no state of its own."""
+def _share(binary: Path) -> None:
+    """Put the compiled library where a binary belongs: a link, or a copy of its own where there are no links."""
     kept = process_folder() / f"fanfold{sharedLibraryExtension}"
+    compiled = native_library()
+    assert compiled is not None
+    if not kept.exists():
+        shutil.copyfile(compiled, kept)
     try:
-        if not kept.exists():
-            os.link(binary, kept)
-            return
-        replacement = binary.with_suffix(".link")
-        os.link(kept, replacement)
-        os.replace(replacement, binary)
+        os.link(kept, binary)
     except OSError:
-        return  # other file systems, or one without links: the FMU's own copy does as well
+        shutil.copyfile(compiled, binary)
