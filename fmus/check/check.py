@@ -24,6 +24,7 @@ from components.cache.temporary import process_folder
 
 from ..archive import archive_problems
 from .names import name_problems
+from .smoke_run import DOING
 
 _DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?Z")
 _STATE_FLAGS = {
@@ -208,9 +209,13 @@ def _trial_problems(path: Path) -> Iterator[str]:
         except subprocess.TimeoutExpired:
             yield f"two steps are not done after {_TRIAL_SECONDS} s"
             return
-    if run.returncode < 0:
-        yield f"the process that ran it ended with {signal.Signals(-run.returncode).name}"
-    elif run.returncode > 0 or not run.stdout.strip():
+    lines = run.stdout.split("\n")
+    told = next((line for line in reversed(lines) if line.startswith('"')), "")
+    if run.returncode < 0 and told in ("", '""'):
+        end = f"the process that ran it ended with {signal.Signals(-run.returncode).name}"
+        doing = [line.removeprefix(DOING) for line in lines if line.startswith(DOING)]
+        yield f"it cannot be {doing[-1]}: {end}" if doing else end
+    elif run.returncode > 0 or not told:
         yield f"it cannot be run: {(run.stderr.strip().splitlines() or ['no message'])[-1]}"
-    elif problem := json.loads(run.stdout.splitlines()[-1]):
+    elif problem := json.loads(told):
         yield problem

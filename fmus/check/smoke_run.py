@@ -2,7 +2,8 @@
 
     python -P trial.py FMU FOLDER
 
-unpacks into the folder and prints, as the last line, a JSON string: what went wrong, or nothing. Needs FMPy only.
+unpacks into the folder and prints what it is about to do, each on a line that begins with `DOING`, and as the last line
+a JSON string: what went wrong, or nothing. Needs FMPy only.
 """
 
 from __future__ import annotations
@@ -19,17 +20,19 @@ from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
 from fmpy.fmi3 import FMU3Slave
 
+DOING = "now to be "
+
 
 class _Trial(ABC):
     """An instance, what it says, and what is being done with it."""
 
     fmu: Any
+    doing: str
 
     def __init__(self, description: Any, folder: str) -> None:  # noqa: ANN401
         self.description = description
         self.interface = description.coSimulation
         self.log: list[str] = []
-        self.doing = "instantiated"
         self._arguments = {
             "guid": description.guid,
             "unzipDirectory": folder,
@@ -39,26 +42,32 @@ class _Trial(ABC):
 
     def run(self) -> None:
         """Two steps with the default start values, a state saved and restored, every variable read."""
+        self._begin("instantiated")
         self.instantiate()
-        self.doing = "initialized with its default start values"
+        self._begin("initialized with its default start values")
         self.initialize()
         experiment = self.description.defaultExperiment
         h = float(experiment.stepSize or 1e-3) if experiment is not None else 1e-3
-        self.doing = f"stepped by {h:g} s with its default start values"
+        self._begin(f"stepped by {h:g} s with its default start values")
         self.fmu.doStep(0.0, h)
         if self.interface.canGetAndSetFMUstate:
-            self.doing = "saved and restored"
+            self._begin("saved and restored")
             self.save_and_restore()
-        self.doing = "stepped a second time"
+        self._begin("stepped a second time")
         self.fmu.doStep(h, h)
-        self.doing = "read"
+        self._begin("read")
         bad = [f"{name} is {value}" for name, value in self.values() if not math.isfinite(value)]
         if bad:
             self.log.append(f"after two steps {bad[0]}")
             raise ValueError
-        self.doing = "ended"
+        self._begin("ended")
         self.fmu.terminate()
         self.fmu.freeInstance()
+
+    def _begin(self, doing: str) -> None:
+        """Note what comes next, for the case that it ends the process."""
+        self.doing = doing
+        print(f"\n{DOING}{doing}", flush=True)
 
     @abstractmethod
     def instantiate(self) -> None:
@@ -150,6 +159,7 @@ def main(path: str, folder: str) -> str:
     description = read_model_description(path, validate=False)
     trial = (_Trial2 if description.fmiVersion == "2.0" else _Trial3)(description, folder)
     try:
+        trial.doing = "unpacked"
         extract(path, folder)
         trial.run()
     except Exception as error:
@@ -159,4 +169,4 @@ def main(path: str, folder: str) -> str:
 
 
 if __name__ == "__main__":
-    print("\n" + json.dumps(main(*sys.argv[1:])))
+    print("\n" + json.dumps(main(*sys.argv[1:])), flush=True)
