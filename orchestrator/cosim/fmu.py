@@ -184,8 +184,13 @@ class FmuParticipant:
             self._set(key, value)
         self.check(self._fmu.dll.fmi2EnterInitializationMode(self._component), "enter initialization mode")
 
-    def reset(self) -> None:
-        """fmi2Reset: as it was when it was made, its arrays in place, ready for another run."""
+    def reset(self, start: Mapping[str, float | Sequence[float]] | None = None) -> None:
+        """fmi2Reset: as it was when it was made, its arrays in place, ready for another run.
+
+        start: start values of parameters and inputs in place of those that it was made with.
+        """
+        start = self._start if start is None else start
+        self._start = {name: value for name, value in start.items() if name in self.parameter_layout}
         self._free_saved()
         self._time = 0.0
         self.check(self._fmu.dll.fmi2Reset(self._component), "reset")
@@ -195,6 +200,9 @@ class FmuParticipant:
             (self._observations, self.observation_layout),
         ):
             values[:] = layout.start_values()
+        for name in start.keys() - self._start.keys():
+            self.inputs[self.input_layout[name]] = start[name]
+        self.write()
         self._set_up()
 
     def _bind(self) -> None:

@@ -122,14 +122,17 @@ def as_fmus(
 
 @contextmanager
 def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Iterator[Loader]:
-    """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset."""
+    """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset.
+
+    Assemblies may differ in the start values of parameters, not in their parts or in which values are given.
+    """
     with ExitStack() as stack:
         kept: list[FmuParticipant] = []
 
         @contextmanager
         def load(assembly: Assembly) -> Iterator[Sequence[Participant]]:
-            for participant in kept:
-                participant.reset()
+            for participant, part in zip(kept, assembly.parts, strict=False):
+                participant.reset(part.start)
             if not kept:
                 kept.extend(stack.enter_context(as_fmus(assembly, backend, isolate=isolate)))
             yield kept

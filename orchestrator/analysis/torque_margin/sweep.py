@@ -19,13 +19,12 @@ from components.hinge import Hinge
 
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
-from ...cosim.fmu import FmuParticipant
 from ...cosim.master import Master, Settings
 from ...cosim.network import Network, NetworkError
-from ...cosim.participant import InProcess, ParticipantError, Vector
+from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
 from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
-from ...run.run import RunError, as_fmus
+from ...run.run import Loader, RunError, kept_fmus
 from ...scene import CheckedScene
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.table import SceneError
@@ -92,7 +91,8 @@ def sweep(
     """
     lines = driven_lines(scene)
     ways = {line.name: travel(scene, line) for line in lines}
-    found = [_torques(at_share(scene, share), friction) for share in shares]
+    with kept_fmus() as load:
+        found = [_torques(at_share(scene, share), friction, load) for share in shares]
     result = []
     for line in lines:
         angle = line.initial_angle + ways[line.name] * np.asarray(shares, dtype=float)
@@ -101,11 +101,11 @@ def sweep(
     return result
 
 
-def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
+def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[str, Vector]:
     """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
     parts = {part.name: part for part in assembly.parts}
-    with _equilibrium(assembly) as settled:
+    with _equilibrium(assembly, load) as settled:
         found = {
             line.name: sum(
                 (
@@ -124,9 +124,9 @@ def _torques(scene: CheckedScene, friction: FrictionKind) -> dict[str, Vector]:
 
 
 @contextmanager
-def _equilibrium(assembly: Assembly) -> Iterator[dict[str, FmuParticipant]]:
+def _equilibrium(assembly: Assembly, load: Loader) -> Iterator[dict[str, Participant]]:
     """Every FMU by name, in static equilibrium with all hinges held; RunError where there is none."""
-    with as_fmus(assembly) as participants:
+    with load(assembly) as participants:
         try:
             network = Network(participants, assembly.links)
             master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
@@ -136,7 +136,7 @@ def _equilibrium(assembly: Assembly) -> Iterator[dict[str, FmuParticipant]]:
         yield {participant.name: participant for participant in participants}
 
 
-def _opening_torques(part: Part, axis: Vector3, settled: FmuParticipant, friction: FrictionKind) -> Vector:
+def _opening_torques(part: Part, axis: Vector3, settled: Participant, friction: FrictionKind) -> Vector:
     """Motor, harness and friction torque (3,) of a hinge in its pose in equilibrium, opening slowly.
 
     The end-point form of the component gives the torques of an instant; no torque depends on the rate but the
