@@ -73,7 +73,7 @@ def is_too_slow(correction: float, last: float, iteration: int) -> bool:
 
 def leaves_little(correction: float, last: float) -> bool:
     """Whether all scaled corrections to come, which shrink like the last, add up to less than 1: slow ones may not."""
-    return correction <= 1.0 - correction / last
+    return last == 0.0 or correction <= 1.0 - correction / last
 
 
 def is_credible(wrenches: Vector, residual: Vector) -> bool:

@@ -192,7 +192,7 @@ static int agrees(const Network *n) {
 
 /* Whether all corrections to come, which shrink like the last, add up to less than 1: slow ones may not. */
 static int leaves_little(const Network *n) {
-    return n->correction <= 1.0 - n->correction / n->last;
+    return n->last == 0.0 || n->correction <= 1.0 - n->correction / n->last;
 }
 
 /* Keep the step and take it. */
