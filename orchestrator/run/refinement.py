@@ -32,7 +32,7 @@ _AIM = 3.0
 """What an error may be at the most after a repetition, in tolerances."""
 _PER_DECADE = 5.0
 _MOST = 0.01
-"""Smallest part of its tolerance that a run is repeated at, and of that again where errors fall but not far enough."""
+"""Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
 _FALLING = 1.0 / 3.0
 _SMALLEST = 1e-10
 
@@ -55,7 +55,11 @@ def refined(
     error = error_in_tolerances(outcome, asked)
     given = settings.fixed_step is not None or settings.step_plan is not None
     repeat = error.likely > MOST_TOLERANCES and not given
-    while repeat and (tolerance := smaller_tolerance(settings.tolerance, error.most)) < settings.tolerance:
+    while (
+        repeat
+        and (tolerance := max(_MOST * asked, smaller_tolerance(settings.tolerance, error.most)))
+        < settings.tolerance
+    ):
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
         warn(_sentence(assembly.name, error.likely, asked, tolerance))
         try:
