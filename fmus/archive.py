@@ -68,7 +68,11 @@ def content_digest(path: Path) -> str:
     Large files of one size and CRC-32, such as the library in all FMUs of a run, are read once in a process.
     """
     with zipfile.ZipFile(path) as archive:
-        digests = {member.filename: _member_digest(archive, member) for member in archive.infolist()}
+        digests = {
+            member.filename: _member_digest(archive, member)
+            for member in archive.infolist()
+            if member.filename != _DESCRIPTION
+        }
         description = archive.read(_DESCRIPTION)
     return digest_of({**digests, _DESCRIPTION: _GENERATED.sub(b"", description)})
 

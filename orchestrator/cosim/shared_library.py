@@ -29,20 +29,21 @@ def unpack(path: Path, folder: Path) -> list[Path]:
 
     In place of these, which have no state of their own, stand links to one copy for all.
     """
-    own = _own_members(path)
+    compiled = native_library()
+    if compiled is None:
+        extract(str(path), unzipdir=str(folder))
+        return []
+    own = _members_like(path, compiled)
     extract(str(path), unzipdir=str(folder), include=lambda name: name not in own)
     binaries = [folder / name for name in own]
     for binary in binaries:
         binary.parent.mkdir(parents=True, exist_ok=True)
-        _share(binary)
+        _share(compiled, binary)
     return binaries
 
 
-def _own_members(path: Path) -> list[str]:
+def _members_like(path: Path, compiled: Path) -> list[str]:
     """Members of an archive with size and CRC-32 of the compiled library, which then takes their place."""
-    compiled = native_library()
-    if compiled is None:
-        return []
     with zipfile.ZipFile(path) as archive:
         return [m.filename for m in archive.infolist() if (m.file_size, m.CRC) == _size_and_crc(compiled)]
 
@@ -53,11 +54,9 @@ def _size_and_crc(path: Path) -> tuple[int, int]:
     return len(content), zlib.crc32(content)
 
 
-def _share(binary: Path) -> None:
+def _share(compiled: Path, binary: Path) -> None:
     """Put the compiled library where a binary belongs: a link, or a copy of its own where there are no links."""
     kept = process_folder() / f"fanfold{sharedLibraryExtension}"
-    compiled = native_library()
-    assert compiled is not None
     if not kept.exists():
         shutil.copyfile(compiled, kept)
     try:

@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from math import inf, isfinite, log
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.master import Settings
@@ -23,7 +25,7 @@ from ..results.estimated_errors import (
     largest_shares,
     unknown_errors,
 )
-from ..results.result_file import refuse_to_replace
+from ..scene.schema import TOLERANCES
 from .companion import with_estimates
 from .progress import Progress, followed, silent
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -34,7 +36,6 @@ _PER_DECADE = 5.0
 _MOST = 0.01
 """Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
 _FALLING = 1.0 / 3.0
-_SMALLEST = 1e-10
 
 
 def refined(
@@ -57,16 +58,16 @@ def refined(
     repeat = error.likely > MOST_TOLERANCES and not given
     while (
         repeat
-        and (tolerance := max(_MOST * asked, smaller_tolerance(settings.tolerance, error.most)))
-        < settings.tolerance
+        and (tolerance := smaller_tolerance(settings.tolerance, error.most, asked)) < settings.tolerance
     ):
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
         warn(_sentence(assembly.name, error.likely, asked, tolerance))
         try:
             better = _again(assembly, outcome, finer, until, progress, load)
-        except RunError as reason:
+        except RunError as failure:
             warn(
-                f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: {reason}"
+                f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: "
+                f"{failure.reason}"
             )
             break
         before, error = error, error_in_tolerances(better, asked)
@@ -84,10 +85,10 @@ def error_in_tolerances(outcome: Outcome, tolerance: float) -> EstimatedError:
     return EstimatedError(*(share / tolerance for share in found))
 
 
-def smaller_tolerance(tolerance: float, error: float) -> float:
-    """Where a run of a tolerance that may be off by so many of them should be."""
+def smaller_tolerance(tolerance: float, error: float, asked: float | None = None) -> float:
+    """Where a run of a tolerance should be that may be off by so many of those asked for, the first if not given."""
     part = 0.1 if not isfinite(error) else 10.0 ** -(log(error / _AIM) / log(_PER_DECADE))
-    return max(_SMALLEST, tolerance * max(part, _MOST))
+    return max(TOLERANCES[0], _MOST * (asked or tolerance), tolerance * part)
 
 
 def _again(
@@ -100,19 +101,14 @@ def _again(
 ) -> Outcome:
     """A run with its estimates in a file beside that of the earlier outcome, whose place it takes in the end."""
     path = outcome.result.path
-    beside = None if path is None else path.with_name(f"{path.stem}.refined{path.suffix}")
     end, name = until or assembly.until, f"{assembly.name}: at {settings.tolerance:.2g}"
-    try:
-        if beside is not None:
-            refuse_to_replace(beside)
+    with ExitStack() as stack:
+        beside = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         with followed(progress, name, end) as watch:
             found = run(assembly, beside, settings, until, watch=watch, load=load)
         with followed(progress, f"{name}: errors", end) as watch:
             found = with_estimates(assembly, found, settings, until, watch, load)
-        return found if beside is None or path is None else _moved(found, beside, path)
-    finally:
-        if beside is not None:
-            beside.unlink(missing_ok=True)
+        return _moved(found, beside, path) if beside and path else found
 
 
 def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:

@@ -124,7 +124,7 @@ def as_fmus(
 def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Iterator[Loader]:
     """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset.
 
-    Assemblies may differ in the start values of parameters, not in their parts or in which values are given.
+    Assemblies may differ in the start values of parameters and inputs, not in their parts or in which are given.
     """
     with ExitStack() as stack:
         kept: list[FmuParticipant] = []
@@ -267,10 +267,10 @@ def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunEr
         going_on = (
             ", from whose checkpoint it can be resumed" if checkpoint_file(recorder.path).exists() else ""
         )
-        return RunError(f"{sentence}; results up to there are in {recorder.path}{going_on}")
-    return RunError(
-        f"{sentence}; the error's attribute `result` is what it did up to there", recorder.result()
-    )
+        where = f"results up to there are in {recorder.path}{going_on}"
+        return RunError(f"{sentence}; {where}", reason=sentence)
+    where = "the error's attribute `result` is what it did up to there"
+    return RunError(f"{sentence}; {where}", recorder.result(), sentence)
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from ..cosim.master import Settings
 from ..cosim.ports import Order
 from ..results.result_file import refuse_to_replace
 from ..scene import CheckedScene, read_scene
+from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .progress import Progress, followed, silent
@@ -25,8 +26,6 @@ from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
-_TOLERANCES = (1e-10, 0.1)
-_SMALLEST_STEP = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,14 +51,14 @@ class Options:
     isolate: bool = False
 
     def __post_init__(self) -> None:
-        low, high = _TOLERANCES
+        low, high = TOLERANCES
         if self.until is not None and not 0.0 < self.until < float("inf"):
             raise RunError(f"the end time is {self.until:g} s; it must be positive and finite")
         if self.tolerance is not None and not low <= self.tolerance <= high:
             raise RunError(f"the tolerance is {self.tolerance:g}; it must be between {low:g} and {high:g}")
-        if self.step is not None and not _SMALLEST_STEP <= self.step < float("inf"):
+        if self.step is not None and not SMALLEST_STEP <= self.step < float("inf"):
             raise RunError(
-                f"the step is {self.step:g} s; it must be finite, and {_SMALLEST_STEP:g} s at least"
+                f"the step is {self.step:g} s; it must be finite, and {SMALLEST_STEP:g} s at least"
             )
         if self.order not in (None, 2, 4):
             raise RunError(f"the order of the coupling is {self.order!r}; it must be 2 or 4")

@@ -15,6 +15,11 @@ from .hinge_line_tables import Friction, HingeLine, Joint
 from .table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
 
+TOLERANCES = (1e-10, 0.1)
+"""Smallest and largest that can be asked for."""
+SMALLEST_STEP = 1e-7
+"""Smallest communication step size that can be asked for, s."""
+
 
 class Header(Table):
     """[scene]: what to run; `phases` are variants that run one after the other, each from its own start."""
@@ -22,8 +27,8 @@ class Header(Table):
     name: SceneName
     description: str = ""
     until: Duration
-    tolerance: Annotated[PositiveRatio, Field(ge=1e-10, le=0.1)] = 1e-4
-    largest_step: Annotated[Duration, Field(ge=1e-7)] = 0.02
+    tolerance: Annotated[PositiveRatio, Field(ge=TOLERANCES[0], le=TOLERANCES[1])] = 1e-4
+    largest_step: Annotated[Duration, Field(ge=SMALLEST_STEP)] = 0.02
     preload: bool = False
     gravity: Acceleration = ORIGIN
     phases: tuple[Name, ...] = ()

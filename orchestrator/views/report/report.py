@@ -24,9 +24,8 @@ def report(result: Result, other: Result | None = None, frame_count: int = 60) -
     opening, figures = [*_opening(result, title), *_numbers(result)], [*_figures(result)]
     if other is not None:
         figures += _comparison(result, other)
-    film = _animation(
-        result, frame_count
-    )  # takes longest, so all that may be wrong with a result is told before
+    # The film takes longest, so all that may be wrong with a result is told before.
+    film = _animation(result, frame_count)
     return page(f"{title}: {_file(result)}", [*opening, *film, *figures, *_provenance(result)])
 
 

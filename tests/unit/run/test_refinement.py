@@ -87,6 +87,8 @@ def test_a_run_that_misses_is_repeated(outcome, tmp_path, unknown):
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
     """Bad input: interrupted on its way, it leaves the result as it was, no file beside it, and says why."""
     bad, said = off_by(outcome, 60.0), []
+    other = tmp_path / "run.refined.h5"
+    other.write_text("a file of the user's")
 
     @contextmanager
     def interrupting(_, __):
@@ -97,9 +99,11 @@ def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
         yield watch
 
     assert refined(smooth_scene(), bad, ASKED, UNTIL, interrupting, said.append) == (bad, ASKED)
-    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.h5", "run.refined.h5"]
+    assert other.read_text() == "a file of the user's"
     assert "the result is that of 0.001, as the repetition failed" in said[-1]
     assert "interrupted at t = 1" in said[-1]
+    assert "results up to there" not in said[-1]
 
 
 def test_doubts_of_a_repeated_run(outcome):
