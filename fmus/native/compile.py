@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -72,21 +73,29 @@ def compiler() -> list[str] | None:
 
 
 def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FLAGS) -> None:
-    """Compile C files into a shared library; CompileError with what the compiler said."""
+    """Compile C files, one on each core at a time, into a shared library; CompileError with what the compiler said."""
     found = compiler()
     if found is None:
         raise CompileError("there is no C compiler (CC, cc, gcc, clang)")
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / target.name
-        command = [*found, *flags, "-shared", *map(str, names), "-o", str(made), "-lm"]
-        try:
-            run = subprocess.run(command, capture_output=True, text=True, check=False)
-        except OSError as error:
-            raise CompileError(f"{found[0]} cannot be run: {error}") from None
-        if run.returncode:
-            raise CompileError(f"{found[0]} failed: {run.stderr.strip()[-2000:]}")
+        objects = [str(Path(folder) / f"{number}.o") for number in range(len(names))]
+        pairs = zip(names, objects, strict=True)
+        commands = [[*found, *flags, "-c", str(name), "-o", made_of_it] for name, made_of_it in pairs]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            list(pool.map(_run, commands))  # the list raises what a compilation has raised
+        _run([*found, *flags, "-shared", *objects, "-o", str(made), "-lm"])
         os.replace(made, target)
+
+
+def _run(command: list[str]) -> None:
+    try:
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise CompileError(f"{command[0]} cannot be run: {error}") from None
+    if run.returncode:
+        raise CompileError(f"{command[0]} failed: {run.stderr.strip()[-2000:]}")
 
 
 def compile_library(target: Path, flags: Sequence[str] = FLAGS) -> None:
