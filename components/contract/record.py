@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -46,6 +47,10 @@ class _Field(NamedTuple):
     make: Callable[[list[float]], Any]
 
 
+_Part = tuple[slice, Callable[[list[float]], Any]]
+"""Where the numbers of a field are, and what makes a value of them."""
+
+
 class Record(Generic[T]):
     """The flat form of a named tuple, each field of which is annotated with a `Quantity`.
 
@@ -63,26 +68,8 @@ class Record(Generic[T]):
 
     def __init__(self, kind: type[T], **sizes: int) -> None:
         self._kind = kind
-        self._parts: list[tuple[slice, Callable[[list[float]], Any]]] = []
-        found: list[Quantity] = []
-        position = 0
-        for name, hint in get_type_hints(kind, include_extras=True).items():
-            if get_origin(hint) is Annotated:
-                inner, quantity = get_args(hint)
-                size, make = _field(inner, sizes.get(name, quantity.size))
-                if quantity.name not in ("", name):
-                    raise TypeError(f"{kind.__name__}.{name} is declared as {quantity.name}")
-                found.append(
-                    replace(quantity, name=name, size=size, resized=quantity.resized or name in sizes)
-                )
-            else:
-                part = Record(hint, **sizes)
-                size, make = part.size, part.of
-                found.extend(part.quantities)
-            self._parts.append((slice(position, position + size), make))
-            position += size
-        self.quantities = tuple(found)
-        self.size = position
+        self.quantities, self._parts = _declared(kind, tuple(sizes.items()))
+        self.size = sum(quantity.size for quantity in self.quantities)
 
     def of(self, v: list[float]) -> T:
         """The named tuple of as many numbers."""
@@ -98,6 +85,30 @@ class Record(Generic[T]):
         if values.size != self.size:
             raise ValueError(f"{self._kind.__name__} has {values.size} numbers; {self.size} are declared")
         return values
+
+
+@cache  # structures of one kind ask for the same again and again
+def _declared(
+    kind: type[tuple[Any, ...]], given: tuple[tuple[str, int], ...]
+) -> tuple[tuple[Quantity, ...], tuple[_Part, ...]]:
+    """Variables of a named tuple in order, and where the numbers of each field are."""
+    sizes, position = dict(given), 0
+    parts: list[_Part] = []
+    found: list[Quantity] = []
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        if get_origin(hint) is Annotated:
+            inner, quantity = get_args(hint)
+            size, make = _field(inner, sizes.get(name, quantity.size))
+            if quantity.name not in ("", name):
+                raise TypeError(f"{kind.__name__}.{name} is declared as {quantity.name}")
+            found.append(replace(quantity, name=name, size=size, resized=quantity.resized or name in sizes))
+        else:
+            part = Record(hint, **sizes)
+            size, make = part.size, part.of
+            found.extend(part.quantities)
+        parts.append((slice(position, position + size), make))
+        position += size
+    return tuple(found), tuple(parts)
 
 
 def _field(hint: Any, count: int) -> _Field:  # noqa: ANN401 - any type

@@ -45,6 +45,7 @@ class Scene:
         self._layers = Layers(name, {}, {}, frozenset())
         self._variants: tuple[str, ...] = ()
         self._settings: tuple[tuple[str, Any], ...] = ()
+        self._checked: CheckedScene | None = None
         self._set("scene", Header, {"name": name, "until": until, **header})
 
     @classmethod
@@ -57,7 +58,7 @@ class Scene:
         """A scene that comes with Fanfold, by its name, or a scene file; SceneError with all that is wrong with it."""
         found = cls.__new__(cls)
         found._layers = read_layers(find_scene(str(scene)), find_scene)
-        found._variants, found._settings = (), ()
+        found._variants, found._settings, found._checked = (), (), None
         found = found.with_variants(*listed(variants)).with_settings(settings)
         found.check()
         return found
@@ -104,6 +105,7 @@ class Scene:
         """The same with these variants over those it has; SceneError where it has no such variant."""
         found = self.copy()
         found._variants = (*self._variants, *names)
+        found._checked = None if names else self._checked
         found._layers.over(found._variants)
         return found
 
@@ -112,6 +114,7 @@ class Scene:
         pairs = list(settings.items()) if isinstance(settings, Mapping) else settings
         found = self.copy()
         found._settings = (*self._settings, *(_plain_setting(self._layers.file, pair) for pair in pairs))
+        found._checked = None if pairs else self._checked
         found._layers.over(found._variants, found._settings)
         return found
 
@@ -183,6 +186,7 @@ class Scene:
 
     def variant(self, name: str, layer: Mapping[str, object]) -> str:
         """Add a [variant.NAME]: tables to lay over the others, arrays of named entries merging by name."""
+        self._checked = None
         self._layers = Layers(
             self._layers.file,
             self._layers.tree,
@@ -193,7 +197,10 @@ class Scene:
 
     def check(self) -> CheckedScene:
         """Its records; SceneError with everything that is wrong with it."""
-        return check_layers(self._layers, self._variants, self._settings)
+        if self._checked is None:
+            layers = deepcopy(self._layers)  # what is added later must not get into the records
+            self._checked = check_layers(layers, self._variants, self._settings)
+        return self._checked
 
     def check_one_run(self) -> CheckedScene:
         """Its records; SceneError as well where it runs in phases and none of them is chosen."""
@@ -240,7 +247,7 @@ class Scene:
         reader = EntryReader({key: table}, ())
         reader.table(key, model, required=True)
         self._refuse(reader.problems)
-        self._layers.tree[key] = table
+        self._layers.tree[key], self._checked = table, None
         return str(table.get("name", key))
 
     def _add(self, key: str, model: type[Table], keys: Mapping[str, object]) -> str:
@@ -250,6 +257,7 @@ class Scene:
         reader.tables(key, model)
         self._refuse(reader.problems)
         self._layers.tree.setdefault(key, []).append(entry)
+        self._checked = None
         return str(entry["name"])
 
     def _refuse(self, problems: Sequence[str]) -> None:

@@ -63,7 +63,9 @@ def check_layers(
     Every variant, chosen or not, must be a sound scene when it alone is laid over what is below.
     """
     scene, problems = _checked(layers.file, *layers.over(variants, settings))
-    below = _checked(layers.file, *layers.over(()))[1] if layers.variants else []
+    below = problems
+    if layers.variants and (variants or settings):
+        below = _checked(layers.file, *layers.over(()))[1]
     own = {name: [p for p in _problems_of(layers, name) if p not in below] for name in layers.variants}
     told = {problem for name in variants for problem in own[name]}
     sentences = [problem for problem in problems if problem not in told]

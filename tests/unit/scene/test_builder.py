@@ -54,6 +54,24 @@ def full():
     return scene
 
 
+def test_a_scene_is_checked_again_only_after_a_change():
+    """Bookkeeping: the same records until something is laid over it or added, which never reaches records told of."""
+    scene = full()
+    checked = scene.check()
+    assert scene.check() is scene.with_variants().with_settings({}).check() is checked
+    assert scene.with_variants("cold").check().friction.coefficient == 0.15
+    assert scene.with_settings({"friction.coefficient": 0.2}).check().friction.coefficient == 0.2
+    scene.friction(coefficient=0.3)
+    assert scene.check().friction.coefficient == 0.3
+    scene.variant("wrong", {"friction": {"coefficient": -1.0}})
+    with pytest.raises(SceneError, match=r"variant\.wrong\.friction\.coefficient"):
+        scene.check()
+    scene.variant("wrong", {})
+    scene.damper("second", "root_hinge", damping_coefficient=1)
+    assert [damper.name for damper in scene.check().dampers] == ["brake", "second"]
+    assert (checked.friction.coefficient, len(checked.dampers), len(checked.tree["damper"])) == (0.1, 1, 1)
+
+
 def test_the_tree_is_that_of_a_file(tmp_path):
     """Round trip: what is written is read as the same tree, and checked as the same scene."""
     scene = full()
