@@ -38,7 +38,13 @@ def _boundary(model: FiniteElementModel, attachment_points: Sequence[str]) -> ND
 
 
 def _factorize(matrix: SparseMatrix) -> SuperLU:
-    return splu(sparse.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    """LU of a symmetric positive definite matrix, whose pivots are its diagonal; others would spoil the ordering."""
+    return splu(
+        sparse.csc_array(matrix),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
 
 
 def _lowest_modes(
