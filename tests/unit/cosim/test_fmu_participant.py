@@ -279,12 +279,12 @@ def test_fmus_equal_components(tmp_path, monkeypatch):
     monkeypatch.setattr(solvers, "library", lambda: None)
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"all"})
     load = partial(as_fmus, backend="python")
-    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.3, load=load)
+    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.1, load=load)
     within = run(
         assembly,
         tmp_path / "components.h5",
         Settings(),
-        0.3,
+        0.1,
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
     assert outside.segments == within.segments
