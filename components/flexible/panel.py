@@ -61,6 +61,12 @@ class _Axis:
         quadratic = skfem.CellBasis(self._mesh, skfem.ElementLineP2(), quadrature=rule, elements=cells)
         return [_values(hermite, k) for k in range(2)], [_values(quadratic, k) for k in range(2)]
 
+    def values(self, places: Vector) -> tuple[SparseMatrix, SparseMatrix]:
+        """Bending and stretching functions at places (k,), each (k, n)."""
+        found = [self.at(float(x)) for x in places]
+        bending, stretching = (sparse.vstack([one[kind][0] for one in found]) for kind in range(2))
+        return sparse.csr_array(bending), sparse.csr_array(stretching)
+
     def corners(self) -> AxisCorners:
         """The functions at both ends of every element."""
         rule = (np.array([[0.0, 1.0]]), np.full(2, 0.5))
@@ -119,6 +125,11 @@ class PlateElements:
         u, u_y, v_x = (kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
         rows = [[None, u, None], [None, None, u], [w, None, None], [w_y, None, None], [-w_x, None, None]]
         return sparse.csr_array(sparse.bmat([*rows, [None, -0.5 * u_y, 0.5 * v_x]]))
+
+    def translations(self, x: Vector, y: Vector) -> SparseMatrix:
+        """Translations of the plate at all pairs of x (k,) and y (l,): row 3 (l i + j) + axis, (3 k l, n)."""
+        (hx, px), (hy, py) = self._x.values(x), self._y.values(y)
+        return _interleaved(kron(px, py), kron(hx, hy))
 
     def nodes(self, inserts: Mapping[str, Rectangle]) -> PlateNodes:
         """Mesh nodes and the force and moment resultants there; nothing deforms inside the inserts."""
@@ -197,8 +208,8 @@ def panel_model(panel: Panel) -> FiniteElementModel:
     y_breaks = [-half, 0.0, half, *(y for patch in patches.values() for y in patch[1])]
     plate = PlateElements(panel.plate, x_breaks, y_breaks, panel.element_size)
     ties = _Ties(plate, panel, patches)
-    display = _grid(np.linspace(panel.plate_start, end, 7), np.linspace(-half, half, 5))
-    shown = [ties.reduce(plate.motion(x, y)[:3]) for x, y in display]
+    shown = np.linspace(panel.plate_start, end, 7), np.linspace(-half, half, 5)
+    display = _grid(*shown)
     nodes = {name: np.array([x, y, 0.0]) for name, (x, y) in panel.nodes.items()}
     motions = {name: ties.reduce(plate.motion(p[0], p[1])) for name, p in nodes.items()}
     hubs = ties.attachment_motions()
@@ -215,7 +226,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         point_motions=hubs | motions,
         attachment_dofs=ties.attachment_dofs,
         display_positions=np.column_stack([display, np.zeros(len(display))]),
-        display_displacement=sparse.csr_array(sparse.vstack(shown)),
+        display_displacement=ties.reduce(plate.translations(*shown)),
         display_faces=_faces(7, 5),
         plate=plate.nodes(patches).reduced(ties.reduce),
     )

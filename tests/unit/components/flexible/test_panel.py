@@ -123,6 +123,14 @@ def test_motion_at_a_point():
     np.testing.assert_allclose(found, expected, atol=1e-12)
 
 
+def test_translations_on_a_grid_are_those_of_its_points():
+    """Independent path: every point on its own, on both sides of an element's edge and at the ends."""
+    plate = unit_plate(0.25)
+    x, y = np.array([0.0, 0.25, 0.26, 1.0]), np.array([0.1, 0.5, 1.0])
+    expected = sparse.vstack([plate.motion(a, b)[:3] for a in x for b in y])
+    np.testing.assert_array_equal(plate.translations(x, y).toarray(), expected.toarray())
+
+
 def test_insert_patch_is_rigid():
     """Geometry: any motion of a fitting with a rigid arm moves the plate under its patch as a rigid body."""
     arms = (HingeArm("a", 0.0, "outboard", point_mass=0.1, patch=0.2, length=0.1),)
