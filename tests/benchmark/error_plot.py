@@ -1,4 +1,7 @@
-"""Pictures of errors against wall time: a row for every subject, latch times left, latch torque peaks right."""
+"""Pictures of errors against wall time: a row for every subject, latch times left, latch torque peaks right.
+
+Lines join the best runs of a series.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+
+from orchestrator.results.result import Vector
 
 KINDS = ("latch time", "latch torque peak")
 _LEAST = 1e-9
@@ -63,4 +68,16 @@ def _draw(axis: Axes, points: Sequence[Point], kind: int, number: int) -> None:
         axis.axvline(points[0].wall, color=color, linestyle=":", label=f"{label} (estimated)")
         return
     errors = np.maximum([(point.time_error, point.peak_error)[kind] for point in points], _LEAST)
-    axis.plot([point.wall for point in points], errors, color=color, marker=marker, markersize=5, label=label)
+    walls = np.array([point.wall for point in points])
+    axis.plot(walls, errors, color=color, marker=marker, markersize=5, linestyle="", label=label)
+    best = _best(walls, errors)
+    axis.plot(walls[best], errors[best], color=color)
+
+
+def _best(walls: Vector, errors: Vector) -> list[int]:
+    """Numbers of the runs that none as quick is as accurate as, the quickest first; without those without an answer."""
+    found: list[int] = []
+    for k in np.lexsort((errors, walls)).tolist():
+        if not np.isnan(errors[k]) and (not found or errors[k] < errors[found[-1]]):
+            found.append(k)
+    return found
