@@ -142,11 +142,10 @@ def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequenc
 
 
 def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
-    """In initialization mode everything calculated depends on all parameters and inputs through `initial`."""
+    """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]
     inputs = _index_list(v for v in variables if v.causality == "input")
-    known = _index_list(v for v in variables if v.causality != "output")
     if calculated:
         outputs = SubElement(structure, "Outputs")
         for variable in calculated:
@@ -155,7 +154,7 @@ def _add_structure(root: Element, component: Component, variables: Sequence[Vari
             SubElement(outputs, "Unknown", {"index": index, "dependencies": dependencies})
         unknowns = SubElement(structure, "InitialUnknowns")
         for variable in calculated:
-            SubElement(unknowns, "Unknown", {"index": _index_list([variable]), "dependencies": known})
+            SubElement(unknowns, "Unknown", {"index": _index_list([variable])})
 
 
 def _index_list(variables: Iterable[Variable]) -> str:

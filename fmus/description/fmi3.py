@@ -88,18 +88,16 @@ def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequenc
 
 
 def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
-    """In initialization mode everything calculated depends on all parameters and inputs through `initial`."""
+    """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]
     inputs = _references(v for v in variables if v.causality == "input")
-    known = _references(v for v in variables if v.causality != "output")
     for variable in calculated:
         dependencies = inputs if follows_inputs(component, variable) else ""
         reference = str(variable.value_reference)
         SubElement(structure, "Output", {"valueReference": reference, "dependencies": dependencies})
     for variable in calculated:
-        reference = str(variable.value_reference)
-        SubElement(structure, "InitialUnknown", {"valueReference": reference, "dependencies": known})
+        SubElement(structure, "InitialUnknown", {"valueReference": str(variable.value_reference)})
 
 
 def _references(variables: Iterable[Variable]) -> str:

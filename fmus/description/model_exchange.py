@@ -83,11 +83,10 @@ def _add_structure(structure: Element, component: Component, states: ContinuousS
     for unknown in structure.iterfind("Outputs/Unknown"):
         extra = range(first, first + n) if int(unknown.get("index", "0")) > observed else acting
         unknown.set("dependencies", f"{unknown.get('dependencies', '')} {_joined(extra)}".strip())
-    known = range(1, parameters + inputs + 1)
     if not n:
         return
     rates = Element("Derivatives")
-    dependencies = _joined([*known[parameters:], *acting])
+    dependencies = _joined([*range(parameters + 1, parameters + inputs + 1), *acting])
     for index in range(first + n, first + 2 * n):
         SubElement(rates, "Unknown", {"index": str(index), "dependencies": dependencies})
     structure.insert(len(structure.findall("Outputs")), rates)
@@ -95,7 +94,7 @@ def _add_structure(structure: Element, component: Component, states: ContinuousS
     if unknowns is None:
         unknowns = SubElement(structure, "InitialUnknowns")
     for index in range(first, first + 2 * n):
-        SubElement(unknowns, "Unknown", {"index": str(index), "dependencies": _joined(known)})
+        SubElement(unknowns, "Unknown", {"index": str(index)})
 
 
 def _joined(indices: Iterable[int]) -> str:
