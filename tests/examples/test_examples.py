@@ -10,6 +10,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
 EXAMPLES = sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem != "test_examples")
 LINES = {"friction_sweep": 8, "wing_of_panels": 25}
 """Done-when: lines of code that these take at most."""

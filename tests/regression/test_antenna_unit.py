@@ -11,6 +11,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import find_scene, load_scene
 from tests.references.dyad import Dyad
 
+pytestmark = pytest.mark.slow
 LINK = 0.6
 BUSHING = 0.0573
 VARIANTS = ("without_spacers", "diagonal", "revolute", "step5", "as_published")

@@ -9,6 +9,7 @@ from tests.benchmark.campaign import try_wing
 from tests.benchmark.campaign_errors import misses
 from tests.references.random_wings import load_wing, random_wing, toml_text
 
+pytestmark = pytest.mark.slow
 SEEDS = range(3)
 SMALL = (2, 3)
 TOLERANCE = 1e-2

@@ -13,6 +13,7 @@ import pytest
 import orchestrator as fanfold
 from tests.references.panels import one_panel, two_panels_with_latches, undamped
 
+pytestmark = pytest.mark.slow
 SCENES = {
     "one_panel": (one_panel(), 4.4),
     "two_panels": (two_panels_with_latches(), 4.85),

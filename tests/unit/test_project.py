@@ -20,6 +20,7 @@ from components import REGISTRY
 from orchestrator.cli.main import main
 from orchestrator.scene import list_scenes
 
+pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

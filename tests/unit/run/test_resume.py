@@ -11,6 +11,7 @@ from orchestrator.results.result import Result
 from orchestrator.run.checkpoint import Checkpoint, checkpoint_file
 from orchestrator.run.run import RunError
 
+pytestmark = pytest.mark.slow
 TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
 
 

@@ -4,6 +4,8 @@ import pytest
 
 from tests.benchmark.faults import scenes
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("first", [0, 40, 80])
 def test_mutated_scenes_are_refused_with_sentences(tmp_path, first):

@@ -27,6 +27,7 @@ from orchestrator.views.report.page import player
 from orchestrator.views.report.report import report
 from tests.references import synthetic_result as reference
 
+pytestmark = pytest.mark.slow
 SCENE = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
 VOID = {"meta", "img", "input", "br", "link"}
 FRAMES = 3
