@@ -29,7 +29,7 @@ from ..scene.bodies import (
 )
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.loops.closing import start_poses
+from ..scene.loops.closing import Closed, extended, start_poses
 
 Places = Mapping[str, StartPose]
 Points = Mapping[str, Mapping[str, Vector3]]
@@ -136,11 +136,13 @@ def check_scene(
     base = base_model(scene.base)
     if base is not None:
         models = {scene.base.name: base, **models}
+    points = scene_points(scene)
     deployed = {line.name: line.deployed_angle for line in scene.hinge_lines if not line.held}
+    far = extended(with_angles(scene, deployed), points)
     return SceneCheck(
         scene=scene.header.name,
         problems=(),
-        warnings=tuple(doubts(scene)),
+        warnings=(*doubts(scene), *_out_of_reach(far)),
         bodies=tuple(_bodies(scene, models, chosen)),
         lines=tuple(_line(scene, line, chosen) for line in scene.hinge_lines),
         loops=tuple(_loop(scene, loop) for loop in scene.loops),
@@ -148,9 +150,20 @@ def check_scene(
             **{damper.name: "eddy_current_damper" for damper in scene.dampers},
             **{connection.name: connection.kind for connection in scene.connections},
         },
-        stowed=_sketch(scene, models),
-        deployed=_sketch(with_angles(scene, deployed), models),
+        stowed=_sketch(scene, models, start_poses(scene, points)),
+        deployed=_sketch(scene, models, far.poses),
     )
+
+
+def _out_of_reach(far: Closed) -> list[str]:
+    """A sentence for where motions lead, if the joints that stay open there cannot follow."""
+    if not far.open_by:
+        return []
+    name, size = max(far.open_by.items(), key=lambda item: item[1])
+    return [
+        f"connection.{name}: where all lines are deployed and motions are farthest from their start it stays open by "
+        f"{1e3 * size:.4g} mm (or mrad); check how far the laws of motions lead, and the lengths between points"
+    ]
 
 
 def _bodies(
@@ -200,10 +213,9 @@ def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:
     )  # fmt: skip
 
 
-def _sketch(scene: CheckedScene, models: Mapping[str, ModalData]) -> Sketch:
-    """Where everything stands at the scene's start angles."""
+def _sketch(scene: CheckedScene, models: Mapping[str, ModalData], poses: Places) -> Sketch:
+    """What stands where in these poses."""
     points = scene_points(scene)
-    poses = start_poses(scene, points)
     ports = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
     sizes = [
         float(np.linalg.norm(np.ptp(data.display_positions, axis=0)))

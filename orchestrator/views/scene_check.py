@@ -34,7 +34,7 @@ def plot_scene(found: SceneCheck, folder: Path) -> list[Path]:
 
 
 def draw_scene(found: SceneCheck) -> Figure:
-    """The scene where a run begins, and with all lines at their deployed angles."""
+    """The scene where a run begins, and with all lines deployed and motions farthest from their start."""
     pictures = {"at the start": found.stowed, "deployed": found.deployed}
     sketches = {title: sketch for title, sketch in pictures.items() if sketch is not None}
     names = list(dict.fromkeys(name for sketch in sketches.values() for name in sketch.faces))

@@ -21,6 +21,8 @@ _ROUNDS = 60
 _RANK = 1e-10
 _LONGEST = 0.5
 """m, rad; no body moves by more in one round."""
+_STAGES = 16
+"""Positions on the way to where motions lead, so that loops stay on the side where they start."""
 
 
 class Closed(NamedTuple):
@@ -38,15 +40,29 @@ def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]
 
 def closed(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> Closed:
     """Poses with all loops closed by the least displacements of placed bodies, weighted by mass and inertia."""
-    poses = written_poses(scene, points)
+    return _closed(scene, points, (0.0,))
+
+
+def extended(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> Closed:
+    """The same with all motions at once as far from the start as their laws lead during the scene."""
+    return _closed(scene, points, np.linspace(0.0, 1.0, _STAGES + 1).tolist())
+
+
+def _closed(
+    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], shares: Sequence[float]
+) -> Closed:
+    """Closed with motions at these shares of their travel, one after the other."""
+    start = poses = written_poses(scene, points)
     placed = [body for body in scene.bodies if body.place is not None and body.name in poses]
     held = [c for c in constraints(scene, points, poses) if _acts(c, {body.name for body in placed})]
     if not held:
         return Closed(poses, {}, 0.0)
     names = [body.name for body in placed]
     weights = np.concatenate([_weights(body_model(body, flexible=False)) for body in placed])
-    start, poses = poses, close(held, poses, names, weights)
-    left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
+    for share in shares:
+        now = [c._replace(distance=c.distance + share * c.travel) for c in held]
+        poses = close(now, poses, names, weights)
+    left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
     moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
     return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
 

@@ -37,6 +37,7 @@ from ..schema import CheckedScene
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]
 Matrix = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 _AXES = ("x", "y", "z")
+_SAMPLES = 257  # times where a law is looked at beside its breaks
 
 
 class Seated(NamedTuple):
@@ -50,7 +51,7 @@ class Seated(NamedTuple):
 class Constraint(NamedTuple):
     """What a connection holds: along and about the axes of its inboard port (each 0 or 1); a distance (m) it commands.
 
-    driven: it is a motion, not a joint.
+    driven: it is a motion, not a joint. travel: the farthest (m) that its law leads from there during the scene.
     """
 
     connection: str
@@ -60,6 +61,7 @@ class Constraint(NamedTuple):
     about: Vector3
     distance: float
     driven: bool
+    travel: float = 0.0
 
     def names(self) -> list[str]:
         """One a row."""
@@ -108,11 +110,12 @@ def constraints(
             _seated(connection, port, points, written, line) for port in ("inboard", "outboard")
         )
         if is_motion:
-            along, about, distance = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0), _commanded(connection)
+            along, about = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+            distance, travel = _commanded(connection, scene.header.until)
         else:
-            (along, about), distance = CONSTRAINED[str(connection.preset)], 0.0
+            (along, about), distance, travel = CONSTRAINED[str(connection.preset)], 0.0, 0.0
         if any((*along, *about)):
-            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion)
+            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion, travel)
 
 
 def hinge_constraints(
@@ -149,7 +152,11 @@ def _seated(
     return Seated(seat.body, add(points[seat.body][seat.point], seat.offset), multiply(turn, line))
 
 
-def _commanded(connection: Connection) -> float:
-    """Distance (m) that a motion commands at the start."""
+def _commanded(connection: Connection, until: float) -> tuple[float, float]:
+    """Distance (m) that a motion commands at the start, and how far from it the law leads until a time (s)."""
     structure, start = component_values(connection, "mean")
-    return MotionLaw(structure["law"]).value(0.0) + float(np.ravel(start.get("offset", 0.0))[0])
+    law = MotionLaw(structure["law"])
+    first = law.value(0.0)
+    times = [*np.linspace(0.0, until, _SAMPLES).tolist(), *(t for t in law.breaks if 0.0 <= t <= until)]
+    travel = max((law.value(time) - first for time in times), key=abs)
+    return first + float(np.ravel(start.get("offset", 0.0))[0]), travel

@@ -61,6 +61,34 @@ def test_the_deployed_wing_is_straight_and_the_stowed_one_a_stack(checked):
     assert checked.deployed.loops["panel_loop"].shape == (2, 3)
 
 
+@pytest.mark.parametrize(("variant", "joints", "length"), [((), 0.2, 0.6), ("diagonal", 0.0, 0.51)])
+def test_the_deployed_unit_is_where_its_motion_leads(variant, joints, length):
+    """Closed form: the top at 99 % of the height 2 L of two links and the spacers, each at asin(0.99)."""
+    found = fanfold.check_scene("antenna-unit", variant=variant)
+    assert found.warnings == ()
+    for sketch, share in ((found.stowed, 0.01), (found.deployed, 0.99)):
+        height = share * 2 * length
+        assert sketch.frames["top"][0] == pytest.approx((0.5, 0.5, joints + height), abs=1e-9)
+        for name, quarter in (("x_lower_1", 0.25), ("x_upper_1", 0.75)):
+            origin, axes = sketch.frames[name]
+            assert origin[2] == pytest.approx(0.5 * joints + quarter * height, abs=1e-9)
+            assert np.hypot(*origin[:2]) == pytest.approx(0.5 * length * np.sqrt(1 - share**2), abs=1e-9)
+            assert abs(axes[2, 0]) == pytest.approx(share, abs=1e-9)
+
+
+def test_a_motion_beyond_the_reach_of_its_links_is_told():
+    """Two links of 0.51 m reach 1.02 m: a law to 1.3 m leaves gaps in its loops, told before the run."""
+    scene = fanfold.load("antenna-unit", variant="diagonal")
+    law = [
+        {"profile": "constant", "value": 0.1},
+        {"profile": "ramp", "duration": 1.0, "change": 1.2},
+    ]
+    beyond = scene.with_settings({"connection.motion.structure.law": law})
+    (sentence,) = fanfold.check_scene(beyond).warnings
+    assert "motions are farthest from their start" in sentence
+    assert "mm" in sentence
+
+
 def test_problems_are_a_record():
     found = fanfold.check_scene("amos3", settings={"friction.pin_radius": 6})
     assert found.problems == (
