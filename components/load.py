@@ -30,7 +30,6 @@ from .numerics.relative_motion import unit_direction
 
 _NONE = (0.0,) * WRENCH_SIZE
 _FRAMES = ("world", "body")
-_RAMP = ({"profile": "ramp", "duration": 1.0, "change": 10.0},)
 
 
 class _Parameters(NamedTuple):
@@ -64,9 +63,10 @@ class _Constants(NamedTuple):
 class Load(Connection[_Parameters, _State, _Commands]):
     """A force through the port along `direction` and a torque about it, each by a motion law over time (N, N.m).
 
-    frame: "world" for a direction that stays, "body" for one in the axes of the port that turns with it. force, torque:
-    terms, see `MotionLaw`; none for no load. The clock starts at zero, when the scene does, and stands still while
-    `hold` is 1. Over a step the load is its mean and its slope, whose work on the port is what is supplied.
+    frame: "world" for a direction that stays, "body" for one in the axes of the port that turns with it. force,
+    torque: terms, see `MotionLaw`; one of both may be left out. The clock starts at zero, when the scene does, and
+    stands still while `hold` is 1. Over a step the load is its mean and its slope, whose work on the port is what is
+    supplied.
     """
 
     kind, port_names, own_outputs = "load", ("body",), (TIME_TO_BREAK,)
@@ -77,13 +77,15 @@ class Load(Connection[_Parameters, _State, _Commands]):
         self,
         direction: Sequence[float] = (0.0, 0.0, 1.0),
         frame: str = "world",
-        force: Sequence[Mapping[str, Any]] = _RAMP,
+        force: Sequence[Mapping[str, Any]] = (),
         torque: Sequence[Mapping[str, Any]] = (),
         wrench_mode: str = "mean",
     ) -> None:
         if frame not in _FRAMES:
             raise ComponentError(f"frame is {frame!r}; it must be world or body")
         self._direction = unit_direction(direction, "direction", "the load")
+        if not force and not torque:
+            raise ComponentError("there is neither a force nor a torque; give terms of one of them")
         self._turns = frame == "body"
         self._laws = MotionLaw(force or NOTHING), MotionLaw(torque or NOTHING)
         structure = {"direction": tuple(direction), "frame": frame}
@@ -187,7 +189,8 @@ class Load(Connection[_Parameters, _State, _Commands]):
     def example(cls) -> Load:
         """A force that turns with the body, and a torque."""
         wave = {"profile": "harmonic", "amplitude": 2.0, "frequency": 1.5}
-        return cls((0.3, 0.0, 1.0), "body", torque=[wave])
+        ramp = {"profile": "ramp", "duration": 1.0, "change": 10.0}
+        return cls((0.3, 0.0, 1.0), "body", force=[ramp], torque=[wave])
 
 
 def _turned(before: Quaternion, after: Quaternion) -> Vector3:

@@ -31,7 +31,6 @@ from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_loa
 from .numerics.workless_pair import remembered_path, workless_spring
 
 _NOWHERE: Vector3 = (0.0, 0.0, 0.0)
-_STEP = ({"profile": "step5", "duration": 1.0, "change": 0.1},)
 
 
 class _Parameters(NamedTuple):
@@ -118,7 +117,7 @@ class PointMotion(Connection[_Parameters, _State, _Commands]):
     def __init__(
         self,
         axis: Sequence[float] = (0.0, 0.0, 1.0),
-        law: Sequence[Mapping[str, Any]] = _STEP,
+        law: Sequence[Mapping[str, Any]] = (),
         wrench_mode: str = "mean",
     ) -> None:
         self._axis_frame = axis_frame(axis, "the motion's direction")
@@ -221,6 +220,11 @@ class PointMotion(Connection[_Parameters, _State, _Commands]):
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Direction, law and mode."""
         return {**super().native_data(), "axis_frame": self._axis_frame, **self._law.native_data()}
+
+    @classmethod
+    def example(cls) -> PointMotion:
+        """A smooth step along z."""
+        return cls(law=[{"profile": "step5", "duration": 1.0, "change": 0.1}])
 
 
 def _wrenches(passage: Passage, load: MeanLoad) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -73,8 +73,8 @@ class Constraints:
             )
         if self.redundant:
             told.append(
-                f"{len(self.redundant)} of the constraints are implied by others; how loads are shared among them "
-                "depends on the joints' stiffness"
+                f"constraints that others imply: {len(self.redundant)}; how loads are shared among them depends on "
+                "the joints' stiffness"
             )
         return told
 

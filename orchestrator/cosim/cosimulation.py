@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,12 +30,16 @@ SCENE_CHANNELS = (
 
 @dataclass(slots=True)
 class Statistics:
-    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made."""
+    """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made.
+
+    latch_damping: part of critical damping that lines, by name, latched with.
+    """
 
     steps: int = 0
     sweeps: int = 0
     rejected: int = 0
     fmu_time: float = 0.0
+    latch_damping: dict[str, float] = field(default_factory=dict)
 
 
 class CoSimulation(ABC):

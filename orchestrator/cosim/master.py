@@ -357,6 +357,8 @@ class Master(CoSimulation):
         if hinges:
             slow, size = self._swinging(hinges)
             self._latched.append(slow)
+            if slow.frequency:
+                self.statistics.latch_damping[line.name] = 0.5 * slow.decay / slow.frequency
             self._judge_latches()
             h = self._resolving(slow, size, h) if slow.fastest else min(h, self.settings.event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)

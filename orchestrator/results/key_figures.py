@@ -31,6 +31,9 @@ T = TypeVar("T")
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
+_FOLDED_BACK = radians(5.0)
+"""Further behind where a line started is where a folded stack has no room."""
+
 _GIVES_WAY = radians(1.0)
 """Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
 
@@ -72,7 +75,8 @@ class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
-    latch that passed their deployed angle.
+    latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch went furthest
+    behind where they started.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -102,6 +106,7 @@ class Headline:
     energy_residual: float | None
     warnings: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
+    folded_back: Mapping[str, Peak] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
@@ -119,6 +124,11 @@ class Headline:
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
                 f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
                 f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
+            )
+        for line, back in self.folded_back.items():
+            yield (
+                f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
+                "nothing there stops it: where bodies would touch, give a contact or a hold_down"
             )
         for line in self.peaks_at_end:
             yield (
@@ -189,6 +199,7 @@ def headline(result: Result) -> Headline:
             if line.latches and line.name not in times and result.has(line.sensor, "angle")
         },
         overruns=overruns(result),
+        folded_back=folded_back(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={
             line.name: impulse
@@ -230,6 +241,19 @@ def overruns(result: Result) -> dict[str, Overrun]:
         if passed.size:
             at = float(result.time[passed[0]])
             found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+    return found
+
+
+def folded_back(result: Result) -> dict[str, Peak]:
+    """How far (rad) lines with a latch, by name, went behind their first angle, where that is more than play."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.latches and result.has(line.sensor, "angle"):
+            angle = result.signal(line.sensor, "angle")
+            lowest = int(np.argmin(angle))
+            behind = float(angle[0] - angle[lowest])
+            if behind > _FOLDED_BACK:
+                found[line.name] = Peak(float(result.time[lowest]), behind)
     return found
 
 

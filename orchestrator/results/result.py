@@ -169,4 +169,6 @@ def reason(error: BaseException) -> str:
     """What the operating system or the first line of a library says, without its full stop."""
     if isinstance(error, OSError) and error.errno:
         return os.strerror(error.errno)
+    if isinstance(error, AttributeError | TypeError | IndexError):  # Python's words, of what bytes were not
+        return "a part of it is missing or is of another kind"
     return (str(error).splitlines() or [type(error).__name__])[0].rstrip(".")

@@ -117,5 +117,9 @@ def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
 
 
 def _sentence(name: str, error: float, asked: float, tolerance: float) -> str:
-    off = f"{error:.0f} times its tolerance of {asked:g}" if isfinite(error) else "nobody knows how much"
-    return f"{name}: numbers are likely to be off by {off}; it is run again at {tolerance:.2g}"
+    said = (
+        f"numbers are likely to be off by {error:.0f} times its tolerance of {asked:g}"
+        if isfinite(error)
+        else "nothing tells how far its numbers are off"
+    )
+    return f"{name}: {said}; it is run again at {tolerance:.2g}"

@@ -6,7 +6,7 @@ import json
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -67,7 +67,10 @@ class Costs:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken."""
+    """A finished run: its result, which master made it at which order, headline, costs, step sizes taken.
+
+    latch_damping: part of critical damping that lines, by name, latched with, as far as the master saw.
+    """
 
     result: Result
     master: MasterKind
@@ -75,6 +78,7 @@ class Outcome:
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
+    latch_damping: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def path(self) -> Path:
@@ -240,7 +244,7 @@ def _follow(
         checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    return Outcome(result, kind, network.order, headline(result), costs, segments)
+    return Outcome(result, kind, network.order, headline(result), costs, segments, statistics.latch_damping)
 
 
 def _recorder(

@@ -26,6 +26,8 @@ from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
+_DAMPED, _TIMES_DAMPED = 0.05, 3.0
+"""Part of critical damping, and times what was asked, beyond which a latch shows another peak."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +154,7 @@ def simulate(
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
                 outcome, settings = refined(assembly, outcome, settings, end, progress, warn, load)
-    for sentence in outcome.headline.open_ends():
+    for sentence in [*outcome.headline.open_ends(), *_damped_sentences(scene, assembly, outcome)]:
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
@@ -182,6 +184,24 @@ def python_sentence(backend: Backend | None) -> str:
 def _held_sentences(assembly: Assembly, flexible: Collection[str]) -> Iterator[str]:
     for name in sorted({*flexible} - {"all"} - {*assembly.flexible}):
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
+
+
+def _damped_sentences(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
+    """Lines of rigid bodies that latched with much more damping than their ratio says: others were not deployed yet.
+
+    Not those whose effective inertia the scene states.
+    """
+    rigid = {line.name for line in assembly.hinge_lines if line.rigid and scene.structural_damping is None}
+    for line in scene.hinge_lines:
+        damping, latch = outcome.latch_damping.get(line.name), line.latch
+        if damping is None or latch is None or latch.effective_inertia is not None or line.name not in rigid:
+            continue
+        if damping > max(_DAMPED, _TIMES_DAMPED * latch.damping_ratio):
+            yield (
+                f"{line.name} latched with {damping:.0%} of critical damping instead of {latch.damping_ratio:.1%}, "
+                "which lowers its torque peak: bodies that were not deployed turn less with it; "
+                f"hinge_line.{line.name}.latch.effective_inertia says what turns when it latches"
+            )
 
 
 def result_file(name: str, variants: Sequence[str]) -> Path:

@@ -134,7 +134,8 @@ def _component(connection: Connection, mode: WrenchMode) -> Component:
 def _parameter(component: Component, name: str) -> Quantity:
     found = {quantity.name: quantity for quantity in component.parameter_layout.quantities}
     if name not in found:
-        raise ComponentError(f"is no parameter; parameters are {', '.join(found) or 'none'}")
+        also = "; it belongs into structure" if name in component.structure else ""
+        raise ComponentError(f"is no parameter{also}; parameters are {', '.join(found) or 'none'}")
     return found[name]
 
 

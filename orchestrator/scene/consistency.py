@@ -108,7 +108,10 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
         while (inner := inboard_of.get(path[-1])) is not None and inner not in path:
             path.append(inner)
         if path[-1] != base:
-            yield f"body.{body}: it is disconnected; no chain of hinge lines leads to it from {base}"
+            yield (
+                f"body.{body}: it is disconnected; no chain of hinge lines leads to it from {base} (a free spacecraft "
+                "is the [base], with free = { mass, center_of_mass, inertia })"
+            )
 
 
 def open_hinges(

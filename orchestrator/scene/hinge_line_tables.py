@@ -93,7 +93,10 @@ class Motor(Table):
     @model_validator(mode="after")
     def _falling(self) -> Self:
         if not self.stowed > self.deployed:
-            raise ValueError("the torque of a spring falls while it opens; stowed must exceed deployed")
+            raise ValueError(
+                "the torque of a spring falls while it opens; stowed must exceed deployed (by a millionth of it "
+                "where the torque is constant)"
+            )
         return self
 
 

@@ -83,4 +83,4 @@ def test_command_and_function_agree():
     assert np.isclose(told["smallest_kept"], found.smallest_kept)
     table = CliRunner().invoke(main, ["analyse", "constraints", "antenna-unit", "--variant", "revolute"])
     assert "Gruebler" in table.stdout
-    assert "implied by others" in table.stderr
+    assert "constraints that others imply: " in table.stderr

@@ -86,3 +86,31 @@ def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     assert (found.largest, found.last) == (angle[:].max(), angle[-1])
     assert angle.at(found.passed_at) == pytest.approx(found.deployed_angle + radians(1.0), abs=0.02)
     assert any(row.quantity == "largest angle, no latch" for row in result.headline.numbers())
+
+
+def test_a_line_that_folds_back_is_told_of():
+    """A pendulum let go beside its motor swings back to where the work of both is none; nothing said so.
+
+    Closed form of the lowest angle: m g r sin(angle) = T angle, the motor's torque T being constant.
+    """
+    scene = fanfold.Scene("pendulum", until=2.0, gravity=(0, 0, -9.81))
+    base = scene.base(points={"root": (0, 0, 0)})
+    panel = scene.body(
+        "panel",
+        rigid={
+            "mass": 8,
+            "center_of_mass": (0.8, 0, 0),
+            "inertia": (0.9, 1.8, 2.7),
+            "points": {"root": (0, 0, 0)},
+        },
+    )
+    scene.hinge_line(
+        "HL", base, panel, axis="-y", aligned_angle="0 deg", start_angle="0 deg", hinges={"hinge": "root"},
+        latch_angle="90 deg", motor={"stowed": "30.00003 N.m", "deployed": "30 N.m"},
+        latch={"kind": "spring", "stiffness": 4e3, "damping_ratio": 0.02},
+    )  # fmt: skip
+    with pytest.warns(fanfold.FanfoldWarning, match="HL folded back by"):
+        result = fanfold.simulate(scene, estimate=False)
+    back = result.headline.folded_back["HL"]
+    assert 8 * 9.81 * 0.8 * sin(back.value) == pytest.approx(30.0 * back.value, rel=1e-3)
+    assert back.value > 1.0

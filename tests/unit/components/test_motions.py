@@ -141,7 +141,8 @@ def test_a_torque_spins_a_body_up():
     [
         (lambda: Load(frame="inertial"), "it must be world or body"),
         (lambda: Load(direction=(0, 0, 0)), "has no length"),
-        (lambda: PointMotion(law=[]), "give a list of terms"),
+        (Load, "neither a force nor a torque"),
+        (PointMotion, "give a list of terms"),
         (lambda: PointMotion(axis=(1, 0)), "has 2 numbers"),
     ],
 )
