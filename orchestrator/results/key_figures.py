@@ -31,6 +31,9 @@ T = TypeVar("T")
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
+_SURE = 4.0
+"""A cubic shows a peak where it rises by more than so many times what it may be off by."""
+
 _FOLDED_BACK = radians(5.0)
 """Further behind where a line started is where a folded stack has no room."""
 
@@ -346,11 +349,11 @@ def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
 
 
 def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
-    """Samples strictly between events, where there are enough of them for a cubic."""
+    """Samples strictly between events, where there are enough of them for a cubic and one that it is judged by."""
     start = 0
     for event in (*sorted(events), np.inf):
         end = int(np.searchsorted(time, event - EVENT_WIDTH))
-        if end - start >= 4:
+        if end - start >= 5:
             yield slice(start, end)
         start = max(start, int(np.searchsorted(time, event + EVENT_WIDTH, side="right")))
 
@@ -363,19 +366,32 @@ def _local_maxima(values: Vector, threshold: float) -> list[int]:
 
 
 def _interpolated(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
-    """Maxima of the cubics on the two intervals beside a sample, each through the four samples around it.
-
-    One that stands out by more than the sample itself does is no peak but a cubic through a kink.
-    """
+    """The sample, and the maxima of the cubics on the two intervals beside it, each through four samples around it."""
     yield Peak(float(time[top]), float(values[top]))
-    beside = values[max(top - 1, 0) : top + 2]
-    credible = 2.0 * float(values[top]) - float(beside.min())
     for left in (top - 1, top):
         if 0 <= left < time.size - 1:
             first = min(max(left - 1, 0), time.size - 4)
             nodes = slice(first, first + 4)
-            found = _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1])
-            yield from (peak for peak in found if peak.value <= credible)
+            for found in _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1]):
+                if found.value - values[top] > _SURE * _off(time, values, first, found.time):
+                    yield found
+
+
+def _off(time: Vector, values: Vector, first: int, at: float) -> float:
+    """What the cubic through four samples may be off by at a time: as it misses the samples beside them, in between.
+
+    The error of interpolation goes with the product of the distances to its samples. One through a kink misses by much.
+    """
+    nodes = slice(first, first + 4)
+    scale = time[first + 3] - time[first]
+    cubic = np.linalg.solve(np.vander((time[nodes] - at) / scale), values[nodes])
+
+    def distances(t: float) -> float:
+        return float(np.prod(np.abs(t - time[nodes])))
+
+    beside = [k for k in (first - 1, first + 4) if 0 <= k < time.size and distances(time[k])]
+    misses = (abs(np.polyval(cubic, (time[k] - at) / scale) - values[k]) / distances(time[k]) for k in beside)
+    return max(misses, default=np.inf) * distances(at)
 
 
 def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:

@@ -4,7 +4,8 @@ The companion is a run of half the cost along the steps that the run accepted, s
 it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
 the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
 of friction or of a count of swings. The estimate is the middle of both, 2^n - 1 and 1, in the logarithm; at the most
-the error is the whole difference.
+the error is the whole difference. What the companion meets by chance only, as where ringing is not resolved, the rows
+of the run itself tell (`results/step_ends.py`); the larger of both errors counts.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from ..cosim.master import Settings
 from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
 from ..results.key_figures import Headline, headline
 from ..results.result_file import with_statistics
+from ..results.step_ends import errors_of_step_ends, larger
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(15.0)}
@@ -48,17 +50,20 @@ def with_estimates(
     plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
     with suppress(RunError):
         coarse = run(assembly, None, plan, until, watch=watch, load=load)
-        errors = _errors(outcome.headline, coarse.headline, _SHARES[outcome.order])
+        by_rows = errors_of_step_ends(outcome.result)
+        errors = _errors(outcome.headline, coarse.headline, by_rows, _SHARES[outcome.order])
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 
 
-def _errors(fine: Headline, coarse: Headline, share: float) -> dict[Key, EstimatedError]:
-    """Differences and shares of them by key; what only one of both runs has is left out."""
+def _errors(
+    fine: Headline, coarse: Headline, by_rows: Mapping[Key, EstimatedError], share: float
+) -> dict[Key, EstimatedError]:
+    """Differences and shares of them by key, or what rows tell; what only one of both runs has is left out."""
     others = {number.key: number.value for number in coarse.numbers()}
     found = {
         number.key: abs(number.value - others[number.key])
         for number in fine.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
-    return {key: EstimatedError(share * difference, difference) for key, difference in found.items()}
+    return {key: larger(EstimatedError(share * d, d), by_rows.get(key)) for key, d in found.items()}

@@ -173,3 +173,9 @@ def test_a_cubic_through_a_kink_makes_no_peak():
     time = np.array([0.0, 1.0, 2.0, 2.03, 2.06, 2.09])
     values = np.array([0.0, -11.0, 17.0, 3.0, 2.0, 1.0])
     assert extremes(time, values)[1] == (2.0, 17.0)
+
+
+def test_what_rises_to_a_plateau_is_not_higher_than_that():
+    """Regression: a torque that friction holds at 4 N.m was told as 4.25, from a cubic through the plateau's end."""
+    values = np.array([0.0, 1.0, 3.0, 3.9, 4.0, 4.0, 4.0, 4.0, 0.5, -2.0])
+    assert extremes(np.arange(10.0), values)[1].value == 4.0
