@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
+from .body_parts.interface import Interface
 from .body_parts.load import Load
 from .body_parts.ports import BodyPorts
 from .body_parts.variables import observations, parameters, states
@@ -100,7 +101,8 @@ class Body(Component):
     modal: fields of `ModalData`. ports: one mapping per port with `name`, `point` (a point of the modal
     data), optional `offset` (3, m, body axes, a rigid arm) and `orientation` (quaternion of the port in the
     body's construction axes). inertia_coupling: which invariants vary with deformation; "rigid" and
-    "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9.
+    "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9. is_base: a rigid
+    body that is the spacecraft, which tells its attitude and the loads at its ports as well.
     """
 
     kind = "body"
@@ -111,25 +113,40 @@ class Body(Component):
         modal: Mapping[str, Any],
         ports: Sequence[Mapping[str, Any]],
         inertia_coupling: CouplingLevel = "full",
+        is_base: bool = False,
     ) -> None:
         data = ModalData.from_arrays(modal)
         self.data = data
         self.modes = data.frequency.size
         self._check(data)
         self._inertia = InertiaCoupling(data, inertia_coupling)
+        self._placed = BodyPorts(data, ports)
+        self.arms = self._placed.arms
+        self._interface: Interface | None = None
+        structure: dict[str, Any] = {
+            "modal": dict(modal),
+            "ports": [dict(p) for p in ports],
+            "inertia_coupling": inertia_coupling,
+        }
+        if is_base:
+            if self.modes:
+                raise ComponentError("is_base is for rigid bodies; this one has modes")
+            structure["is_base"] = True
+            self._interface = Interface([p["name"] for p in ports], self.arms + data.center_of_mass)
+            self.noun = Interface.noun
+        own = self._interface
         self._declare(
-            {"modal": dict(modal), "ports": [dict(p) for p in ports], "inertia_coupling": inertia_coupling},
+            structure,
             ports=[Port(p["name"], "body", 4) for p in ports],
             parameters=parameters(),
-            observations=observations(self.modes),
-            states=states(data.frequency, len(ports)),
+            inputs=own.inputs if own else (),
+            observations=[*observations(self.modes), *(own.observations if own else ())],
+            states=[*states(data.frequency, len(ports)), *(own.states if own else ())],
         )
         self.continuous = ContinuousStates.of(self.state_layout)
         # deformation moves the arms of forces and the inertia: a slender body that bends by a tenth of its length
         # turns about its axis a thousand times harder than straight
         self.constant_mobility = self.modes == 0
-        self._placed = BodyPorts(data, ports)
-        self.arms = self._placed.arms
         self.translation, self.rotation = self._placed.translation, self._placed.rotation
         self._moments = self.state_layout["moments"]
 
@@ -182,7 +199,7 @@ class Body(Component):
         position, orientation, velocity, angular_velocity = c.start
         q = normalized(tuple(orientation.tolist()))
         a = rotation_matrix(q)
-        x = np.zeros(self._moments.stop)
+        x = np.zeros(self.state_layout.size)
         x[_R] = position + a @ self.data.center_of_mass
         x[_Q] = q
         x[_P] = self.data.mass * velocity
@@ -192,9 +209,14 @@ class Body(Component):
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One step under wrenches in world axes, linear in time."""
+        load = u if self._interface is None else self._interface.without_own(u)
         # the absurd wrenches an iteration may try end as values that are not finite, without a warning
         with np.errstate(over="ignore", invalid="ignore"):
-            return self._static_step(c, x, u, h) if c.quasi_static else self._dynamic_step(c, x, u, h)
+            result = self._static_step(c, x, load, h) if c.quasi_static else self._dynamic_step(c, x, load, h)
+        if self._interface is not None:
+            behind = self._moments.stop
+            result[behind:] = self._interface.after(x[_Q], x[behind:], u, h)
+        return result
 
     def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         mass, load = self.data.mass, Load.of(u)
@@ -373,7 +395,10 @@ class Body(Component):
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
         energies = np.array((kinetic, strain - self.data.mass * float(c.gravity @ x[_R])))
         position, spin = x[_R] - a @ self.data.center_of_mass, x[_L] + np.cross(x[_R], x[_P])
-        return np.concatenate((position, x[_Q], x[_P], spin, energies, x[_D], eta))
+        found = np.concatenate((position, x[_Q], x[_P], spin, energies, x[_D], eta))
+        if self._interface is None:
+            return found
+        return np.concatenate((found, self._interface.observe(x[_Q], x[_W], x[self._moments.stop :], u)))
 
     def complete(self, c: _Constants, x: Vector) -> Vector:
         """The state with a quaternion of unit length and the angular velocity that belongs to its momenta."""
@@ -424,6 +449,7 @@ class Body(Component):
             "translation": self.translation,
             "rotation": self.rotation,
             "port_orientation": self._placed.orientation,
+            "is_base": self._interface is not None,
             **self._inertia.native_data(),
         }
 

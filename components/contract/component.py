@@ -108,7 +108,7 @@ class Component(ABC):
     """A mechanical component: declared variables and pure functions on a flat state. See the module."""
 
     kind: ClassVar[str]
-    noun: ClassVar[str] = ""
+    noun: str = ""
     """What people call it, the kind in words where nothing is given."""
     order: ClassVar[Literal[2, 4]] = 4
     """Order in time, at most, of the wrenches at the ports."""

@@ -11,3 +11,5 @@ ROUGH = 1e-2
 """Roughness of a motion from which on means tell its load better than its end."""
 LEAST_CHANGE = 1e-5
 """Change of a coordinate (m, rad) below which a discrete gradient is the force at the middle."""
+STOPPED = -1.0
+"""Size of a step in the record of a load where the step was an impulse, which is no load that lasts."""

@@ -104,7 +104,7 @@ def _resized(component: Component) -> Iterator[str]:
     groups = (("X", "STATES", component.state_layout), ("Z", "OBSERVATIONS", component.observation_layout))
     for prefix, end, layout in groups:
         resized = [q for q in layout.quantities if q.resized]
-        lagged = [q for q in resized if q.name.endswith(LAGGED)]
+        lagged = [q for q in resized if q.name.endswith(LAGGED) and not component.ports_vary]
         for place, quantity in enumerate(lagged or resized[:1]):
             yield (
                 f"#define {prefix}_{_name(quantity)} ({end} + {place})"

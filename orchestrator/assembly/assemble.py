@@ -143,6 +143,8 @@ def _piece_part(
     if piece.root in bodies:
         structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
         start["damping_scale"] = bodies[piece.root].damping_scale
+    else:
+        structure["is_base"] = True
     shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
     return Part(piece.root, "body", structure, start), shown
 

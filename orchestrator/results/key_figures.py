@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components import SUPPLIED_ENERGY
-from components.contract.roles import INTERFACE_LOAD, LOAD
+from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD, PORT_LOAD
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
@@ -28,6 +28,9 @@ from .signal import EVENT_WIDTH
 Vector = NDArray[np.float64]
 T = TypeVar("T")
 
+PORT_PEAKS = ("port force peak", "port torque peak")
+"""Headline numbers of the loads at single ports of the base."""
+
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
@@ -36,6 +39,9 @@ _SURE = 4.0
 
 _FOLDED_BACK = radians(5.0)
 """Further behind where a line started is where a folded stack has no room."""
+
+_SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degrees(1.0))}
+"""Unit and factor of what people read in another unit."""
 
 _GIVES_WAY = radians(1.0)
 """Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
@@ -83,8 +89,11 @@ class Headline:
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
-    magnitude of each component (x, y, z), empty where the base is free. torque_peaks: magnitudes, by component and
-    signal. force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
+    magnitude of each component (x, y, z) of what all ports bring onto the base, about its origin in its axes; its own
+    inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
+    port. attitude_peaks (rad), attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation
+    vector and angular velocity; attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
+    force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
     (largest, over energy_exchanged; None where there is none): see `energy_ledger`. warnings: sentences on what is
     not as the tolerance promises.
@@ -110,6 +119,11 @@ class Headline:
     warnings: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
+    port_force_peaks: Mapping[str, float] = field(default_factory=dict)
+    port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
+    attitude_peaks: tuple[float, ...] = ()
+    attitude_at_end: tuple[float, ...] = ()
+    attitude_rate_peaks: tuple[float, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
@@ -147,6 +161,7 @@ class Headline:
     def _bare_numbers(self) -> Iterator[Number]:
         yield Number("end time", "", self.end_time, "s")
         yield from self._numbers_of_lines()
+        yield from self._numbers_of_base()
         yield from self._numbers_of_loads()
         yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
         if self.energy_residual is not None:
@@ -167,11 +182,22 @@ class Headline:
             of_what = "lock" if line in self.latch_impulses else "latch"
             yield Number(f"{of_what} torque peak", line, torque, "N.m")
 
+    def _numbers_of_base(self) -> Iterator[Number]:
+        vectors = (
+            ("attitude peak", self.attitude_peaks, "rad"),
+            ("attitude at the end", self.attitude_at_end, "rad"),
+            ("attitude rate peak", self.attitude_rate_peaks, "rad/s"),
+            ("interface force peak", self.interface_force_peaks, "N"),
+            ("interface torque peak", self.interface_torque_peaks, "N.m"),
+        )
+        for quantity, values, unit in vectors:
+            yield from (Number(quantity, axis, v, unit) for axis, v in zip("xyz", values, strict=False))
+        for port, force in self.port_force_peaks.items():
+            yield Number(PORT_PEAKS[0], port, force, "N")
+        for port, torque in self.port_torque_peaks.items():
+            yield Number(PORT_PEAKS[1], port, torque, "N.m")
+
     def _numbers_of_loads(self) -> Iterator[Number]:
-        for axis, force in zip("xyz", self.interface_force_peaks, strict=False):
-            yield Number("interface force peak", axis, force, "N")
-        for axis, torque in zip("xyz", self.interface_torque_peaks, strict=False):
-            yield Number("interface torque peak", axis, torque, "N.m")
         for name, torques in self.torque_peaks.items():
             for variable, torque in torques.items():
                 yield Number(f"{variable.replace('_', ' ')} peak", name, torque, "N.m")
@@ -212,8 +238,13 @@ def headline(result: Result) -> Headline:
             if impulse is not None
         },
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
-        interface_force_peaks=_component_peaks(result, "N"),
-        interface_torque_peaks=_component_peaks(result, "N.m"),
+        interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
+        interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
+        port_force_peaks=_port_peaks(result, "N"),
+        port_torque_peaks=_port_peaks(result, "N.m"),
+        attitude_peaks=_component_peaks(result, ATTITUDE, "rad"),
+        attitude_at_end=_last(result, ATTITUDE, "rad"),
+        attitude_rate_peaks=_component_peaks(result, ATTITUDE, "rad/s"),
         torque_peaks=_by_component(
             (name, label, abs(peak(result, torque).value)) for name, label, torque in _loads(result, "N.m")
         ),
@@ -274,16 +305,16 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
         if max(abs(low), abs(high)) <= floors[name]
     }
     for number in found.numbers():
-        if (number.quantity, number.of) in absent:
+        of, floor = number.of, floors.get(number.quantity, floors.get(number.of, 0.0))
+        if (number.quantity, of) in absent or (number.quantity in PORT_PEAKS and number.value <= floor):
             continue
-        of = number.of
         if number.quantity == "motor energy" and not found.latch_times:
             of = "over the run"
-        floor = floors.get(number.quantity, floors.get(number.of, 0.0))
-        digits = ".6f" if number.unit == "s" else ".5g"
-        value = format(without_noise(number.value, floor), digits)
-        error = "" if number.error is None else format(number.error, ".1g")
-        yield number.quantity, of, value, "" if number.unit == "1" else number.unit, error
+        unit, size = _SHOWN.get(number.unit, (number.unit, 1.0))
+        digits = ".6f" if unit == "s" else ".5g"
+        value = format(size * without_noise(number.value, floor), digits)
+        error = "" if number.error is None else format(size * number.error, ".1g")
+        yield number.quantity, of, value, unit, error
 
 
 def _floors(found: Headline) -> dict[str, float]:
@@ -291,6 +322,11 @@ def _floors(found: Headline) -> dict[str, float]:
     return {
         "interface force peak": noise_floor(found.interface_force_peaks),
         "interface torque peak": noise_floor(found.interface_torque_peaks),
+        "attitude peak": noise_floor(found.attitude_peaks),
+        "attitude at the end": noise_floor(found.attitude_peaks),
+        "attitude rate peak": noise_floor(found.attitude_rate_peaks),
+        PORT_PEAKS[0]: noise_floor(found.port_force_peaks.values()),
+        PORT_PEAKS[1]: noise_floor(found.port_torque_peaks.values()),
         **{
             name: noise_floor(force for extremes in forces.values() for force in extremes)
             for name, forces in found.force_extremes.items()
@@ -405,12 +441,29 @@ def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> It
             yield Peak(float(left + root.real * scale), float(np.polyval(cubic, root.real)))
 
 
-def _component_peaks(result: Result, unit: str) -> tuple[float, ...]:
-    """Peak magnitudes of the components of an interface load; of the largest, where several bases have it."""
-    loads = [result.signal(*of) for of in result.in_role(INTERFACE_LOAD) if result.unit(*of) == unit]
-    if not loads:
-        return ()
-    return tuple(max(abs(peak(result, load[:, axis]).value) for load in loads) for axis in range(3))
+def _vectors(result: Result, role: str, unit: str) -> dict[str, Vector]:
+    """Signals (N, 3) in a role and a unit, by variable."""
+    return {of[1]: result.signal(*of) for of in result.in_role(role) if result.unit(*of) == unit}
+
+
+def _component_peaks(result: Result, role: str, unit: str) -> tuple[float, ...]:
+    """Peak magnitudes of the components of a base's vector."""
+    found = _vectors(result, role, unit).values()
+    return tuple(abs(peak(result, vector[:, axis]).value) for vector in found for axis in range(3))
+
+
+def _last(result: Result, role: str, unit: str) -> tuple[float, ...]:
+    """Components of a base's vector at the end."""
+    return tuple(float(value) for vector in _vectors(result, role, unit).values() for value in vector[-1])
+
+
+def _port_peaks(result: Result, unit: str) -> dict[str, float]:
+    """Peak magnitudes of the vectors of a base's single ports."""
+    found = _vectors(result, PORT_LOAD, unit)
+    return {
+        variable.rpartition(".")[0]: peak(result, np.linalg.norm(vector, axis=1)).value
+        for variable, vector in found.items()
+    }
 
 
 def _loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:

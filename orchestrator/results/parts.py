@@ -31,9 +31,10 @@ class Meaning(NamedTuple):
 _LARGEST: Final = 1e100
 """Beyond it squares overflow, and no quantity of a deployment is."""
 _SIZES: Final = {
-    "interface_force": 3, "interface_torque": 3, "frame_position": 3, "frame_orientation": 4,
+    "interface_force": 3, "interface_torque": 3, "frame_position": 3, "frame_orientation": 4, "attitude": 3,
+    "attitude_rate": 3,
 }  # fmt: skip
-"""Columns of the vectors that pictures and key figures are made of."""
+"""Columns of the vectors that pictures and key figures are made of, by the names behind that of a port."""
 _SCALARS: Final = (
     "torque", "energy", "force", "angle", "rate", "tension", "tension_a", "tension_b", "step_size", "iterations",
     "numerical_dissipation", "residual",
@@ -61,7 +62,7 @@ def signal(dataset: Any, variable: str, rows: int) -> Vector:  # noqa: ANN401
         not np.all(np.abs(found) < _LARGEST),
         f"{variable} has values that are no numbers, or beyond all bounds",
     )
-    size = _SIZES.get(variable)
+    size = _SIZES.get(variable.rpartition(".")[2])
     if size is not None:
         _refuse(found.shape != (rows, size), f"{variable} must have {size} columns")
     elif variable.endswith(_SCALARS):

@@ -14,10 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from components.contract.component import Vector
-from components.contract.roles import DISSIPATION, INTERFACE_LOAD, LOAD
+from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD, PORT_LOAD
 
 from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
 from ..results.result import Result, ResultError
+from ..results.round_off import noise_floor
 from .shapes import shapes
 from .style import COLOURS, STYLE, as_written, draw, finish, new_figure, tell_of_interruption
 
@@ -194,6 +195,43 @@ def _curves_of(result: Result, name: str, variable: str, with_name: bool) -> Ite
         yield from ((f"{label} {axis}", v) for axis, v in zip("xyz", values.T, strict=True))
 
 
+def port_loads(result: Result) -> Figure | None:
+    """Loads that single ports bring onto the spacecraft, in its axes; torques about the port."""
+    panels = [panel for unit in ("N", "N.m") for panel in _panels_of_ports(result, unit)]
+    if not panels:
+        return None
+    figure, axes = new_figure("Loads at the ports of the spacecraft", [1.0] * len(panels))
+    for panel, (label, curves) in zip(axes, panels, strict=True):
+        draw(panel, result.time, curves)
+        finish(panel, result, label)
+    return figure
+
+
+def _panels_of_ports(result: Result, unit: str) -> Iterator[tuple[str, list[tuple[str, Vector]]]]:
+    """Label and curves of each axis along which any port has more than round-off."""
+    found = [of for of in result.in_role(PORT_LOAD) if result.unit(*of) == unit]
+    loads = {variable.rpartition(".")[0]: result.signal(name, variable) for name, variable in found}
+    sizes = np.array([np.abs(load).max(0) for load in loads.values()]).reshape(-1, 3).max(0, initial=0.0)
+    for k in np.flatnonzero(sizes > noise_floor(sizes)).tolist():
+        label = f"{'torque' if unit == 'N.m' else 'force'} {'xyz'[k]}, {unit}"
+        yield label, [(port, load[:, k]) for port, load in loads.items()]
+
+
+def attitude(result: Result) -> Figure | None:
+    """Attitude of a free spacecraft as a rotation vector, and its rate in its axes."""
+    found = result.in_role(ATTITUDE)
+    if not found:
+        return None
+    figure, axes = new_figure("Attitude of the spacecraft", [1.0] * len(found))
+    for panel, of in zip(axes, found, strict=True):
+        curves = [
+            (axis, np.rad2deg(values)) for axis, values in zip("xyz", result.signal(*of).T, strict=True)
+        ]
+        draw(panel, result.time, curves)
+        finish(panel, result, f"{of[1].replace('_', ' ')}, {result.unit(*of).replace('rad', 'deg')}")
+    return figure
+
+
 def energy_balance(result: Result) -> Figure | None:
     """Energy stored, dissipated (by cause), taken by the scheme and supplied; the residual on its own axis."""
     if not result.has("scene", "stored_energy"):
@@ -237,6 +275,8 @@ def steps(result: Result) -> Figure | None:
 _FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
     "deployment_angles": deployment_angles,
     "latch_torques": latch_torques,
+    "attitude": attitude,
+    "port_loads": port_loads,
     "energy_balance": energy_balance,
     "steps": steps,
     "shapes": shapes,

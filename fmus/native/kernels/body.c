@@ -41,7 +41,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     Quaternion q = quaternion_normalized(quaternion_of(body->start_orientation));
     rotation_matrix(q, a);
     Vector3 omega = transposed_times(a, vector_of(body->start_angular_velocity));
-    memset(x, 0, (X_MODAL_AMPLITUDE + 2 * body->modes + WRENCH_SIZE * body->ports) * sizeof(double));
+    memset(x, 0, (interface_begin(body) + (body->is_base ? interface_states(body) : 0)) * sizeof(double));
     vector_store(vector_add(vector_of(body->start_position), matrix_times(a, vector_of(body->center_of_mass))),
                  x + X_POSITION);
     quaternion_store(q, x + X_ORIENTATION);
@@ -73,7 +73,6 @@ static void modal_energies(Body *body, const double *x, double *kinetic, double 
 static void observe(void *self, const double *x, const double *u, double *z) {
     Body *body = self;
     double a[9], kinetic, strain;
-    (void)u;
     rotation_matrix(quaternion_of(x + X_ORIENTATION), a);
     Vector3 position = vector_of(x + X_POSITION), momentum = vector_of(x + X_MOMENTUM), spin = vector_of(x + X_SPIN);
     modal_energies(body, x, &kinetic, &strain);
@@ -88,6 +87,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     z[Z_POTENTIAL_ENERGY] = strain - body->mass * vector_dot(vector_of(body->gravity), position);
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT];
     memcpy(z + Z_MODAL_COORDINATE, x + X_MODAL_AMPLITUDE, body->modes * sizeof(double));
+    if (body->is_base) observe_interface(body, x, u, z + OBSERVATIONS);
 }
 
 const Kernel body_kernel = {

@@ -4,10 +4,7 @@
 #include "fixed_base_layout.h"
 #include "frames.h"
 #include "kernel.h"
-#include "mid_step.h"
-#include "port_sizes.h"
-
-enum { LOAD_SIZE = WRENCH_SIZE };
+#include "port_loads.h"
 
 typedef struct {
     size_t ports;
@@ -18,34 +15,12 @@ typedef struct {
 
 static inline const real *own_inputs(const FixedBase *base, const real *u) { return u + WRENCH_SIZE * base->ports; }
 
-/* Sum of the wrenches of all ports about the reference. */
-static inline void store_sum(const FixedBase *base, const real *u, real *x) {
-    Vector3 force = {0.0, 0.0, 0.0}, torque = {0.0, 0.0, 0.0};
-    for (size_t k = 0; k < base->ports; k++) {
-        const double *arm = base->arms + 3 * k;
-        Vector3 pull = vector_of(u + WRENCH_SIZE * k);
-        force = vector_add(force, pull);
-        torque = vector_add(torque, vector_of(u + WRENCH_SIZE * k + 3));
-        torque = vector_add(torque, vector_cross((Vector3){arm[0], arm[1], arm[2]}, pull));
-    }
-    vector_store(force, x);
-    vector_store(torque, x + 3);
-}
-
-/* Remembers the mean load of the step; an impulse is no load that lasts, and starts the record anew. */
+/* Remembers the wrenches of the step. */
 int NAME(fixed_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const FixedBase *base = self;
-    (void)why;
     const real *own = own_inputs(base, u);
-    for (int i = 0; i < STATES; i++) x_next[i] = 0.0;
-    if (value_of(own[U_IMPULSE]) > 0.5) {
-        x_next[X_H] = STOPPED;
-        return 1;
-    }
-    store_sum(base, u, x_next + X_LOAD);
-    store_sum(base, own + OWN_INPUTS, x_next + X_SLOPE);
-    x_next[X_H] = h;
-    for (int i = 0; i < X_PREVIOUS_LOAD; i++) x_next[X_PREVIOUS_LOAD + i] = x[i];
+    (void)why;
+    store_port_loads(base->ports, x, u, own + OWN_INPUTS, h, value_of(own[U_IMPULSE]) > 0.5, x_next);
     return 1;
 }
 
@@ -114,9 +89,10 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     }
     if (!read_ports(base, data, memory, why)) return NULL;
     const size_t wrenches = WRENCH_SIZE * base->ports, motions = MOTION_SIZE * base->ports;
-    const Sizes own = {PARAMETERS, wrenches + OWN_INPUTS + wrenches, motions + OWN_OUTPUTS + wrenches, OBSERVATIONS};
+    const Sizes own = {PARAMETERS, wrenches + OWN_INPUTS + wrenches, motions + OWN_OUTPUTS + wrenches,
+                       port_loads_told(base->ports)};
     if (!check_sizes("fixed base", sizes, &own, why)) return NULL;
-    *states = STATES;
+    *states = port_loads_record(base->ports);
     return base;
 }
 
@@ -125,25 +101,19 @@ static int prepare(void *self, const double *p, Reason *why) {
     return 1;
 }
 
-/* Last two mean loads and their step sizes, none yet. */
+/* No step yet. */
 static int initial(void *self, const double *u, double *x, Reason *why) {
-    (void)self, (void)u, (void)why;
-    for (int i = 0; i < STATES; i++) x[i] = 0.0;
+    const FixedBase *base = self;
+    (void)u, (void)why;
+    memset(x, 0, port_loads_record(base->ports) * sizeof(double));
     return 1;
 }
 
-/* Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step; without a
-   step before, as at the start and in model exchange, those of the present inputs. Then those one step earlier, zero
-   without two steps. */
+/* Loads now and one step earlier. */
 static void observe(void *self, const double *x, const double *u, double *z) {
-    store_sum(self, u, z + Z_INTERFACE_FORCE);
-    for (int i = 0; i < LOAD_SIZE; i++) {
-        const StepMean last = {x[X_LOAD + i], x[X_SLOPE + i], x[X_H]};
-        const StepMean previous = {x[X_PREVIOUS_LOAD + i], x[X_PREVIOUS_SLOPE + i], x[X_PREVIOUS_H]};
-        const int both = last.h > 0.0 && previous.h > 0.0;
-        if (last.h != 0.0) z[Z_INTERFACE_FORCE + i] = extrapolated(last, previous);
-        z[Z_INTERFACE_FORCE_LAGGED + i] = both ? between(previous, last) : 0.0;
-    }
+    static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+    const FixedBase *base = self;
+    observe_port_loads(base->ports, base->arms, x, u, upright, upright, z);
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

@@ -31,9 +31,22 @@ def load(u):
     return np.concatenate((force.sum(0), moment.sum(0)))
 
 
-def now(component, x, u):
-    """The load at the communication point."""
-    return component.observe(None, x, u)[:6]
+def now(component, x, u, lagged=""):
+    """The load at the communication point, or one step earlier."""
+    z, at = component.observe(None, x, u), component.observation_layout
+    return np.concatenate([z[at[f"interface_{name}{lagged}"]] for name in ("force", "torque")])
+
+
+@pytest.mark.parametrize("lagged", ["", "_lagged"])
+def test_every_port_tells_its_own_load(lagged):
+    """Definition: the wrench of a port alone, about its origin, in the order of the ports."""
+    component = base()
+    u, x = wrench(component, 0.0), component.initial(None, wrench(component, 0.0))
+    for _ in range(2):
+        x = component.step(None, x, u, 0.1)
+    z, at = component.observe(None, x, u), component.observation_layout
+    told = [z[at[f"p{i}.interface_{name}{lagged}"]] for i in (0, 1) for name in ("force", "torque")]
+    assert np.concatenate(told) == pytest.approx(u[:12], rel=1e-13)
 
 
 def test_ports_never_move():
@@ -76,14 +89,14 @@ def test_load_one_step_earlier_is_exact_for_cubic_loads(sizes):
     x, time = component.initial(None, wrench(component, 0.0)), point - sizes[0]
     loads = np.arange(1.0, 13.0)
     for h in sizes:
-        assert not component.observe(None, x, wrench(component, 0.0))[6:].any()
+        assert not now(component, x, wrench(component, 0.0), "_lagged").any()
         fit = Legendre.fit(time + 0.5 * h * NODES, shape(time + 0.5 * h * NODES), 3, [time, time + h])
         time += h
         u = wrench(component, 0.0)
         u[:12], u[13:] = fit.coef[0] * loads, fit.coef[1] * loads
         x = component.step(None, x, u, h)
     expected = load(shape(point) * loads)
-    assert component.observe(None, x, u)[6:] == pytest.approx(expected, rel=1e-12)
+    assert now(component, x, u, "_lagged") == pytest.approx(expected, rel=1e-12)
 
 
 def test_an_impulse_is_no_lasting_load():

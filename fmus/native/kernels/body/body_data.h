@@ -3,7 +3,7 @@
 #ifndef FANFOLD_BODY_DATA_H
 #define FANFOLD_BODY_DATA_H
 
-#include "body_model.h"
+#include "body_interface.h"
 
 #define MOST_MODES 1024
 #define MOST_PORTS 1024
@@ -37,12 +37,17 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     if (modes > MOST_MODES)
         return refuse(why, "the body's data have %lu modes; there can be at most %d", (unsigned long)modes,
                       MOST_MODES);
+    const double *is_base = finite_array(data, "is_base", 1, why);
+    if (!is_base) return 0;
+    body->is_base = is_base[0] != 0.0;
+    if (body->is_base && modes) return refuse(why, "is_base is for rigid bodies; this one has %lu modes", (unsigned long)modes);
     body->ports = arms / 3;
     body->modes = modes;
     body->padded_modes = padded(modes);
     body->coordinates = padded(arms);
     const size_t wrenches = WRENCH_SIZE * body->ports;
-    const Sizes own = {PARAMETERS, 2 * wrenches, MOTION_SIZE * body->ports + wrenches, OBSERVATIONS + modes};
+    const Sizes own = {PARAMETERS, 2 * wrenches + body->is_base, MOTION_SIZE * body->ports + wrenches,
+                       OBSERVATIONS + modes + (body->is_base ? interface_told(body) : 0)};
     if (!check_sizes(KIND, sizes, &own, why)) return 0;
     return 1;
 }
@@ -70,10 +75,11 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->damping_ratio = allocate(memory, mode);
     body->order = allocate(memory, (n + 1) * sizeof *body->order);
     body->arms = allocate(memory, (l + 1) * sizeof(double));
+    body->origin_arms = allocate(memory, (l + 1) * sizeof(double));
     body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
     body->shapes = allocate(memory, 2 * l * mode);
     body->coupling.slope = allocate(memory, 6 * mode);
-    if (!body->damping_ratio || !body->order || !body->arms || !body->port_orientation || !body->shapes ||
+    if (!body->damping_ratio || !body->order || !body->arms || !body->origin_arms || !body->port_orientation || !body->shapes ||
         !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
         !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||
@@ -168,7 +174,8 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
         !read_mass(body, data, why) || !read_coupling(body, data, memory, why) ||
         !read_oscillators(body, data, why) || !read_ports(body, data, why))
         return NULL;
-    *states = X_MODAL_AMPLITUDE + 2 * body->modes + WRENCH_SIZE * body->ports;
+    for (size_t i = 0; i < 3 * body->ports; i++) body->origin_arms[i] = body->arms[i] + body->center_of_mass[i % 3];
+    *states = interface_begin(body) + (body->is_base ? interface_states(body) : 0);
     return body;
 }
 

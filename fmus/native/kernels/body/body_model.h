@@ -33,6 +33,8 @@ typedef struct {
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double gravity[3], damping_scale;
     int quasi_static;
+    int is_base;         /* 1: it has the input impulse, and tells of the loads at its ports */
+    double *origin_arms; /* 3 a port, from the construction frame's origin */
     Remembered at_start, at_end, at_end_complex;
     void *work, *work_complex; /* of a large body */
 } Body;
@@ -149,7 +151,8 @@ static inline int any_set(const real *numbers, size_t count) {
 }
 
 static inline Load load_of(const Body *body, const real *u) {
-    Load load = {u, u + WRENCH_SIZE * body->ports, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
+    const real *slopes = u + WRENCH_SIZE * body->ports + body->is_base;
+    Load load = {u, slopes, sums_of(body, u), {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}, 0};
     load.sloped = any_set(load.slopes, WRENCH_SIZE * body->ports);
     if (load.sloped) load.slope = sums_of(body, load.slopes);
     return load;

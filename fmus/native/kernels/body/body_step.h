@@ -4,6 +4,7 @@
 #ifndef FANFOLD_BODY_STEP_H
 #define FANFOLD_BODY_STEP_H
 
+#include "body_interface.h"
 #include "body_modes.h"
 
 #define MAX_ITERATIONS 40
@@ -262,6 +263,7 @@ int NAME(body_step)(void *self, const double *x, const real *u, double h, real *
         static_step(body, x, u, h, x_next);
     else
         dynamic_step(body, x, u, h, x_next);
+    if (body->is_base) store_interface(body, x, u, h, x_next);
     return 1;
 }
 

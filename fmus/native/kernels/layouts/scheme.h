@@ -9,5 +9,6 @@
 #define LEAST_RATE 1e-30
 #define ROUGH 0.01
 #define LEAST_CHANGE 1e-05
+#define STOPPED -1.0
 
 #endif

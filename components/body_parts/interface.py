@@ -1,0 +1,69 @@
+"""What a rigid body tells besides where it is the spacecraft: attitude, rate, and the loads that its ports bring."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import atan2
+from typing import ClassVar
+
+import numpy as np
+
+from ..contract.component import Quantity, Vector
+from ..contract.frames import normalized, rotation_matrix
+from ..contract.ports import WRENCH_SIZE
+from ..contract.record import kept, observed
+from ..contract.roles import ATTITUDE, IMPULSE
+from ..numerics.port_loads import PortLoads
+
+_TURN = 4
+
+
+class Interface:
+    """Declarations and functions of a base with these ports; arms (ports, 3) from its origin, body axes.
+
+    Its state, behind all else of the body: the quaternion one step earlier, and the record of `PortLoads`.
+    """
+
+    noun: ClassVar[str] = "interface"
+
+    def __init__(self, names: Sequence[str], arms: Vector) -> None:
+        self._impulse = WRENCH_SIZE * len(names)
+        self._loads = PortLoads(names, arms)
+        before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
+        self.inputs = [replace(IMPULSE, resized=True)]
+        self.states = [replace(before, size=_TURN, resized=True), *self._loads.states]
+        self.observations = [*_motion(), *self._loads.observations]
+
+    def without_own(self, u: Vector) -> Vector:
+        """Wrenches and slopes of the ports alone, as any body takes them."""
+        return np.concatenate((u[: self._impulse], u[self._impulse + 1 :]))
+
+    def after(self, orientation: Vector, state: Vector, u: Vector, h: float) -> Vector:
+        """Its state after a step that began at an orientation (4,)."""
+        wrenches, slopes = u[: self._impulse], u[self._impulse + 1 :]
+        record = self._loads.after(state[_TURN:], wrenches, slopes, h, bool(u[self._impulse] > 0.5))
+        return np.concatenate((orientation, record))
+
+    def observe(self, orientation: Vector, rate: Vector, state: Vector, u: Vector) -> Vector:
+        """Attitude, rate (3,), which is given in body axes, and loads."""
+        before, record = state[:_TURN], state[_TURN:]
+        axes = rotation_matrix(tuple(orientation.tolist()))
+        earlier = rotation_matrix(normalized(tuple(before.tolist()))) if before.any() else axes
+        loads = self._loads.observe(record, u[: self._impulse], axes, earlier)
+        return np.concatenate((_attitude(orientation), rate, loads))
+
+
+def _motion() -> list[Quantity]:
+    attitude = observed("rad", "Rotation vector of the base, continuous over a full turn", ATTITUDE)
+    rate = observed("rad/s", "Angular velocity of the base, its axes", ATTITUDE)
+    found = (attitude.called("attitude", 3), rate.called("attitude_rate", 3))
+    return [replace(quantity, resized=True) for quantity in found]
+
+
+def _attitude(orientation: Vector) -> Vector:
+    """Rotation vector (3,), rad, of a quaternion, which is itself continuous, so that only a full turn starts anew."""
+    half = float(np.linalg.norm(orientation[1:]))
+    factor = 2.0 if half < 1e-8 else 2.0 * atan2(half, float(orientation[0])) / half
+    result: Vector = factor * orientation[1:]
+    return result

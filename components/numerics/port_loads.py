@@ -1,0 +1,87 @@
+"""Loads that the ports of a base carry, each and in sum, from what the ports had over the last two steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..contract.component import Quantity, Vector
+from ..contract.frames import sum_of_moments
+from ..contract.ports import WRENCH_SIZE
+from ..contract.record import kept, observed
+from ..contract.roles import INTERFACE_LOAD, PORT_LOAD, lagged
+from .mid_step import StepMean, between, extrapolated
+from .scheme import STOPPED
+
+_SIZES = 2
+
+
+class PortLoads:
+    """The record of a base, a part of its state: sizes of two steps, means and slopes of all wrenches over each.
+
+    The load on a base is what its ports bring: its own inertia and weight are no part of it. Forces and torques are in
+    the axes of the base; torques of a port are about its origin, the sum's about the point that the arms, (ports, 3) in
+    the axes of the base, start from.
+    """
+
+    def __init__(self, names: Sequence[str], arms: Vector) -> None:
+        self._arms = arms
+        self._numbers = WRENCH_SIZE * len(names)
+        self.size = _SIZES + 4 * self._numbers
+        told = [*_load("", INTERFACE_LOAD, "on the base, its axes", "its reference point")]
+        for name in names:
+            told += _load(f"{name}.", PORT_LOAD, f"on the base at port {name}, axes of the base", "the port")
+        self.observations = [*told, *map(lagged, told)]
+        sizes = kept("s", "Sizes of the last two steps; 0: none, below 0: an impulse")
+        loads = kept("N", "Means and slopes of the ports' wrenches over the last step and the one before")
+        self.states = [
+            replace(quantity, name=name, size=size, resized=True)
+            for name, quantity, size in (
+                ("step_sizes", sizes, _SIZES),
+                ("port_loads", loads, 4 * self._numbers),
+            )
+        ]
+
+    def after(self, record: Vector, wrenches: Vector, slopes: Vector, h: float, impulse: bool) -> Vector:
+        """The record after a step; an impulse is no load that lasts, and starts it anew."""
+        if impulse:
+            return np.concatenate(((STOPPED,), np.zeros(self.size - 1)))
+        last = record[_SIZES : _SIZES + 2 * self._numbers]
+        return np.concatenate(((h, record[0]), wrenches, slopes, last))
+
+    def observe(self, record: Vector, wrenches: Vector, axes: Vector, axes_before: Vector) -> Vector:
+        """Loads at the communication point, extrapolated from the last two steps, whose means belong to mid-step.
+
+        Without a step before, as at the start and in model exchange, those of the present inputs. Then those one step
+        earlier, zero without two steps. axes: (3, 3) of the base, now and one step earlier, into the world.
+        """
+        h, h_before = record[:_SIZES].tolist()
+        parts = record[_SIZES:].reshape(4, self._numbers)
+        mean, slope, mean_before, slope_before = (self._loads(part, axes) for part in parts)
+        if h == 0.0:
+            now = self._loads(wrenches, axes)
+        else:
+            now = extrapolated(StepMean(mean, slope, h), StepMean(mean_before, slope_before, h_before))
+        earlier = np.zeros_like(now)
+        if min(h, h_before) > 0.0:
+            mean, slope, mean_before, slope_before = (self._loads(part, axes_before) for part in parts)
+            earlier = between(StepMean(mean_before, slope_before, h_before), StepMean(mean, slope, h))
+        return np.concatenate((now, earlier))
+
+    def _loads(self, wrenches: Vector, axes: Vector) -> Vector:
+        """Sum about the reference point, then every port's own: wrenches in world axes, told in those of the base."""
+        table = (wrenches.reshape(-1, 3) @ axes).reshape(-1, WRENCH_SIZE)
+        force, torque = table[:, :3], table[:, 3:]
+        moment = torque.sum(0) + sum_of_moments(self._arms, force)
+        return np.concatenate((force.sum(0), moment, table.ravel()))
+
+
+def _load(prefix: str, role: str, where: str, about: str) -> list[Quantity]:
+    """Force and torque of one port, or of all where there is no prefix."""
+    found = (
+        observed("N", f"Force {where}", role).called(f"{prefix}interface_force", 3),
+        observed("N.m", f"Torque {where}, about {about}", role).called(f"{prefix}interface_torque", 3),
+    )
+    return [replace(quantity, resized=True) for quantity in found]
