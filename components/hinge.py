@@ -21,6 +21,7 @@ from .contract.frames import nearest_turn, rotate
 from .contract.record import Record
 from .hinge_parts.loads import (
     FORCE_SMOOTHING,
+    NO_LOAD,
     endpoint_loads,
     impulse_loads,
     instant_loads,
@@ -70,6 +71,8 @@ class Hinge(Connection[Parameters, State, Commands]):
     latch_deflection from that angle) or "kinematic" (an impulse that removes the relative rate, then a
     lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
     because an explicit host cannot solve for a lock.
+
+    From a failure on there is no load of any kind; what was stored, a harness's as its potential tells, is heat.
     """
 
     kind, own_outputs = "hinge", OUTPUTS
@@ -156,8 +159,10 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     def advance(self, c: Constants, s: State, u: Inputs[Commands], h: float) -> State:
         """One step; the inputs are those of its end. Commands act from its start."""
-        old = s.commanded(u.commands)
+        old = self._commanded(c, s, u.commands)
         moved = self._moved(c, old, u)
+        if old.failed:
+            return self._freed(moved)
         if self.endpoint:
             return self._endpoint_step(c, old, moved, h)
         is_impulse, passage = u.commands.impulse > 0.5, passage_of(old, moved)
@@ -194,6 +199,28 @@ class Hinge(Connection[Parameters, State, Commands]):
         )
 
     @staticmethod
+    def _commanded(c: Constants, s: State, commands: Commands) -> State:
+        """The state under commands; one that has failed heeds none, and one that fails turns to heat what it stores."""
+        if s.failed:
+            return s
+        if commands.failure_command > 0.5:
+            return s._replace(failed=1.0, failure_angle=s.angle, failure_heat=stored_energy(c, s))
+        return s.commanded(commands)
+
+    @staticmethod
+    def _freed(moved: State) -> State:
+        """The moved state of a joint that has failed."""
+        return moved._replace(
+            memories=tuple(Memory(rate, rate) for rate in moved.rates),
+            slide=MidStep.starting(moved.rate),
+            power=(0.0, 0.0, 0.0),
+            wrench=NO_PAIR,
+            slopes=NO_PAIR,
+            loads=NO_LOADS,
+            sliding=MidStepSlope.starting(moved.rate),
+        )
+
+    @staticmethod
     def _memories(
         c: Constants, motions: list[StepMotion], rates: tuple[float, ...], is_impulse: bool
     ) -> tuple[Memory, ...]:
@@ -222,7 +249,7 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     def _awaits_latch(self, c: Constants, state: State) -> bool:
         """Whether the latch engages by itself and has not yet."""
-        return c.p.latch_automatic > 0.5 and not state.latched and c.latches
+        return c.p.latch_automatic > 0.5 and not state.latched and not state.failed and c.latches
 
     def _latched(self, c: Constants, state: State, reached: float) -> State:
         """The state with the latch engaged at its angle, if it awaits that and the angle `reached` is reached."""
@@ -240,7 +267,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         if not self.endpoint:
             return np.array((*s.wrench, c.p.latch_angle - s.angle, s.latched, *s.slopes))
         s = self._now(c, s, self.inputs(u))
-        loads = endpoint_loads(c, s)
+        loads = NO_LOAD if s.failed else endpoint_loads(c, s)
         wrench = pair(rotate(s.frame, loads.force), rotate(s.frame, loads.torque), s.gap)
         return np.array((*wrench, c.p.latch_angle - s.angle, s.latched))
 
@@ -251,9 +278,11 @@ class Hinge(Connection[Parameters, State, Commands]):
         """
         now = self._now(c, s, u)
         rate = now.rate
+        # a command acts from the next step's start, which is this instant
+        old = s if self.endpoint else self._commanded(c, s, u.commands)
+        if old.failed:
+            return self._record_failed(c, old, now)
         if not self.endpoint:
-            # a command acts from the next step's start, which is this instant
-            old = s.commanded(u.commands)
             x, y, z, _, *swing = (m.end_rate if c.paired else m.mean_rate for m in s.memories)
             turning = s.sliding.now() if c.paired else s.slide.now()
             now = now._replace(
@@ -279,15 +308,31 @@ class Hinge(Connection[Parameters, State, Commands]):
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,
             damping_energy=s.damping_heat,
+            failure_energy=0.0,
             potential_energy=stored_energy(c, now),
             dissipated_energy=sum(s.heat),
             numerical_dissipation=s.numerical,
         )
         return found if self.endpoint else MeanObservations(found, *lagged_loads(now))
 
+    def _record_failed(self, c: Constants, s: State, now: State) -> Observations | MeanObservations:
+        """The motion, no loads, and the energies as they were at the failure."""
+        found = Observations(
+            *(now.angle, now.rate, *(0.0,) * 7),
+            motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(s.failure_angle),
+            friction_energy=s.friction_heat,
+            latch_energy=s.latch_heat,
+            damping_energy=s.damping_heat,
+            failure_energy=s.failure_heat,
+            potential_energy=0.0,
+            dissipated_energy=sum(s.heat) + s.failure_heat,
+            numerical_dissipation=s.numerical,
+        )
+        return found if self.endpoint else MeanObservations(found, *lagged_loads(s))
+
     def powers(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Heat (W) of friction, latch and damping."""
-        return endpoint_loads(c, self._now(c, s, u)).heat
+        return NO_LOAD.heat if s.failed else endpoint_loads(c, self._now(c, s, u)).heat
 
     def indicate(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Angle left up to where the latch engages by itself; one where it does not."""
@@ -300,7 +345,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         """Follow the angle; at an event commands act, and a latch that is reached engages at its angle."""
         state = self._moved(c, s, u)
         if at_event:
-            state = self._latched(c, state.commanded(u.commands), c.p.latch_angle - _REACHED)
+            state = self._latched(c, self._commanded(c, state, u.commands), c.p.latch_angle - _REACHED)
         return state
 
     def native_data(self) -> Mapping[str, ArrayLike]:

@@ -17,6 +17,11 @@ HOLD = _command("hold", "1: what moves by itself stands still")
 """Input: an angle is held, a clock stands, strands keep their preload, while a master seeks an equilibrium."""
 LATCH_COMMAND = _command("latch_command", "1: the latch engages at the start of the next step")
 RELEASE_COMMAND = _command("release_command", "1: released at the start of the next step")
+"""Input of what is made to let go."""
+FAILURE_COMMAND = _command(
+    "failure_command", "1: fails at the start of the next step, and is free from then on"
+)
+"""Input of a joint that is made to hold."""
 
 LATCH_DISTANCE = Quantity(
     "latch_distance", "rad", "Latch angle minus hinge angle; falls through zero at latch-up"

@@ -13,6 +13,8 @@ from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
 from .variables import State
 
 FORCE_SMOOTHING = 1.0
+NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0), 0.0)
+"""Of a joint that has failed."""
 
 
 def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoads:

@@ -13,6 +13,7 @@ from ..contract.roles import (
     DISSIPATED_ENERGY,
     DISSIPATION,
     END_WEIGHT,
+    FAILURE_COMMAND,
     HOLD,
     IMPULSE,
     LATCH_COMMAND,
@@ -93,6 +94,7 @@ class Commands(NamedTuple):
     latch_command: Annotated[float, LATCH_COMMAND]
     impulse: Annotated[float, IMPULSE]
     hold: Annotated[float, HOLD.saying("1: the angle is held")]
+    failure_command: Annotated[float, FAILURE_COMMAND]
 
 
 class State(NamedTuple):
@@ -116,6 +118,9 @@ class State(NamedTuple):
     latched_angle: Annotated[float, kept("rad", "Angle where the latch engaged")] = 0.0
     holding: Annotated[float, kept("1", "1 while the angle is held")] = 0.0
     numerical: Annotated[float, kept("J", "What the scheme took away")] = 0.0
+    failed: Annotated[float, kept("1", "1 from the failure on")] = 0.0
+    failure_angle: Annotated[float, kept("rad", "Angle at the failure")] = 0.0
+    failure_heat: Annotated[float, kept("J", "Elastic energy that the failure turned to heat")] = 0.0
     power: Annotated[Vector3, kept("W", "Of the three heats at the last end-point step")] = (0.0, 0.0, 0.0)
     wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
     slopes: Annotated[tuple[float, ...], SLOPES] = NO_PAIR
@@ -180,6 +185,7 @@ class Observations(NamedTuple):
     damping_energy: Annotated[
         float, observed("J", "Energy dissipated by the damping of the joint", DISSIPATION)
     ]
+    failure_energy: Annotated[float, observed("J", "Energy held at the failure, as heat", DISSIPATION)]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Energy of bushing, motor, harness and latch")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,61 @@ class HingeLine:
 
 
 @dataclass(frozen=True, slots=True)
+class Condition:
+    """An observation of a part, its number `index`, passes a value: `rising` from below, otherwise from above."""
+
+    part: str
+    variable: str
+    index: int
+    value: float
+    rising: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A value that a parameter of a part gets in mid-run."""
+
+    part: str
+    parameter: str
+    value: float | tuple[float, ...]
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """What happens at a time (s) or when a condition first holds: parts released, lines latched, parameters set."""
+
+    name: str
+    time: float | None
+    condition: Condition | None
+    releases: tuple[str, ...] = ()
+    latches: tuple[str, ...] = ()
+    settings: tuple[Setting, ...] = ()
+
+    def also(
+        self,
+        releases: tuple[str, ...] = (),
+        latches: tuple[str, ...] = (),
+        settings: tuple[Setting, ...] = (),
+    ) -> Self:
+        """The event with more that happens, nothing of it twice."""
+        return replace(
+            self,
+            releases=tuple(dict.fromkeys((*self.releases, *releases))),
+            latches=tuple(dict.fromkeys((*self.latches, *latches))),
+            settings=(*self.settings, *settings),
+        )
+
+    @property
+    def text(self) -> str:
+        """What it does, for people."""
+        done = [f"{name} released" for name in self.releases]
+        done += [f"{name} locked" for name in self.latches]
+        done += [f"{s.part}.{s.parameter} set to {s.value} {s.unit}" for s in self.settings]
+        return ", ".join(done)
+
+
+@dataclass(frozen=True, slots=True)
 class Geometry:
     """What a picture of a body needs, in its construction frame; shapes are (D, 3, M)."""
 
@@ -77,3 +132,4 @@ class Assembly:
     preload: bool
     driving_energy: float = 0.0
     geometry: Mapping[str, Geometry] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()

@@ -20,6 +20,7 @@ from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from .end_stops import stop_attachments, stop_parts
+from .events import assembly_events
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
 from .start_values import with_port_starts
 
@@ -74,21 +75,20 @@ def assemble(
         geometry |= {piece.root: shown} if len(shown.positions) else {}
     if not links:
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
-    parts = parts_of_bodies + _connection_parts(scene, is_flexible, wrench_mode)
     linked = {link.connection[0] for link in links}
+    connections = _connection_parts(scene, is_flexible, wrench_mode)
+    parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
+    hinge_lines = tuple(
+        assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode), is_flexible) for line in lines
+    )
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
         flexible=tuple(name for name, modal in is_flexible.items() if modal),
-        parts=with_port_starts(
-            [part for part in parts if part in parts_of_bodies or part.name in linked], links
-        ),
+        parts=parts,
         links=tuple(links),
-        hinge_lines=tuple(
-            assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode), is_flexible)
-            for line in lines
-        ),
+        hinge_lines=hinge_lines,
         base=scene.base.name,
         until=header.until,
         tolerance=header.tolerance,
@@ -96,6 +96,7 @@ def assemble(
         preload=header.preload,
         driving_energy=sum(line.motor_energy for line in lines),
         geometry=geometry,
+        events=assembly_events(scene, parts, hinge_lines),
     )
 
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from components.contract.roles import END_WEIGHT, HOLD, QUASI_STATIC
 
-from ..assembly import HingeLine
+from ..assembly import Event, HingeLine
 from .energy_balance import Energies
+from .events.scheduled import ScheduledEvents
 from .implicit.solver import Solver
 from .network import Network
+from .participant import ParticipantError, Vector
 from .rows import Recorder, Rows
 from .static_search import DURATION, StaticSearch
 
@@ -49,7 +51,12 @@ class CoSimulation(ABC):
     """
 
     def __init__(
-        self, network: Network, hinge_lines: Sequence[HingeLine], recorder: Recorder, solver: Solver
+        self,
+        network: Network,
+        hinge_lines: Sequence[HingeLine],
+        recorder: Recorder,
+        solver: Solver,
+        events: Sequence[Event] = (),
     ) -> None:
         self.network = network
         self.recorder = recorder
@@ -59,11 +66,8 @@ class CoSimulation(ABC):
         self.segments: list[list[float]] = [[]]
         self._pending = [line for line in hinge_lines if line.latches]
         self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
-        sensors = {line.name: network.by_name[line.sensor] for line in self._pending}
-        self._sensors = {
-            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
-            for name, sensor in sensors.items()
-        }
+        self._sensors = self._found_sensors()
+        self._scheduled = ScheduledEvents(events, network.participants, solver.observations)
         self._scene = np.zeros(len(SCENE_CHANNELS))
         self._rows = Rows(recorder, network.participants, solver.observations, self._scene)
 
@@ -85,6 +89,8 @@ class CoSimulation(ABC):
         if preload:
             self._seek_equilibrium()
         self._energy_start = self._observe()
+        if holding := self._scheduled.holding():
+            raise ParticipantError("; ".join(holding))
         self._record(0.0, 0)
 
     @abstractmethod
@@ -111,6 +117,38 @@ class CoSimulation(ABC):
         self._command(HOLD.name, 0.0)
         solver.mode = "dynamic"
         solver.forget()
+
+    def _found_sensors(self) -> dict[str, tuple[Vector, int]]:
+        """Outputs, and the place among them, that tell how far each line is from its latch."""
+        sensors = {line.name: self.network.by_name[line.sensor] for line in self._pending}
+        return {
+            name: (sensor.outputs, sensor.output_layout["latch_distance"].start)
+            for name, sensor in sensors.items()
+        }
+
+    def _act(self, event: Event) -> None:
+        """Release and set what an event does; what settings change of the energies is supplied from outside."""
+        self._scheduled.take(event)
+        self.recorder.event(self.time, event.name, event.text)
+        self._scheduled.release(event)
+        self._without(event.releases)
+        before = self._observe()
+        self._scheduled.set(event)
+        changed = self._observe().balance - before.balance
+        self._energy_start = self._energy_start._replace(supplied=self._energy_start.supplied - changed)
+
+    def _without(self, released: Collection[str]) -> None:
+        """Lines go on with those of their hinges that are not released; without any they have no latch."""
+        lines = [
+            replace(line, hinges=tuple(name for name in line.hinges if name not in released))
+            for line in self._pending
+        ]
+        self._pending = [
+            line if line.sensor in line.hinges else replace(line, sensor=line.hinges[0])
+            for line in lines
+            if line.hinges
+        ]
+        self._sensors = self._found_sensors()
 
     def _distance(self, line: HingeLine) -> float:
         """How far a hinge line that has not latched is from its latch, by its sensor; falls through zero."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from components.contract.roles import LATCH_COMMAND, LATCHED
 
-from ..assembly import HingeLine
+from ..assembly import Event, HingeLine
 from .cosimulation import CoSimulation
 from .implicit.convergence import Tolerance
 from .implicit.solvers import solver_for
@@ -37,7 +37,8 @@ class ExplicitMaster(CoSimulation):
     """Steps the participants of a network one after the other, without iteration and without roll-back.
 
     The communication step is `fixed_step` of the settings, or else `largest_step`; step control, events
-    inside steps and tolerances do not exist. A latch engages at a communication point, up to a step late.
+    inside steps and tolerances do not exist. A latch engages, and what waits for a condition happens, at a
+    communication point, up to a step late.
     """
 
     def __init__(
@@ -47,8 +48,10 @@ class ExplicitMaster(CoSimulation):
         recorder: Recorder,
         settings: Settings,
         order: Order = "gauss-seidel",
+        events: Sequence[Event] = (),
     ) -> None:
-        super().__init__(network, hinge_lines, recorder, solver_for(network, Tolerance(_PRELOAD_TOLERANCE)))
+        solver = solver_for(network, Tolerance(_PRELOAD_TOLERANCE))
+        super().__init__(network, hinge_lines, recorder, solver, events)
         self.settings = settings
         self.order = order
 
@@ -71,7 +74,11 @@ class ExplicitMaster(CoSimulation):
         size = self.settings.fixed_step or self.settings.largest_step
         while self.time < until - 1e-12:
             self._engage_latches()
-            remaining = until - self.time
+            while (event := self._scheduled.due(self.time)) is not None:
+                self._act(event)
+                for line in [line for line in self._pending if line.name in event.latches]:
+                    self._engage(line)
+            remaining = min(until, self._scheduled.next_time) - self.time
             h = remaining if remaining < 1.001 * size else size
             self._step_or_fail(h)
             self._advance(h)
@@ -86,9 +93,12 @@ class ExplicitMaster(CoSimulation):
             sensor = self.network.by_name[line.sensor]
             latched = sensor.outputs[sensor.output_layout[LATCHED.name].start] > 0.5
             if latched or self._distance(line) <= 0.0:
-                self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
-                self._pending.remove(line)
-                self._command(LATCH_COMMAND.name, 1.0, line.hinges)
+                self._engage(line)
+
+    def _engage(self, line: HingeLine) -> None:
+        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
+        self._pending.remove(line)
+        self._command(LATCH_COMMAND.name, 1.0, line.hinges)
 
     def _step_or_fail(self, h: float) -> None:
         """Step everything; what breaks in overflowing arithmetic is the master's failure, and told so."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
 
-from ..assembly import HingeLine
+from ..assembly import Event, HingeLine
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
@@ -78,10 +78,16 @@ class Master(CoSimulation):
     """Couples the participants of a network implicitly and follows them through time."""
 
     def __init__(
-        self, network: Network, hinge_lines: Sequence[HingeLine], recorder: Recorder, settings: Settings
+        self,
+        network: Network,
+        hinge_lines: Sequence[HingeLine],
+        recorder: Recorder,
+        settings: Settings,
+        events: Sequence[Event] = (),
     ) -> None:
         tolerance = Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
-        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance))
+        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance), events)
+        self._events = {event.name: event for event in events}
         self.settings = settings
         self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
@@ -122,22 +128,28 @@ class Master(CoSimulation):
 
     def _step_to_end(self, until: float) -> None:
         while self.time < until - 1e-12:
+            event = self._scheduled.due(self.time)
+            if event is not None:
+                self._happen(event)
+                continue
             h = self._next_step(until)
             solution = self._try_step(h)
             if solution is None:
                 continue
-            line = self._latching(h)
-            if line is not None:
-                found = self._step_to(line, h, solution)
+            crossed = self._crossed(h)
+            if crossed is not None:
+                found = self._step_to(crossed, h, solution)
                 if found is None:
                     continue
                 h, solution = found
                 self._observe(h)
             is_break = self.time + h >= self._break - _BREAK_REACHED
             self._accept(h, solution)
-            if line is not None:
-                self._latch(line)
-            elif is_break:
+            if isinstance(crossed, Event):
+                self._happen(crossed)
+            elif crossed is not None:
+                self._latch(crossed)
+            elif is_break and self._scheduled.due(self.time) is None:
                 self._renew()
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
@@ -171,6 +183,7 @@ class Master(CoSimulation):
             "segments": [len(segment) for segment in self.segments],
             "statistics": plain(self.statistics) | {"sweeps": self._sweeps_before + self.solver.costs()[0]},
             "pending": [line.name for line in self._pending],
+            "happened": self._scheduled.happened,
             "energies": plain(self._energies),
             "energy_start": plain(self._energy_start),
             "error_energy": self._error.energy,
@@ -187,6 +200,10 @@ class Master(CoSimulation):
     def resume(self, snapshot: Snapshot) -> None:
         """Stand where another run stood, in place of `initialize`."""
         numbers, arrays = snapshot.numbers, snapshot.arrays
+        for name in numbers["happened"]:
+            self._scheduled.take(self._events[name])
+            self._scheduled.set(self._events[name])
+            self._without(self._events[name].releases)
         for participant in self.network.participants:
             if "order" in participant.parameter_layout:
                 participant.set_parameter("order", self.network.order)
@@ -273,18 +290,27 @@ class Master(CoSimulation):
             plan[position : position + 1] = [0.25 * plan[position]] * 4
         return self._parts <= _MOST_PARTS
 
-    def _latching(self, h: float) -> HingeLine | None:
-        """The hinge line whose sensor fell through zero first in the step just made."""
+    def _crossed(self, h: float) -> HingeLine | Event | None:
+        """What fell through zero first in the step just made: the sensor of a line, or the distance of a condition."""
         best, best_time = None, h
-        for line in self._pending:
-            after = self._distance(line)
-            before = self._before[line.name]
+        for one in self._awaited():
+            after, before = self._left(one), self._before[one.name]
             if after <= 0.0 < before and h * before / (before - after) <= best_time:
-                best, best_time = line, h * before / (before - after)
+                best, best_time = one, h * before / (before - after)
         return best
 
-    def _step_to(self, line: HingeLine, h: float, solution: Solution) -> tuple[float, Solution] | None:
-        """Repeat the step so that it ends where the hinge line latches; None with a smaller step size set."""
+    def _awaited(self) -> list[HingeLine | Event]:
+        """What may come within a step."""
+        return [*self._pending, *self._scheduled.conditional]
+
+    def _left(self, one: HingeLine | Event) -> float:
+        """How far a line is from its latch, or a condition from holding as last observed."""
+        return self._scheduled.distance(one) if isinstance(one, Event) else self._distance(one)
+
+    def _step_to(
+        self, crossed: HingeLine | Event, h: float, solution: Solution
+    ) -> tuple[float, Solution] | None:
+        """Repeat the step so that it ends where a line latches or a condition holds; None with a smaller size set."""
         found = [solution]
 
         def distance(trial: float) -> float:
@@ -292,10 +318,12 @@ class Master(CoSimulation):
             found[0] = self.solver.solve(self.time, trial, guess)
             if not found[0].converged:
                 raise failure(self.solver, found[0], self.time, trial)
-            return self._distance(line)
+            if isinstance(crossed, Event):
+                self._observe(trial)
+            return self._left(crossed)
 
         try:
-            return find_event(distance, self._before[line.name], self._distance(line), h), found[0]
+            return find_event(distance, self._before[crossed.name], self._left(crossed), h), found[0]
         except (StepError, ParticipantError):
             if not self._smaller():
                 raise
@@ -309,6 +337,21 @@ class Master(CoSimulation):
         self._record(h, solution.iterations, accepted=True)
         self._error.see(self._energies.kinetic)
 
+    def _happen(self, event: Event) -> None:
+        """Let an event act at this instant, and go on as after any other."""
+        self._act(event)
+        free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
+        self._latched = [
+            one for one in self._latched if not free & {hinge.connection for hinge in one.hinges}
+        ]
+        self.solver.forget_all()
+        self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size))
+        self._watch()
+        for line in [line for line in self._pending if line.name in event.latches]:
+            self._latch(line)
+        self._judge_latches()
+        self._renew()
+
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
         self._pending.remove(line)
@@ -321,19 +364,24 @@ class Master(CoSimulation):
         if line.kinematic:
             self._impulse()
         elif self.settings.fixed_step is None:
-            self._record_latched(min(_IMPULSE_STEP, 0.1 * size))
+            self._record_jump(min(_IMPULSE_STEP, 0.1 * size))
         self.solver.restart()
         self._sizes.restart(size, stirred=False)
-        self.segments.append([])
+        self._begin_segment()
 
     def _renew(self) -> None:
         """Go on with short steps where a motion law changes its form, and let nothing before tell of what follows."""
         self.solver.restart()
         self._sizes.restart(min(self._sizes.size, self.settings.event_step), stirred=False)
-        self.segments.append([])
+        self._begin_segment()
 
-    def _record_latched(self, after: float) -> None:
-        """A row with the torque that the damping of a latch begins with, told as a little later (s)."""
+    def _begin_segment(self) -> None:
+        """Count steps anew, where any were made since the last event."""
+        if self.segments[-1]:
+            self.segments.append([])
+
+    def _record_jump(self, after: float) -> None:
+        """A row with what an event makes of loads, such as the damping of a latch, told as a little later (s)."""
         self.solver.restore()
         self._observe(0.0)
         self.time += after
@@ -427,9 +475,10 @@ class Master(CoSimulation):
         self._watch()
 
     def _watch(self) -> None:
-        """Note how far the hinge lines are from their latches, and when a motion law changes its form next."""
-        self._before = {line.name: self._distance(line) for line in self._pending}
-        self._break = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
+        """Note how far lines are from their latches and conditions from holding, and the next time to end a step at."""
+        self._before = {one.name: self._left(one) for one in self._awaited()}
+        form = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
+        self._break = min(form, self._scheduled.next_time)
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)

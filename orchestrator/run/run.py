@@ -213,9 +213,9 @@ def _follow(
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
         runner = (
-            Master(network, assembly.hinge_lines, writer, settings)
+            Master(network, assembly.hinge_lines, writer, settings, assembly.events)
             if kind == "implicit"
-            else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind)
+            else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind, assembly.events)
         )
 
         def keep(snapshot: Snapshot) -> None:

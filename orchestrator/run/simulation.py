@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from itertools import chain
 from pathlib import Path
 
 from components.cache.disk import place_sentence
@@ -154,7 +155,12 @@ def simulate(
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
                 outcome, settings = refined(assembly, outcome, settings, end, progress, warn, load)
-    for sentence in [*outcome.headline.open_ends(), *_damped_sentences(scene, assembly, outcome)]:
+    told = (
+        outcome.headline.open_ends(),
+        _absent_sentences(assembly, outcome),
+        _damped_sentences(scene, assembly, outcome),
+    )
+    for sentence in chain.from_iterable(told):
         warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
@@ -184,6 +190,28 @@ def python_sentence(backend: Backend | None) -> str:
 def _held_sentences(assembly: Assembly, flexible: Collection[str]) -> Iterator[str]:
     for name in sorted({*flexible} - {"all"} - {*assembly.flexible}):
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
+
+
+def _absent_sentences(assembly: Assembly, outcome: Outcome) -> Iterator[str]:
+    """Events that have not happened, and how far their conditions were from holding."""
+    result = outcome.result
+    happened = {name for _, name, _ in result.events}
+    for event in assembly.events:
+        if event.name in happened:
+            continue
+        if (condition := event.condition) is None:
+            yield f"event {event.name} has not happened: it comes at {event.time:g} s, when the run has ended"
+            continue
+        values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
+        seen = values[:, condition.index]
+        variable, unit = (
+            f"{condition.part}.{condition.variable}",
+            result.unit(condition.part, condition.variable),
+        )
+        yield (
+            f"event {event.name} has not happened: it waits for {variable} {'above' if condition.rising else 'below'} "
+            f"{condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
+        )
 
 
 def _damped_sentences(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:

@@ -13,6 +13,7 @@ import tomli_w
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers
 from .reader import check_layers, find_scene
@@ -164,6 +165,10 @@ class Scene:
         Further keys: structure, parameters, preset, axes.
         """
         return self._add("connection", Connection, {"name": name, "kind": kind, "ports": ports, **keys})
+
+    def event(self, name: str, **keys: object) -> str:
+        """Add what happens in mid-run, [[event]]: time or when, and what is done, release or set."""
+        return self._add("event", Event, {"name": name, **keys})
 
     def joint(self, **keys: object) -> None:
         """Set [joint], stiffnesses of all hinges: axial_stiffness, radial_stiffness, cross_stiffness.

@@ -31,7 +31,7 @@ def component_values(
     """Structure and start values of the component of a connection that has no problems."""
     component = _component(connection, mode)
     start = {
-        name: _value(_parameter(component, name), value) for name, value in connection.parameters.items()
+        name: value_of(_parameter(component, name), value) for name, value in connection.parameters.items()
     }
     return dict(component.structure), start
 
@@ -112,7 +112,7 @@ def _parameter_problems(key: str, connection: Connection, component: Component) 
     for name, value in connection.parameters.items():
         try:
             quantity = _parameter(component, name)
-            values[layout[name]] = _in_range(quantity, value, _value(quantity, value))
+            values[layout[name]] = in_range(quantity, value, value_of(quantity, value))
         except (ComponentError, ValueError) as error:
             sound = False
             yield f"{key}.parameters.{name}: {error}"
@@ -139,16 +139,16 @@ def _parameter(component: Component, name: str) -> Quantity:
     return found[name]
 
 
-def _value(quantity: Quantity, value: object) -> float | tuple[float, ...]:
+def value_of(quantity: Quantity, value: object) -> float | tuple[float, ...]:
     """The value in the unit that the component declares."""
     if quantity.size == 1:
-        return _number(quantity, value)
+        return number_of(quantity, value)
     if not isinstance(value, list | tuple) or len(value) != quantity.size:
         raise ValueError(f"is {value!r}; it must be a list of {quantity.size} values in {quantity.unit}")
-    return tuple(_number(quantity, entry) for entry in value)
+    return tuple(number_of(quantity, entry) for entry in value)
 
 
-def _in_range(
+def in_range(
     quantity: Quantity, given: object, value: float | tuple[float, ...]
 ) -> float | tuple[float, ...]:
     """The value, where all its numbers are within the component's bounds."""
@@ -162,7 +162,8 @@ def _in_range(
     return value
 
 
-def _number(quantity: Quantity, value: object) -> float:
+def number_of(quantity: Quantity, value: object) -> float:
+    """One of its numbers, in the unit that the component declares; ValueError where it is none."""
     if quantity.unit in UNITS:
         return written(value, quantity.unit)
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
 
+from components.contract.errors import unknown
 from components.contract.frames import Vector3, norm, subtract
 
 from .bodies import Attachment, StartPose
 from .body_tables import Body
 from .connection_tables import Damper
+from .events.tables import Event
 from .hinge_line_tables import HingeLine
 from .schema import CheckedScene
 
@@ -68,6 +70,14 @@ def unknown_hinges(dampers: Iterable[Damper], hinges: Collection[str]) -> Iterat
         if damper.hinge not in hinges:
             known = ", ".join(hinges)
             yield f"damper.{damper.name}.hinge: there is no hinge {damper.hinge!r}; hinges are {known}"
+
+
+def unknown_components(events: Iterable[Event], components: Collection[str]) -> Iterator[str]:
+    """Events about components that do not exist."""
+    for event in events:
+        for name, key in event.named.items():
+            if name not in components:
+                yield f"event.{event.name}.{key}: {name!r} {unknown(name, list(components), 'component')}"
 
 
 def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3] | None]) -> Iterator[str]:

@@ -17,6 +17,7 @@ from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .events.tables import Event
 from .expansion.arrays import expanded
 from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint
@@ -28,7 +29,7 @@ from .validation import Entries, EntryReader
 
 _STRUCTURAL = "structural_damping"
 _TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
-_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection"}
+_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection", "event"}
 _ANY_HEADER = Header(name="any", until=1.0)
 
 
@@ -120,15 +121,15 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     structural = reader.table(_STRUCTURAL, StructuralDamping, required=True) if _STRUCTURAL in tree else None
     bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
     loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
-    connections = reader.tables("connection", Connection)
-    placed = _References(reader, base, bodies, lines, loops, dampers, connections).check()
+    connections, events = reader.tables("connection", Connection), reader.tables("event", Event)
+    placed = _References(reader, base, bodies, lines, loops, dampers, connections, events).check()
     refused = {c.name for c in connections.saying("kind") if reader.note(connection_problems(c))}
     if base is None or not placed:
         return None, reader.problems
     # where bodies stand and touch can be told whatever else is wrong
     scene = CheckedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
-        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound,
+        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound,
     )  # fmt: skip
     points = scene_points(scene)
     joints = tuple(c for c in connections.sound if c.name not in refused)
@@ -150,11 +151,15 @@ class _References:
     loops: Entries[Ccl]
     dampers: Entries[Damper]
     connections: Entries[Connection]
+    events: Entries[Event]
 
     def check(self) -> bool:
         """Note all problems; whether the start poses of all bodies can be told."""
         note, lines = self.reader.note, self.lines.saying("inboard", "outboard", "hinges")
-        note(consistency.repeated_names(self._named()))
+        components = list(self._named())
+        events = [(f"event.{name}", name) for name in self.events.names]
+        note(consistency.repeated_names([*components, *events]))
+        note(consistency.unknown_components(self.events.sound, [name for _, name in components]))
         points = self._points()
         note(consistency.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))
         if self.base is None:

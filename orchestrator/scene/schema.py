@@ -11,6 +11,7 @@ from pydantic import Field
 from .body_tables import Base, Body
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
+from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
@@ -50,6 +51,7 @@ class CheckedScene:
     loops: tuple[Ccl, ...]
     dampers: tuple[Damper, ...]
     connections: tuple[Connection, ...]
+    events: tuple[Event, ...] = ()
 
     def lines_inward(self, body: str) -> Iterator[HingeLine]:
         """The hinge lines that carry a body, from it inward to the base."""

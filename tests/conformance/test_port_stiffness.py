@@ -7,6 +7,7 @@ from ctypes import POINTER, c_double, c_size_t, c_void_p
 import numpy as np
 import pytest
 
+from components.contract.roles import FAILURE_COMMAND
 from components.damper import EddyCurrentDamper
 from components.hinge import Hinge
 from fmus import native_library
@@ -93,14 +94,15 @@ def ports(reference):
 
 @pytest.mark.parametrize("name", VARIANTS)
 def test_is_what_directional_derivatives_are(name):
-    """Over random steps, latched and held or not; every block of force by motion to round-off."""
+    """Over random steps, latched and held or not, failed in the end; every block of force by motion to round-off."""
     fmu, reference, rng = instance(VARIANTS[name], name, 4)
     time, states = 0.0, set()
     commands = [reference.component.input_layout[c].start for c in ("latch_command", "hold", "impulse")]
-    for _ in range(40):
+    for k in range(40):
         u = reference.random_inputs(rng)
         u[commands] = (rng.random() < 0.2 or len(states) > 2, rng.random() < 0.5, 0.0)
         states.add(tuple(u[commands]))
+        u[reference.component.input_layout[FAILURE_COMMAND.name]] = float(k == 39)
         assert fmu.set(reference.firsts[1], u) == OK
         assert fmu.step(time, H) == OK, fmu.log
         time += H
@@ -111,6 +113,7 @@ def test_is_what_directional_derivatives_are(name):
         largest = size.reshape(2, 4, 2, 6).max(axis=(0, 2))  # of a quantity by another, over both ports
         assert np.all(error <= ROUND_OFF * np.tile(largest, (2, 2))), np.max(error / np.tile(largest, (2, 2)))
     assert len(states) == 4
+    assert np.all(found == 0.0)
 
 
 def test_is_refused_where_there_is_none():

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from components.flexible.modal import ModalData
-from orchestrator.assembly import HingeLine, Link, Part
+from orchestrator.assembly import Event, HingeLine, Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.master import Master, Settings
 from orchestrator.cosim.network import Network
@@ -27,10 +27,12 @@ class Run(Record):
     master: Master = field(init=False)
 
 
-def mastered(network: Network, settings: Settings, lines: Sequence[HingeLine] = ()) -> Run:
+def mastered(
+    network: Network, settings: Settings, lines: Sequence[HingeLine] = (), events: Sequence[Event] = ()
+) -> Run:
     """A master that records, not yet initialised."""
     run = Run(network)
-    run.master = Master(network, lines, run, settings)
+    run.master = Master(network, lines, run, settings, events)
     return run
 
 
@@ -42,6 +44,7 @@ def prepared(
     commands: Mapping[tuple[str, str], float] | None = None,
     iteration: Tolerance | None = None,
     participants: Sequence[Participant] | None = None,
+    events: Sequence[Event] = (),
 ) -> Run:
     """An initialised scene; `commands` are discrete inputs by (participant, input) that hold from t = 0.
 
@@ -50,7 +53,7 @@ def prepared(
     """
     settings = settings or Settings()
     network = Network(participants or in_process(parts), links, settings.order or 2)
-    run = mastered(network, settings, lines)
+    run = mastered(network, settings, lines, events)
     if iteration is not None:
         run.master.solver.tolerance = iteration
     for (name, key), value in (commands or {}).items():

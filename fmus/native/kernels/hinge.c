@@ -25,23 +25,6 @@ static int hinge_initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Energy in bushing, motor, harness, latch and hold. */
-static double stored_energy(const Hinge *hinge, const Grip *grip, const double *coordinates) {
-    double angle = coordinates[HINGE_ANGLE], energy = 0.0;
-    for (int i = 0; i < COORDINATE_COUNT; i++) {
-        double deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
-        energy += 0.5 * hinge->stiffness[i] * deflection * deflection;
-    }
-    energy += law_potential(&hinge->motor, angle) + law_potential(&hinge->harness, angle);
-    if (latch_acts(hinge, grip))
-        energy += law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
-    if (grip->holding != 0.0) {
-        double held = angle - grip->hold_angle;
-        energy += 0.5 * hinge->base.p[P_HOLD_STIFFNESS] * held * held;
-    }
-    return energy;
-}
-
 /* At order 4, from what bushing and latch did over the last steps. */
 static void correct(const double *x, Held *held) {
     for (int i = 0; i < COORDINATE_COUNT; i++)
@@ -57,6 +40,23 @@ static void store_lagged_loads(const double *x, double *z) {
     z[Z_RADIAL_FORCE_LAGGED] = sqrt(y * y + across * across);
 }
 
+/* Energy that the motorisation spring gave from the stowed angle to another. */
+static double motor_energy(const Hinge *hinge, double angle) {
+    return law_potential(&hinge->motor, hinge->base.p[P_STOWED_ANGLE]) - law_potential(&hinge->motor, angle);
+}
+
+/* Of a joint that has failed, or does at this instant: no loads, and the energies as they were at the failure. */
+static void observe_failed(const Hinge *hinge, const double *x, double *z) {
+    double failing[STATES];
+    memcpy(failing, x, sizeof failing);
+    store_failure(hinge, x, x + X_COORDINATES, failing);
+    for (int i = Z_MOTOR_TORQUE; i <= Z_BENDING_MOMENT; i++) z[i] = 0.0;
+    z[Z_MOTOR_ENERGY] = motor_energy(hinge, failing[X_FAILURE_ANGLE]);
+    z[Z_FAILURE_ENERGY] = failing[X_FAILURE_HEAT];
+    z[Z_POTENTIAL_ENERGY] = 0.0;
+    z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT] + failing[X_FAILURE_HEAT];
+}
+
 /* Angles, torques and forces at the communication point, and energies. Loads follow from the end-point law, at order 4
    corrected by what the last steps' loads were. */
 static void hinge_observe(void *self, const double *x, const double *u, double *z) {
@@ -70,11 +70,18 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
             now.rates[i] = x[memory_place(i) + (hinge->base.paired ? END_RATE : MEAN_RATE)];
         now.rates[HINGE_ANGLE] = hinge->base.paired ? mid_step_slope_now(x + X_SLIDING) : mid_step_now(x + X_SLIDE);
     }
+    z[Z_ANGLE] = angle;
+    z[Z_ANGULAR_RATE] = rate;
+    for (int i = 0; i < HEAT_CAUSES; i++) z[Z_FRICTION_ENERGY + i] = x[X_FRICTION_HEAT + i];
+    z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
+    if (!hinge->base.endpoint) store_lagged_loads(x, z);
+    if (grip.failed) {
+        observe_failed(hinge, x, z);
+        return;
+    }
     Held held = held_at(hinge, &grip, now.coordinates, now.rates);
     if (hinge->base.paired) correct(x, &held);
     Loads loads = instant_loads(hinge, &grip, now.coordinates, now.rates, &held);
-    z[Z_ANGLE] = angle;
-    z[Z_ANGULAR_RATE] = rate;
     z[Z_MOTOR_TORQUE] = law_value(&hinge->motor, angle);
     z[Z_HARNESS_TORQUE] = law_value(&hinge->harness, angle);
     z[Z_FRICTION_TORQUE] = loads.friction_torque;
@@ -82,12 +89,10 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_AXIAL_FORCE] = loads.force.x;
     z[Z_RADIAL_FORCE] = sqrt(loads.force.y * loads.force.y + loads.force.z * loads.force.z);
     z[Z_BENDING_MOMENT] = sqrt(loads.torque.y * loads.torque.y + loads.torque.z * loads.torque.z);
-    z[Z_MOTOR_ENERGY] = law_potential(&hinge->motor, hinge->base.p[P_STOWED_ANGLE]) - law_potential(&hinge->motor, angle);
-    for (int i = 0; i < HEAT_CAUSES; i++) z[Z_FRICTION_ENERGY + i] = x[X_FRICTION_HEAT + i];
+    z[Z_MOTOR_ENERGY] = motor_energy(hinge, angle);
+    z[Z_FAILURE_ENERGY] = 0.0;
     z[Z_POTENTIAL_ENERGY] = stored_energy(hinge, &grip, now.coordinates);
     z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT];
-    z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
-    if (!hinge->base.endpoint) store_lagged_loads(x, z);
 }
 
 /* Time until the latch angle is reached at the present rate; in end-point mode only does a latch engage by itself. */
@@ -108,6 +113,11 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
     if (!hinge->base.endpoint) return;
     Grip grip = commanded_grip(x, u);
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
+    if (grip.failed) {
+        store_failure(hinge, x, now.coordinates, x_next);
+        for (int i = 0; i < HEAT_CAUSES; i++) x_next[X_POWER + i] = 0.0;
+        return;
+    }
     latch_if_reached(hinge, &grip, due || now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE]);
     store_grip(&grip, x_next);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);

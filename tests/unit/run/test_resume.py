@@ -60,6 +60,31 @@ def test_resumed_run_is_the_one_that_was_not_interrupted(tmp_path, interruptions
         assert not checkpoint_file(cut).exists()
 
 
+EVENTS = """
+[[event]]
+name = "motor_fails"
+when = { component = "middle_line", variable = "angle", above = "0.02 deg" }
+set = { middle_line = { motor_stiffness = 0 } }
+
+[[event]]
+name = "breaks"
+time = "0.06 s"
+release = ["middle_left"]
+"""
+
+
+def test_events_are_kept(tmp_path, interruptions):
+    """Identity of every bit, from checkpoints between and after events."""
+    path, whole = tmp_path / "wing.toml", tmp_path / "whole.h5"
+    path.write_text(f"extends = '{TWO_PANELS}'\n{EVENTS}", encoding="utf-8")
+    fanfold.simulate(path, until=0.08, checkpoint=0.025, save=whole, estimate=False, rigid="all")
+    events = Result.open(whole).events
+    assert [name for _, name, _ in events] == ["motor_fails", "breaks"]
+    for cut in interruptions[1:3]:
+        fanfold.resume(cut)
+        assert_same_bits(whole, cut)
+
+
 def test_rows_after_the_checkpoint_are_made_again(tmp_path, interruptions):
     """A kill some time after a checkpoint: what was written since goes, and comes again."""
     whole = tmp_path / "whole.h5"

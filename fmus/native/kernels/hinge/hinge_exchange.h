@@ -42,6 +42,10 @@ static void hinge_update(void *self, const double *x, const double *u, int at_ev
     store_motion(&now, x_next);
     if (!at_event) return;
     Grip grip = commanded_grip(x_next, u);
+    if (grip.failed) {
+        store_failure(hinge, x, now.coordinates, x_next);
+        return;
+    }
     latch_if_reached(hinge, &grip, now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE] - REACHED);
     store_grip(&grip, x_next);
 }

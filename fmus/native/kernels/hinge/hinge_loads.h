@@ -167,8 +167,26 @@ static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const re
     };
 }
 
+/* Energy in bushing, motor, harness, latch and hold. */
+static inline real stored_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
+    real angle = coordinates[HINGE_ANGLE], energy = 0.0;
+    for (int i = 0; i < COORDINATE_COUNT; i++) {
+        real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
+        energy += 0.5 * hinge->stiffness[i] * deflection * deflection;
+    }
+    energy += law_potential(&hinge->motor, angle) + law_potential(&hinge->harness, angle);
+    if (latch_acts(hinge, grip))
+        energy += law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
+    if (grip->holding != 0.0) {
+        real held = angle - grip->hold_angle;
+        energy += 0.5 * hinge->base.p[P_HOLD_STIFFNESS] * held * held;
+    }
+    return energy;
+}
+
 /* Loads of one instant from coordinates and rates. */
 static inline Loads endpoint_loads(const Hinge *hinge, const Grip *grip, const real *coordinates, const real *rates) {
+    if (grip->failed) return (Loads){.numerical = 0.0};
     Held held = held_at(hinge, grip, coordinates, rates);
     return instant_loads(hinge, grip, coordinates, rates, &held);
 }

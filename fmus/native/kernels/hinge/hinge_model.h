@@ -30,10 +30,11 @@ typedef struct Motion {
     real coordinates[COORDINATE_COUNT], rates[COORDINATE_COUNT];
 } Motion;
 
-/* What holds the hinge, and the angles where it took hold. */
+/* What holds the hinge, the angles where it took hold, and whether the joint has failed: then nothing does. */
 typedef struct Grip {
     double latched, holding;
     real latched_angle, hold_angle;
+    int failed;
 } Grip;
 
 /* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping,
@@ -68,9 +69,10 @@ static inline Motion hinge_motion(const Hinge *hinge, const real *u, real refere
     };
 }
 
-/* Latch or hold at the angle where the command arrives. */
+/* Fail, or latch or hold at the angle where the command arrives. */
 static inline Grip commanded_grip(const double *x, const real *u) {
-    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE]};
+    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_FAILED] != 0.0 || commanded(u, U_FAILURE_COMMAND)};
+    if (grip.failed) return grip;
     if (commanded(u, U_LATCH_COMMAND) && x[X_LATCHED] == 0.0) {
         grip.latched = 1.0;
         grip.latched_angle = x[X_COORDINATES + HINGE_ANGLE];
@@ -90,12 +92,12 @@ static inline int latch_acts(const Hinge *hinge, const Grip *grip) {
 /* The grip of a state under the present hold command. */
 static inline Grip present_grip(const real *x, const real *u) {
     double holding = commanded(u, U_HOLD) ? 1.0 : 0.0;
-    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE]};
+    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], value_of(x[X_FAILED]) != 0.0};
 }
 
 /* Whether the latch engages by itself and has not yet. */
 static inline int awaits_latch(const Hinge *hinge, const Grip *grip) {
-    return hinge->base.p[P_LATCH_AUTOMATIC] > 0.5 && grip->latched == 0.0 && hinge->latch_kind != NONE_LATCH;
+    return hinge->base.p[P_LATCH_AUTOMATIC] > 0.5 && grip->latched == 0.0 && !grip->failed && hinge->latch_kind != NONE_LATCH;
 }
 
 static inline void latch_if_reached(const Hinge *hinge, Grip *grip, int reached) {

@@ -21,6 +21,17 @@ static inline void store_grip(const Grip *grip, real *x) {
     x[X_HOLD_ANGLE] = grip->hold_angle;
 }
 
+/* A joint that fails turns to heat what it stores at the coordinates. */
+static inline void store_failure(const Hinge *hinge, const double *x, const double *coordinates, real *x_next) {
+    if (x[X_FAILED] != 0.0) return;
+    const Grip grip = {x[X_LATCHED], x[X_HOLDING], x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], 0};
+    real place[COORDINATE_COUNT];
+    for (int i = 0; i < COORDINATE_COUNT; i++) place[i] = coordinates[i];
+    x_next[X_FAILED] = 1.0;
+    x_next[X_FAILURE_ANGLE] = coordinates[HINGE_ANGLE];
+    x_next[X_FAILURE_HEAT] = stored_energy(hinge, &grip, place);
+}
+
 /* What the coordinates remember of the step. */
 static inline void store_memories(const Hinge *hinge, const double *x, const Motion *new, const StepMotion *motions,
                                   double h, real *x_next) {
@@ -108,6 +119,19 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         x_next[X_POWER + i] = x[X_POWER + i];
     }
     x_next[X_NUMERICAL] = x[X_NUMERICAL] + loads.numerical;
+    x_next[X_FAILED] = x_next[X_FAILURE_ANGLE] = x_next[X_FAILURE_HEAT] = 0.0;
+}
+
+/* A step of a joint that has failed, or does at the start: there is no load. */
+static inline void free_step(const Hinge *hinge, const double *x, const Motion *new, real *x_next) {
+    for (int i = 0; i < STATES; i++) x_next[i] = x[i];
+    store_motion(new, x_next);
+    store_rates_after_impulse(new, x_next);
+    store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
+    for (int i = 0; i < LOAD_COUNT * MID_STEP_SLOPE_SIZE; i++) x_next[X_LOADS + i] = 0.0;
+    for (int i = 0; i < MOMENTS; i++) x_next[X_WRENCH + i] = x_next[X_SLOPES + i] = 0.0;
+    for (int i = 0; i < HEAT_CAUSES; i++) x_next[X_POWER + i] = 0.0;
+    store_failure(hinge, x, x + X_COORDINATES, x_next);
 }
 
 /* One step; the inputs are those of its end. Commands act from its start. */
@@ -116,6 +140,10 @@ int NAME(hinge_step)(void *self, const double *x, const real *u, double h, real 
     (void)why;
     Grip grip = commanded_grip(x, u);
     Motion new = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
+    if (grip.failed) {
+        free_step(hinge, x, &new, x_next);
+        return 1;
+    }
     for (int i = 0; i < STATES && hinge->base.endpoint; i++) x_next[i] = x[i];
     store_motion(&new, x_next);
     if (hinge->base.endpoint)

@@ -304,6 +304,10 @@ int hinge_stiffness(void *self, const double *x, const double *u, double h, size
     for (int i = 0; i < INPUTS + MOMENTS; i++) given[i] = u[i];
     if (ports != 2 || !hinge->base.paired || commanded(given, U_IMPULSE)) return 0;
     Grip grip = commanded_grip(x, given);
+    if (grip.failed) {
+        memset(matrix, 0, 2 * PORT_ROWS * 2 * PORT_COORDINATES * sizeof *matrix);
+        return 1;
+    }
     Stretch course = {.end = hinge_motion(hinge, given, x[X_COORDINATES + HINGE_ANGLE])};
     Passage passage = {{q[0], q[1], q[2], q[3]}, course.end.frame, {gap[0], gap[1], gap[2]}, course.end.gap};
     step_motions(hinge, x, given, &course.end, &passage, h, course.motions);

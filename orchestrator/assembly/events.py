@@ -1,0 +1,167 @@
+"""Events of a scene, checked against what the components of its parts declare."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from components import LAGGED, REGISTRY, Component, ComponentError, Quantity
+from components.contract.errors import unknown
+from components.contract.roles import (
+    END_WEIGHT,
+    FAILURE_COMMAND,
+    LATCH_COMMAND,
+    QUASI_STATIC,
+    RELEASE_COMMAND,
+)
+
+from ..scene.component_connections import in_range, number_of, value_of
+from ..scene.events.tables import Event as EventTable
+from ..scene.events.tables import When
+from ..scene.schema import CheckedScene
+from ..scene.table import SceneError
+from . import Condition, Event, HingeLine, Part, Setting
+
+RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
+"""Inputs by which a component lets go."""
+_SCALAR = re.compile(r"(\w+)(?:\[(\d+)\])?")
+_OF_THE_MASTER = (END_WEIGHT.name, QUASI_STATIC.name)
+
+
+def assembly_events(
+    scene: CheckedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+) -> tuple[Event, ...]:
+    """The events of a scene; SceneError with everything that its components do not know or cannot do."""
+    reader = _EventReader(parts, lines)
+    events = tuple(reader.event(table) for table in scene.events)
+    if reader.problems:
+        raise SceneError([f"{scene.file}: event.{problem}" for problem in reader.problems])
+    return events
+
+
+class _EventReader:
+    """Reads events against parts, and gathers what is wrong with them."""
+
+    def __init__(self, parts: Sequence[Part], lines: Sequence[HingeLine]) -> None:
+        self.problems: list[str] = []
+        self._parts = {part.name: part for part in parts}
+        self._lines = {line.name: line for line in lines}
+
+    def event(self, table: EventTable) -> Event:
+        """The event of a table; where there are problems, what is left of it."""
+        condition = None if table.when is None else self._condition(f"{table.name}.when", table.when)
+        found = Event(table.name, table.time, condition)
+        for name in table.release:
+            found = found.also(releases=tuple(self._released(f"{table.name}.release", name)))
+        for name, variables in table.set.items():
+            for part in self._parts_of(f"{table.name}.set.{name}", name):
+                found = self._with_settings(f"{table.name}.set.{name}", found, part, variables)
+        return found
+
+    def _parts_of(self, key: str, name: str) -> Iterator[Part]:
+        """The part of a name, or those of a line."""
+        for one in self._lines[name].hinges if name in self._lines else (name,):
+            if one in self._parts:
+                yield self._parts[one]
+            else:
+                self.problems.append(
+                    f"{key}: {one} is held or within a piece of held lines, so it does not take part in the run"
+                )
+
+    def _released(self, key: str, name: str) -> Iterator[str]:
+        for part in self._parts_of(key, name):
+            if any(command in _component(part).input_layout for command in RELEASES):
+                yield part.name
+            else:
+                self.problems.append(
+                    f"{key}: {part.name} is a {part.kind}, which cannot be released; hinges and hold-downs can. "
+                    "Set a parameter of it instead, such as a stiffness"
+                )
+
+    def _condition(self, key: str, when: When) -> Condition | None:
+        name = self._lines[when.component].sensor if when.component in self._lines else when.component
+        rising, given = when.below is None, when.above if when.below is None else when.below
+        for part in self._parts_of(f"{key}.component", name):
+            quantities = {
+                q.name: q
+                for q in _component(part).observation_layout.quantities
+                if not q.name.endswith(LAGGED)
+            }
+            try:
+                quantity, index = _scalar(when.variable, quantities, part.kind)
+            except ValueError as error:
+                self.problems.append(f"{key}.variable: {error}")
+                continue
+            try:
+                return Condition(part.name, quantity.name, index, number_of(quantity, given), rising)
+            except ValueError as error:
+                self.problems.append(f"{key}.{'above' if rising else 'below'}: {error}")
+        return None
+
+    def _with_settings(self, key: str, event: Event, part: Part, variables: Mapping[str, Any]) -> Event:
+        component = _component(part)
+        values = dict(part.start)
+        for name, given in variables.items():
+            try:
+                if name in component.input_layout:
+                    event = self._commanded(event, part, name, given)
+                    continue
+                quantity = _tunable(name, component, part.kind)
+                value = in_range(quantity, given, value_of(quantity, given))
+            except (ComponentError, ValueError) as error:
+                self.problems.append(f"{key}.{name}: {error}")
+                continue
+            values[name] = value
+            event = event.also(settings=(Setting(part.name, name, value, quantity.unit),))
+        try:
+            p = component.parameter_layout.start_values()
+            for name, value in values.items():
+                if name in component.parameter_layout:
+                    p[component.parameter_layout[name]] = value
+            component.prepare(p)
+        except ComponentError as error:
+            self.problems.append(f"{key}: {error}")
+        return event
+
+    def _commanded(self, event: Event, part: Part, name: str, given: object) -> Event:
+        """With what a command stands for; ValueError where it is none that a scene can give."""
+        line = next((line.name for line in self._lines.values() if part.name in line.hinges), None)
+        if name not in (LATCH_COMMAND.name, *RELEASES):
+            raise ValueError("is an input, which follows from the run; set tunable parameters")
+        if isinstance(given, bool) or given != 1:
+            raise ValueError(f"is {given!r}; commands can be given, with 1, but not taken back")
+        if name in RELEASES:
+            return event.also(releases=(part.name,))
+        if line is None or not self._lines[line].latches:
+            raise ValueError(f"{part.name} is no hinge of a line that has a latch")
+        return event.also(latches=(line,))
+
+
+def _component(part: Part) -> Component:
+    return REGISTRY[part.kind](**part.structure)
+
+
+def _scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:
+    """The quantity of a scalar, and its place within it; ValueError where there is none."""
+    found = _SCALAR.fullmatch(name)
+    base, number = found.groups() if found else (name, None)
+    if base not in quantities:
+        raise ValueError(f"{name!r} {unknown(base, list(quantities), 'variable')} (of a {kind})")
+    size = quantities[base].size
+    if number is None and size > 1:
+        raise ValueError(f"{name!r} has {size} components; write {base}[1] for the first")
+    if number is not None and not 1 <= int(number) <= size:
+        raise ValueError(f"{name!r} has no such component; {base} has {size}")
+    return quantities[base], int(number or 1) - 1
+
+
+def _tunable(name: str, component: Component, kind: str) -> Quantity:
+    """The parameter of a name; ValueError where there is none that can be set in mid-run."""
+    known = {q.name: q for q in component.parameter_layout.quantities}
+    tunable = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
+    if name in tunable:
+        return known[name]
+    if name in known:
+        raise ValueError(f"cannot be set in mid-run; of a {kind}, these can: {', '.join(tunable) or 'none'}")
+    raise ValueError(f"{unknown(name, tunable, 'parameter')} (of a {kind})")

@@ -1,0 +1,1 @@
+"""What interrupts a run that steps through time."""

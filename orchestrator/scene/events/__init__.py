@@ -1,0 +1,1 @@
+"""What happens in mid-run, as a scene file says it."""

@@ -1,0 +1,149 @@
+"""Events of scene files: what they become, what is told of those that never happen, a sentence for every mistake."""
+
+from pathlib import Path
+
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.assembly import Condition, Setting
+from orchestrator.assembly.assemble import assemble
+from orchestrator.scene import SceneError, load_scene
+
+TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+RELEASE = 'release = ["root"]'
+
+
+def scene_with(folder, *events):
+    """Two panels, and events of the names a, b, c."""
+    named = [f'[[event]]\nname = "{name}"\n{event}\n' for name, event in zip("abc", events, strict=False)]
+    path = folder / "wing.toml"
+    path.write_text("\n".join([f"extends = '{TWO_PANELS}'", *named]), encoding="utf-8")
+    return path
+
+
+def test_lines_stand_for_their_hinges_and_sensors(tmp_path):
+    """Definition: released and set are all hinges of a line, a condition is that of its sensor; values are in SI."""
+    path = scene_with(
+        tmp_path,
+        "when = { component = 'middle_line', variable = 'angle', below = '30 deg' }\nrelease = ['middle_line']",
+        "time = '20 ms'\nset = { middle_line = { friction_coefficient = '20 %' }, inner = { gravity = [0, 0, -1] } }",
+    )
+    first, second = assemble(load_scene(path)).events
+    assert first.releases == ("middle_left", "middle_right")
+    assert first.condition == Condition("middle_left", "angle", 0, pytest.approx(0.5235988), rising=False)
+    assert second.time == 0.02
+    assert second.settings == (
+        Setting("middle_left", "friction_coefficient", 0.2, "1"),
+        Setting("middle_right", "friction_coefficient", 0.2, "1"),
+        Setting("inner", "gravity", (0.0, 0.0, -1.0), "m/s2"),
+    )
+
+
+def test_a_command_latches_a_line(tmp_path):
+    """Definition: the latch command of one hinge latches its line, wherever it stands, and once."""
+    latch = "[[hinge_line]]\nname = 'root_line'\nlatch = { stiffness = 2000, effective_inertia = 5 }"
+    path = scene_with(tmp_path, f"time = 0.2\nset = {{ root = {{ latch_command = 1 }} }}\n{latch}")
+    result = fanfold.simulate(path, until=0.5, rigid="all", estimate=False)
+    assert result.latch_times == {"root_line": pytest.approx(0.2, abs=1e-12)}
+    assert abs(result["root", "latch_torque"].at(0.4)) > 0.0
+
+
+def test_what_never_happened_is_told(tmp_path):
+    """Bad input: a time after the end, and a value that is not reached, with where the variable went."""
+    path = scene_with(
+        tmp_path,
+        f"time = '30 s'\n{RELEASE}",
+        f"when = {{ component = 'root', variable = 'angular_rate', above = '90 deg/s' }}\n{RELEASE}",
+    )
+    with pytest.warns(fanfold.FanfoldWarning) as told:
+        fanfold.simulate(path, until=0.1, rigid="all", estimate=False)
+    late, unreached = (str(one.message) for one in told if "has not happened" in str(one.message))
+    assert "event a has not happened: it comes at 30 s, when the run has ended" in late
+    assert "waits for root.angular_rate above 1.5708 rad/s, which goes from -0.0" in unreached
+
+
+BAD = {
+    "no cause": (RELEASE, "event.a: give either time or when, a condition"),
+    "two causes": (
+        f"time = 1\nwhen = {{ component = 'root', variable = 'angle', above = 0.1 }}\n{RELEASE}",
+        "event.a: give either time or when, a condition",
+    ),
+    "no effect": ("time = 1", "event.a: give what it does: release = [names], or set ="),
+    "before the start": (f"time = '-1 s'\n{RELEASE}", "event.a.time: is '-1 s'; it must be zero or positive"),
+    "both sides": (
+        f"when = {{ component = 'root', variable = 'angle', above = 0.1, below = 0.2 }}\n{RELEASE}",
+        "event.a.when: give either above or below",
+    ),
+    "unknown component": (
+        "time = 1\nrelease = ['rot']",
+        "event.a.release: 'rot' is not a known component; did you mean root",
+    ),
+    "unknown variable": (
+        f"when = {{ component = 'root', variable = 'angel', above = 0.1 }}\n{RELEASE}",
+        "event.a.when.variable: 'angel' is not a known variable; did you mean angle",
+    ),
+    "a vector": (
+        f"when = {{ component = 'inner', variable = 'frame_position', above = 0.1 }}\n{RELEASE}",
+        "event.a.when.variable: 'frame_position' has 3 components; write frame_position[1] for the first",
+    ),
+    "beyond a vector": (
+        f"when = {{ component = 'inner', variable = 'frame_position[4]', above = 0.1 }}\n{RELEASE}",
+        "'frame_position[4]' has no such component; frame_position has 3",
+    ),
+    "a wrong unit": (
+        f"when = {{ component = 'root', variable = 'angle', above = '3 N' }}\n{RELEASE}",
+        "event.a.when.above: is '3 N'; give a number, a space and the unit rad or deg",
+    ),
+    "an angle without unit": (
+        f"when = {{ component = 'root', variable = 'angle', above = 90 }}\n{RELEASE}",
+        "event.a.when.above: is 90; an angle needs its unit: '90 deg' or '90 rad'",
+    ),
+    "a body": ("time = 1\nrelease = ['inner']", "event.a.release: inner is a body, which cannot be released"),
+    "no parameter": (
+        "time = 1\nset = { root = { motor_stifness = 1 } }",
+        "event.a.set.root.motor_stifness: is not a known parameter; did you mean motor_stiffness",
+    ),
+    "fixed": (
+        "time = 1\nset = { inner = { initial_position = [0, 0, 0] } }",
+        "event.a.set.inner.initial_position: cannot be set in mid-run; of a body, these can: gravity, damping_scale",
+    ),
+    "the master's": (
+        "time = 1\nset = { root = { end_weight = 1 } }",
+        "event.a.set.root.end_weight: cannot be set in mid-run",
+    ),
+    "an input": (
+        "time = 1\nset = { root = { hold = 1 } }",
+        "event.a.set.root.hold: is an input, which follows from the run",
+    ),
+    "out of range": (
+        "time = 1\nset = { root = { friction_coefficient = -1 } }",
+        "event.a.set.root.friction_coefficient: is -1; it must be at least 0",
+    ),
+    "no latch": (
+        "time = 1\nset = { root = { latch_command = 1 } }",
+        "event.a.set.root.latch_command: root is no hinge of a line that has a latch",
+    ),
+    "taken back": (
+        "time = 1\nset = { root = { failure_command = 0 } }",
+        "event.a.set.root.failure_command: is 0; commands can be given, with 1, but not taken back",
+    ),
+    "held": (
+        "time = 1\nrelease = ['middle_line']\n[[hinge_line]]\nname = 'middle_line'\nheld = true",
+        "event.a.release: middle_line is held or within a piece of held lines",
+    ),
+    "a name twice": (
+        f"time = 1\n{RELEASE}\n[[event]]\nname = 'inner'\ntime = 2\n{RELEASE}",
+        "two components are named",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_mistakes_are_sentences(name, tmp_path):
+    """Bad input: file, key, what is wrong, and what to write."""
+    text, expected = BAD[name]
+    with pytest.raises(SceneError) as caught:
+        assemble(load_scene(scene_with(tmp_path, text)), rigid={"all"})
+    assert any(
+        problem.startswith("wing.toml: ") and expected in problem for problem in caught.value.problems
+    ), caught.value.problems
