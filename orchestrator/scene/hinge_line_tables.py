@@ -230,6 +230,11 @@ class HingeLine(Table):
         return self.deployed_angle if self.end_stop.angle is None else self.end_stop.angle
 
     @property
+    def has_friction(self) -> bool:
+        """Whether it has friction beside that of its pins."""
+        return self.friction_preload > 0.0
+
+    @property
     def motor_energy(self) -> float:
         """Energy (J) that the motorisation spring gives from the initial to the deployed angle, 0 without one."""
         if self.motor is None:
