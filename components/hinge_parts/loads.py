@@ -13,9 +13,7 @@ from .friction import instant_friction, step_friction
 from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
 from .variables import State
 
-NO_LOAD = Loads(
-    (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
-)
+NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 """Of a joint that has failed."""
 
 

@@ -9,7 +9,7 @@ load that swings does not make it drift. With friction F and the rate v constant
 
 whose mean over the step is exact, as are spring energy k z^2 / 2 and heat: what the force takes, less what the spring
 keeps. Friction that falls lets the spring go down to it, which is heat as well. So none of it can make energy. The mean
-force and its derivative by the motion are continuous, where it begins to slide as where it turns.
+force is continuous in the motion, and so is its derivative but where a contact that slides turns around.
 """
 
 from __future__ import annotations
