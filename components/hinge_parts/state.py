@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 from ..contract.frames import Vector3
 from ..numerics.laws import Law
-from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import Passage, Pose, Rates
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion
 from .variables import Parameters, Six, State
@@ -24,7 +23,6 @@ class Constants(NamedTuple):
     damping: Six
     motor: Law
     harness: Law
-    hysteresis: Law
     latches: bool
     locks: bool
     latch: Law
@@ -34,7 +32,7 @@ class Constants(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Force and torque on B in hinge axes, torque of the latch, friction, heat of three causes, numerical loss.
+    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes, numerical loss.
 
     The slopes of force and torque are zero of order 2.
     """
@@ -42,7 +40,7 @@ class Loads(NamedTuple):
     force: Vector3
     torque: Vector3
     latch_torque: float
-    friction: Presliding
+    friction_torque: float
     heat: tuple[float, float, float]
     numerical: float
     force_slope: Vector3 = (0.0, 0.0, 0.0)

@@ -31,6 +31,7 @@ OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 POSE_ROUNDING = 4.0 * np.finfo(float).eps
 """Of a relative pose of order one, whose coordinates are sums of four products."""
 STIFFNESS_UNITS = {"N": ("N/m",), "N.m": ("N.m/rad", "N/m")}
+SECTION_STIFFNESSES = {"N": ("axial", "shear_y", "shear_z"), "N.m": ("torsion", "bending_y", "bending_z")}
 
 
 def built(component, name, **options):
@@ -132,9 +133,14 @@ class Reference:
         return self.component.observe(self.constants, self.x, _frozen(self.u))
 
     def noise(self, unit):
-        """What the rounding of poses makes of a force or torque: by the largest stiffness, at arms up to a metre."""
+        """What the rounding of poses makes of a force or torque: by the largest stiffness, at arms up to a metre.
+
+        Strains of sections are differences of numbers of order one, their curvatures of such over a tenth of a metre.
+        """
         layout, units = self.component.parameter_layout, STIFFNESS_UNITS.get(unit, ())
         felt = [self.p[layout[q.name]].max() for q in layout.quantities if q.unit in units]
+        section = self.component.structure.get("section", {})
+        felt += [10.0 * section[name] for name in SECTION_STIFFNESSES.get(unit, ()) if name in section]
         return POSE_ROUNDING * max(felt, default=0.0)
 
     def random_inputs(self, rng):

@@ -64,7 +64,7 @@ def same(fmu, reference, what="", observed=True):
     agree(component.output_layout, found, expected, f"outputs differ {what}", reference.noise)
     if observed:
         found, expected = fmu.get(z, n_z), reference.observations()
-        agree(component.observation_layout, found, expected, f"observations differ {what}")
+        agree(component.observation_layout, found, expected, f"observations differ {what}", reference.noise)
 
 
 def agree(layout, found, expected, what, noise=lambda unit: 0.0):

@@ -1,0 +1,441 @@
+"""Beam for large deformation: geometrically exact, energy and momenta exact at any step.
+
+Two-node elements of a Simo-Reissner beam with rigid sections at the nodes (`beam_parts/elements.py`), one after the
+other. A step takes each section on by a Cayley rotation, its displacement and rotation vector Th being the unknowns:
+
+    v1 = 2 dx/h - v0     M (v1 - v0) = h f            M: consistent, rho A L/6 [2 1; 1 2] an element
+    W1 = 2 Th/h - W0     R1 J W1 - R0 J W0 = h t      J: rotary inertia of the section times half the lengths
+
+The second line is exact for a section free of torque (Simo and Wong 1991). Loads of elements are discrete gradients and
+port wrenches act on the mean of the arms at both ends of a step, so that energy and both momenta are kept to the
+tolerance of the iteration and to round-off. The scheme is of second order, and so are the ports: wrenches are held.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .beam_parts.banded import Factors
+from .beam_parts.elements import Elements, Poses, Strains
+from .beam_parts.variables import Section, observations, parameters, states
+from .contract.component import Component, ComponentError, Port, Vector
+from .contract.frames import multiply, normalized, rotation_matrix, skew, sum_of_moments
+from .contract.ports import WRENCH_SIZE
+
+_MOST_ITERATIONS = 25
+_TOLERANCE = 1e-15
+"""Of displacements, of the beam's length, and of rotations (rad): what the next correction would be."""
+_ROUNDING, _STANDSTILL = 1e-8, 0.5
+"""Corrections below it that shrink no more are round-off, which slender beams magnify."""
+_FAR = 1e-3
+"""Corrections above it take factors where they lead, as those of their start may lead astray."""
+_SLOW = 0.1
+"""Share of the one before to which a correction shrinks at the least, or factors are renewed."""
+_LARGEST_TURN = 2.0
+"""Rotation vector of Cayley of a turn by 90 degrees, the most a section may turn in a step."""
+_IDENTITY = np.eye(3)
+_UNTURNED = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(slots=True)
+class _Constants:
+    gravity: Vector
+    stiffness_damping: float
+    quasi_static: bool
+    start: tuple[Vector, Vector, Vector, Vector]
+
+
+class _Nodes(NamedTuple):
+    """State of the n nodes: positions, quaternions, directors (n, 3, 3), velocities, rates of turn in these."""
+
+    position: Vector
+    quaternion: Vector
+    directors: Vector
+    velocity: Vector
+    rate: Vector
+
+    @property
+    def poses(self) -> Poses:
+        return Poses(self.directors, np.diff(self.position, axis=0))
+
+
+class _Step(NamedTuple):
+    """What a step starts from; no strains in static solutions, where its end stands for its start."""
+
+    nodes: _Nodes
+    strains: Strains | None
+    wrench: Vector
+    h: float
+    damping: float
+
+
+class _Trial(NamedTuple):
+    """Where an iteration stands: travel (m) and Cayley rotation vectors of the nodes, world axes, and what follows.
+
+    change: of (s, k), (m, 6). stress: mean over the step of what does work on these. loads: on the nodes, (n, 6).
+    """
+
+    travel: Vector
+    turn: Vector
+    quaternion: Vector
+    poses: Poses
+    strains: Strains
+    change: Vector
+    stress: Vector
+    loads: Vector
+
+
+class Beam(Component):
+    """A beam through nodes, straight or curved, that may bend by any amount but not by more than 60 deg an element.
+
+    nodes: one mapping per node, from end to end, with `position` (3, m) and `orientation` (quaternion of the section,
+    x along the beam), construction frame. section: the fields of `beam_parts.variables.Section`. ports: one mapping per
+    port with `name`, `node` (from 0), optional `offset` (3, m, construction frame) and `orientation` (quaternion of the
+    port there).
+    """
+
+    kind = "beam"
+    ports_vary = True
+
+    def __init__(
+        self,
+        nodes: Sequence[Mapping[str, Any]],
+        section: Mapping[str, float],
+        ports: Sequence[Mapping[str, Any]],
+    ) -> None:
+        self._section = Section.of(section)
+        self._positions, self._orientations = _placed(nodes)
+        count = len(self._positions)
+        self._declare(
+            {"nodes": [dict(n) for n in nodes], "section": dict(section), "ports": [dict(p) for p in ports]},
+            ports=[Port(p["name"], "body", 2) for p in ports],
+            parameters=parameters(),
+            observations=observations(count),
+            states=states(count),
+        )
+        directors = _directors(self._orientations)
+        self.elements = Elements(Poses(directors, np.diff(self._positions, axis=0)), self._section.stiffness)
+        self.length = float(self.elements.lengths.sum())
+        self._masses = _consistent(self._section.line_mass * self.elements.lengths)
+        self._inverse_masses = np.linalg.inv(self._masses)
+        self._weights = self._masses.sum(1)
+        halves = 0.5 * self.elements.lengths
+        self._inertia = (
+            np.add(np.append(halves, 0.0), np.append(0.0, halves))[:, None] * self._section.line_inertia
+        )
+        self._place(ports, directors)
+
+    def _place(self, ports: Sequence[Mapping[str, Any]], directors: Vector) -> None:
+        count = len(self._positions)
+        self._at = np.zeros(len(ports), dtype=np.int64)
+        self._arms, self._turns = np.zeros((len(ports), 3)), np.zeros((len(ports), 4))
+        for k, port in enumerate(ports):
+            node = port["node"]
+            if not (isinstance(node, int) and 0 <= node < count):
+                raise ComponentError(
+                    f"port {port['name']}: there is no node {node!r}; nodes are 0 to {count - 1}"
+                )
+            w, x, y, z = self._orientations[node].tolist()
+            self._at[k] = node
+            self._arms[k] = np.asarray(port.get("offset", (0.0, 0.0, 0.0)), dtype=float) @ directors[node]
+            self._turns[k] = normalized(multiply((w, -x, -y, -z), port.get("orientation", _UNTURNED)))
+
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        self.check_ranges(p)
+        at = self.parameter_layout
+        orientation = p[at["initial_orientation"]]
+        if abs(np.linalg.norm(orientation) - 1.0) > 1e-6:
+            raise ComponentError(
+                f"initial_orientation has length {np.linalg.norm(orientation):g}; a quaternion must have length 1"
+            )
+        starts = ("initial_position", "initial_orientation", "initial_velocity", "initial_angular_velocity")
+        position, turn, velocity, rate = (p[at[name]].copy() for name in starts)
+        return _Constants(
+            gravity=p[at["gravity"]].copy(),
+            stiffness_damping=float(p[at["stiffness_damping"]][0]),
+            quasi_static=bool(p[at["quasi_static"]][0] >= 0.5),
+            start=(position, turn, velocity, rate),
+        )
+
+    def initial(self, c: _Constants, u: Vector) -> Vector:
+        """Undeformed, placed and moving like a rigid body as the initial parameters say."""
+        position, orientation, velocity, rate = c.start
+        q = normalized(tuple(orientation.tolist()))
+        positions = position + self._positions @ rotation_matrix(q).T
+        quaternions = np.array([normalized(multiply(q, tuple(own))) for own in self._orientations.tolist()])
+        center = self._weights @ positions / self._weights.sum()
+        velocities = velocity + (positions - center) @ skew(rate).T
+        rates = np.einsum("nji,j->ni", _directors(quaternions), rate)
+        return self._state(0.0, positions, quaternions, velocities, rates)
+
+    @staticmethod
+    def _state(heat: float, *nodes: Vector) -> Vector:
+        return np.concatenate(((heat,), *(values.ravel() for values in nodes)))
+
+    def _nodes(self, x: Vector) -> _Nodes:
+        n, at = len(self._positions), self.state_layout
+        quaternion = x[at["orientation"]].reshape(n, 4)
+        position, velocity, rate = (
+            x[at[name]].reshape(n, 3) for name in ("position", "velocity", "angular_velocity")
+        )
+        return _Nodes(position, quaternion, _directors(quaternion), velocity, rate)
+
+    def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
+        """One step under held wrenches in world axes."""
+        # the absurd wrenches an iteration may try end as a refusal, without a warning
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            nodes = self._nodes(x)
+            strains = None if c.quasi_static else self.elements.strains(nodes.poses)
+            damping = 0.0 if c.quasi_static else c.stiffness_damping / h
+            start = _Step(nodes, strains, u.reshape(-1, WRENCH_SIZE), h, damping)
+            trial = self._iterated(c, start)
+        n = nodes
+        position = n.position + trial.travel
+        if start.strains is None:
+            return self._state(x[0], position, trial.quaternion, 0.0 * n.velocity, 0.0 * n.rate)
+        velocity = n.velocity + h * (self._inverse_masses @ trial.loads[:, :3])
+        spin = np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate) + h * trial.loads[:, 3:]
+        rate = np.einsum("nji,nj->ni", trial.poses.directors, spin) / self._inertia
+        change = np.concatenate(
+            (trial.strains.s - start.strains.s, trial.strains.k - start.strains.k), axis=1
+        )
+        squares = (self.elements.stiffness * change**2).sum(1)
+        heat = x[0] + damping * float(self.elements.lengths @ squares)
+        return self._state(heat, position, trial.quaternion, velocity, rate)
+
+    def _iterated(self, c: _Constants, start: _Step) -> _Trial:
+        """Newton's iteration from uniform motion, with factors kept while they serve."""
+        nodes = start.nodes
+        moving = 0.0 if start.strains is None else start.h
+        travel = moving * nodes.velocity
+        turn = moving * np.einsum("nij,nj->ni", nodes.directors, nodes.rate)
+        factors, before, done = None, np.inf, False
+        for _ in range(_MOST_ITERATIONS):
+            trial = self._trial(c, start, travel, turn)
+            if done:
+                return trial
+            if factors is None:
+                factors = self._factors(start, trial)
+            correction = factors.solve(-self._residual(start, trial))
+            travel = travel + correction[:, :3]
+            turn = turn + np.einsum("nij,nj->ni", _cayley_rates(turn), correction[:, 3:])
+            change = max(
+                float(abs(correction[:, :3]).max()) / self.length, float(abs(correction[:, 3:]).max())
+            )
+            shrinks = change / before if before < np.inf else 1.0
+            done = change * min(shrinks, 1.0) <= _TOLERANCE or (
+                change <= _ROUNDING and shrinks > _STANDSTILL and before < np.inf
+            )
+            if change > _FAR or (shrinks > _SLOW and before < np.inf):
+                factors = None
+            before = change
+        raise ComponentError(
+            f"a step of {start.h:g} s finds no end in {_MOST_ITERATIONS} iterations; take smaller steps or loads"
+        )
+
+    def _trial(self, c: _Constants, start: _Step, travel: Vector, turn: Vector) -> _Trial:
+        """Poses and loads after a travel and a turn of the nodes."""
+        # written so that what is not a number is refused as well
+        if not np.max((turn * turn).sum(1)) <= _LARGEST_TURN**2:
+            raise ComponentError("a section turns by more than 90 deg in one step; take smaller steps")
+        nodes = start.nodes
+        quaternion = _turned(nodes.quaternion, turn)
+        spans = np.diff(nodes.position, axis=0) + np.diff(travel, axis=0)
+        poses = Poses(_directors(quaternion), spans)
+        strains = self.elements.strains(poses)
+        old, before = self._before(start, poses, strains)
+        mean = old.mean(poses)
+        change = self.elements.changes(mean, travel, turn)
+        stress = self.elements.stresses(before, strains) + start.damping * self.elements.stiffness * change
+        pairs = self.elements.loads(mean, stress)
+        loads = np.zeros((len(turn), 6))
+        loads[:-1] += pairs[:, :6]
+        loads[1:] += pairs[:, 6:]
+        loads[:, :3] += self._weights[:, None] * c.gravity
+        arms = self._world_arms(0.5 * (old.directors + poses.directors))
+        force = start.wrench[:, :3]
+        np.add.at(loads, self._at, np.hstack((force, _cross(arms, force) + start.wrench[:, 3:])))
+        return _Trial(travel, turn, quaternion, poses, strains, change, stress, loads)
+
+    def _before(self, start: _Step, poses: Poses, strains: Strains) -> tuple[Poses, Strains]:
+        """Poses and strains at the start of a step, in static solutions those of its end."""
+        return (poses, strains) if start.strains is None else (start.nodes.poses, start.strains)
+
+    def _world_arms(self, directors: Vector) -> Vector:
+        """Arms (ports, 3) of the ports, world axes."""
+        found: Vector = np.einsum("kij,kj->ki", directors[self._at], self._arms)
+        return found
+
+    def _residual(self, start: _Step, trial: _Trial) -> Vector:
+        """What loads are missing of the changes of momenta over the step, (n, 6)."""
+        n, h = start.nodes, start.h
+        gain = np.empty_like(trial.loads)
+        turn = np.einsum("nji,nj->ni", n.directors, trial.turn)
+        if start.strains is None:
+            gain[:, :3] = self._masses @ trial.travel / h**2
+            gain[:, 3:] = np.einsum("nij,nj->ni", n.directors, self._inertia * turn) / h**2
+        else:
+            gain[:, :3] = self._masses @ (2.0 * trial.travel / h - 2.0 * n.velocity) / h
+            spin = np.einsum("nij,nj->ni", trial.poses.directors, self._inertia * (2.0 * turn / h - n.rate))
+            gain[:, 3:] = (spin - np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate)) / h
+        result: Vector = gain - trial.loads
+        return result
+
+    def _factors(self, start: _Step, trial: _Trial) -> Factors:
+        """Factors of the derivative of the residual by displacements and rotation vectors at the end of the step."""
+        static = start.strains is None
+        old, before = self._before(start, trial.poses, trial.strains)
+        stiffness = self.elements.stiffnesses(before, trial.strains, start.damping)
+        # where the end stands for the start as well, it counts twice
+        pairs = -(2.0 if static else 1.0) * self.elements.tangent(old, trial.poses, trial.stress, stiffness)
+        nodes = np.zeros((len(trial.turn), 6, 6))
+        self._add_inertia(nodes, pairs, start, trial)
+        arms, force = self._world_arms(trial.poses.directors), start.wrench[:, :3]
+        turned = arms[:, :, None] * force[:, None, :] - (arms * force).sum(1)[:, None, None] * _IDENTITY
+        np.add.at(nodes[:, 3:, 3:], self._at, -(1.0 if static else 0.5) * turned)
+        return Factors(nodes, pairs)
+
+    def _add_inertia(self, nodes: Vector, pairs: Vector, start: _Step, trial: _Trial) -> None:
+        h, static = start.h, start.strains is None
+        share = (1.0 if static else 2.0) / h**2
+        element = share * self._section.line_mass * self.elements.lengths / 6.0
+        for row in (0, 6):
+            for column in (0, 6):
+                weight = element * (2.0 if row == column else 1.0)
+                pairs[:, row : row + 3, column : column + 3] += weight[:, None, None] * _IDENTITY
+        end = start.nodes.directors if static else trial.poses.directors
+        inertia = (end * self._inertia[:, None, :]) @ start.nodes.directors.swapaxes(1, 2)
+        nodes[:, 3:, 3:] = share * inertia @ _cayley_rates(trial.turn)
+        if not static:
+            turn = np.einsum("nji,nj->ni", start.nodes.directors, trial.turn)
+            rate = 2.0 * turn / h - start.nodes.rate
+            nodes[:, 3:, 3:] -= skew(np.einsum("nij,nj->ni", end, self._inertia * rate)) / h
+
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Pose and velocity of every port, world axes."""
+        nodes, at = self._nodes(x), self._at
+        y = np.empty((len(at), 13))
+        arms = self._world_arms(nodes.directors)
+        rates = np.einsum("nij,nj->ni", nodes.directors, nodes.rate)[at]
+        y[:, 0:3] = nodes.position[at] + arms
+        for k, node in enumerate(at.tolist()):
+            y[k, 3:7] = multiply(tuple(nodes.quaternion[node].tolist()), tuple(self._turns[k].tolist()))
+        y[:, 7:10] = nodes.velocity[at] + _cross(rates, arms)
+        y[:, 10:13] = rates
+        return y.ravel()
+
+    def observe(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Momenta, energies, positions of the nodes and resultants of the sections."""
+        nodes = self._nodes(x)
+        strains = self.elements.strains(nodes.poses)
+        momentum = self._masses @ nodes.velocity
+        spin = np.einsum("nij,nj->i", nodes.directors, self._inertia * nodes.rate)
+        kinetic = 0.5 * float((momentum * nodes.velocity).sum() + (self._inertia * nodes.rate**2).sum())
+        potential = self.elements.energy(strains) - float(self._weights @ nodes.position @ c.gravity)
+        resultants = self.elements.resultants(strains)
+        return np.concatenate(
+            (
+                momentum.sum(0),
+                spin + sum_of_moments(nodes.position, momentum),
+                (kinetic, potential, x[0]),
+                nodes.position.ravel(),
+                resultants[:, :3].ravel(),
+                resultants[:, 3:].ravel(),
+            )
+        )
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Arrays that `fmus/native/kernels/beam.c` reads."""
+        return {
+            "lengths": self.elements.lengths,
+            "rest": self.elements.rest,
+            "stiffness": self.elements.stiffness,
+            "line_mass": self._section.line_mass,
+            "inertia": self._inertia,
+            "positions": self._positions,
+            "orientations": self._orientations,
+            "port_nodes": self._at,
+            "port_arms": self._arms,
+            "port_turns": self._turns,
+        }
+
+    @classmethod
+    def example(cls) -> Beam:
+        """A curved beam of four elements with ports at both ends and, on an arm, in the middle."""
+        angles = np.linspace(0.0, 0.4, 5)
+        nodes = [
+            {
+                "position": (float(np.sin(a)), float(1.0 - np.cos(a)), 0.0),
+                "orientation": (float(np.cos(0.5 * a)), 0.0, 0.0, float(np.sin(0.5 * a))),
+            }
+            for a in angles
+        ]
+        section = Section(4e3, 2e3, 2.4e3, 40.0, 60.0, 90.0, 15.0, 0.1, 0.05, 0.06)
+        ports = [
+            {"name": "first", "node": 0},
+            {"name": "middle", "node": 2, "offset": (0.0, 0.05, 0.02), "orientation": (0.8, 0.0, 0.6, 0.0)},
+            {"name": "last", "node": 4},
+        ]
+        return cls(nodes, section._asdict(), ports)
+
+
+def _placed(nodes: Sequence[Mapping[str, Any]]) -> tuple[Vector, Vector]:
+    """Positions (n, 3) and unit quaternions (n, 4) of the nodes; ComponentError where they make no beam."""
+    if len(nodes) < 2:
+        raise ComponentError(f"a beam needs two nodes or more, not {len(nodes)}")
+    positions = np.array([node["position"] for node in nodes], dtype=float).reshape(-1, 3)
+    turns = [node.get("orientation", _UNTURNED) for node in nodes]
+    spans = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    # written so that what is not a number is found as well
+    if not spans.min() > 0.0:
+        raise ComponentError(
+            f"nodes {int(np.argmin(spans))} and {int(np.argmin(spans)) + 1} lie at one place"
+        )
+    return positions, np.array([normalized((w, x, y, z)) for w, x, y, z in turns])
+
+
+def _consistent(masses: Vector) -> Vector:
+    """Mass matrix (n, n) of elements in a row."""
+    n = len(masses) + 1
+    found = np.zeros((n, n))
+    first = np.arange(n - 1)
+    for row in (0, 1):
+        for column in (0, 1):
+            found[first + row, first + column] += masses / (3.0 if row == column else 6.0)
+    return found
+
+
+def _directors(quaternions: Vector) -> Vector:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4)."""
+    scalar, cross = quaternions[:, 0, None, None], skew(quaternions[:, 1:])
+    found: Vector = _IDENTITY + 2.0 * (scalar * cross + cross @ cross)
+    return found
+
+
+def _turned(quaternions: Vector, turn: Vector) -> Vector:
+    """Unit quaternions (n, 4) turned by Cayley's rotation vectors (n, 3), world axes."""
+    scale = 1.0 / np.sqrt(1.0 + 0.25 * (turn * turn).sum(1))
+    w, vector, half = quaternions[:, 0], quaternions[:, 1:], 0.5 * turn
+    found = np.empty_like(quaternions)
+    found[:, 0] = scale * (w - (half * vector).sum(1))
+    found[:, 1:] = scale[:, None] * (vector + w[:, None] * half + _cross(half, vector))
+    found /= np.sqrt((found * found).sum(1))[:, None]
+    return found
+
+
+def _cross(a: Vector, b: Vector) -> Vector:
+    """Vector products (n, 3) row by row."""
+    found: Vector = (skew(a) @ b[:, :, None])[:, :, 0]
+    return found
+
+
+def _cayley_rates(turn: Vector) -> Vector:
+    """Derivatives (n, 3, 3) of Cayley's rotation vectors by rotation vectors of the end, world axes."""
+    found: Vector = _IDENTITY - 0.5 * skew(turn) + 0.25 * turn[:, :, None] * turn[:, None, :]
+    return found

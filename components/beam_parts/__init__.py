@@ -1,0 +1,1 @@
+"""What the component `beam` is made of."""
