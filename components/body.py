@@ -63,7 +63,7 @@ class _Constants:
     frequency: Vector
     damping_ratio: Vector
     quasi_static: bool
-    start: tuple[Vector, Vector, Vector, Vector]
+    start: tuple[Vector, Vector, Vector, Vector, Vector]
     propagators: dict[float, Propagator] = field(default_factory=dict)
 
     def propagator(self, h: float) -> Propagator:
@@ -138,7 +138,7 @@ class Body(Component):
         self._declare(
             structure,
             ports=[Port(p["name"], "body", 4) for p in ports],
-            parameters=parameters(),
+            parameters=parameters(self.modes),
             inputs=own.inputs if own else (),
             observations=[*observations(self.modes), *(own.observations if own else ())],
             states=[*states(data.frequency, len(ports)), *(own.states if own else ())],
@@ -186,6 +186,7 @@ class Body(Component):
                 orientation.copy(),
                 p[at["initial_velocity"]].copy(),
                 p[at["initial_angular_velocity"]].copy(),
+                p[at["initial_modal_coordinate"]].copy() if self.modes else np.zeros(0),
             ),
         )
 
@@ -195,8 +196,8 @@ class Body(Component):
         return x[_ETA : _ETA + m], x[_ETA + m : _ETA + 2 * m]
 
     def initial(self, c: _Constants, u: Vector) -> Vector:
-        """Undeformed, placed and moving as the initial parameters say."""
-        position, orientation, velocity, angular_velocity = c.start
+        """Placed, bent and moving as the initial parameters say, with no momentum of the modes."""
+        position, orientation, velocity, angular_velocity, eta = c.start
         q = normalized(tuple(orientation.tolist()))
         a = rotation_matrix(q)
         x = np.zeros(self.state_layout.size)
@@ -204,7 +205,8 @@ class Body(Component):
         x[_Q] = q
         x[_P] = self.data.mass * velocity
         x[_W] = a.T @ angular_velocity
-        x[_L] = a @ (self.data.inertia @ x[_W])
+        x[_L] = a @ symmetric_product(self._inertia.at(eta).inertia, x[_W])
+        x[_ETA : _ETA + self.modes] = eta
         return x
 
     def step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:

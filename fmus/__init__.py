@@ -2,7 +2,7 @@
 
 from .build import build_fmu, native_backend
 from .check.check import check_fmu
-from .description.fmi2 import NATIVE_TOOL, Backend, FmiVersion, model_description
+from .description.fmi2 import NATIVE_TOOL, Backend, Experiment, FmiVersion, model_description
 from .description.fmi3 import model_description3
 from .description.variables import start_values, value_references
 from .native import library as native_library
@@ -10,6 +10,7 @@ from .native import library as native_library
 __all__ = [
     "NATIVE_TOOL",
     "Backend",
+    "Experiment",
     "FmiVersion",
     "build_fmu",
     "check_fmu",

@@ -20,7 +20,7 @@ from components import Component, ComponentError
 from components.cache.disk import kept, replace_file
 
 from .archive import digest_of, zip_bytes
-from .description.fmi2 import DATE_FORMAT, Backend, FmiVersion, model_description
+from .description.fmi2 import DATE_FORMAT, Backend, Experiment, FmiVersion, model_description
 from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
 from .native import library
@@ -45,13 +45,14 @@ def build_fmu(
     backend: Backend | None = None,
     fmi: FmiVersion = "2.0",
     with_sources: bool = False,
+    experiment: Experiment | None = None,
 ) -> Path:
     """Write `name`.fmu into `directory` (made if missing) and return its path.
 
     `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
     native FMU where there is none, and FMI 3.0 or sources of a PythonFMU. Without a `backend` it is native where
-    possible. `with_sources` adds the C sources, for platforms that this one does not build for; no compiler is
-    needed then.
+    possible. `experiment` is what a tool runs by default. `with_sources` adds the C sources, for platforms that this
+    one does not build for; no compiler is needed then.
     """
     starts = start_values(component, start or {})
     only_native = fmi == "3.0" or with_sources
@@ -69,9 +70,11 @@ def build_fmu(
     else:
         code, data = python_code(component, name), python_data(component, starts)
     if fmi == "3.0":
-        description = model_description3(component, name, starts, _NO_GUID, _NO_TIME)
+        description = model_description3(component, name, starts, _NO_GUID, _NO_TIME, experiment)
     else:
-        description = model_description(component, name, starts, _NO_GUID, _NO_TIME, backend, listed)
+        description = model_description(
+            component, name, starts, _NO_GUID, _NO_TIME, backend, listed, experiment
+        )
     component.prepare(np.array(starts[: component.parameter_layout.size]))
     key = digest_of(code)
     archive = kept("fmu", key, lambda: zip_bytes(code))

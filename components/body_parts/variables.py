@@ -7,10 +7,12 @@ from dataclasses import replace
 from ..contract.component import Quantity, Vector
 from ..contract.roles import DISSIPATED_ENERGY, KINETIC_ENERGY, POTENTIAL_ENERGY, QUASI_STATIC
 
+_MODAL = Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", resized=True)
 
-def parameters() -> list[Quantity]:
-    """Start motion, fixed; gravity, damping and mode of solution, tunable."""
-    return [
+
+def parameters(modes: int) -> list[Quantity]:
+    """Start motion, fixed; gravity, damping and mode of solution, tunable. Bodies with modes may start bent."""
+    found = [
         Quantity(
             "initial_position",
             "m",
@@ -41,6 +43,12 @@ def parameters() -> list[Quantity]:
         ),
         QUASI_STATIC,
     ]
+    if modes:
+        bent = _MODAL.called("initial_modal_coordinate", modes).saying(
+            "Start values of the modal coordinates"
+        )
+        found.append(replace(bent, variability="fixed"))
+    return found
 
 
 def observations(modes: int) -> list[Quantity]:
@@ -55,8 +63,7 @@ def observations(modes: int) -> list[Quantity]:
         DISSIPATED_ENERGY.saying("Energy dissipated by modal damping since the start"),
     ]
     if modes:
-        coordinates = Quantity("modal_coordinate", "kg(1/2).m", "Modal coordinates, mass-normalised", modes)
-        found.append(replace(coordinates, resized=True))
+        found.append(_MODAL.sized(modes))
     return found
 
 

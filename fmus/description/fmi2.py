@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from datetime import datetime
-from typing import Literal
+from typing import Literal, NamedTuple
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pythonfmu.fmi2slave import Fmi2Slave
@@ -19,7 +19,6 @@ from .variables import Variable, follows_inputs, scalars
 Backend = Literal["native", "python"]
 FmiVersion = Literal["2.0", "3.0"]
 
-DEFAULT_EXPERIMENT = {"startTime": "0", "stopTime": "1", "stepSize": "0.001"}
 NATIVE_TOOL = "Fanfold"
 """Generation tool of native FMUs, which keep no state outside of their instances."""
 _TOOLS: dict[Backend, str] = {"native": NATIVE_TOOL, "python": "Fanfold with PythonFMU"}
@@ -35,6 +34,19 @@ _CAPABILITIES: dict[Backend, dict[str, str]] = {
     "python": {"needsExecutionTool": "true", **_STATE_CAPABILITIES},
 }
 DATE_FORMAT = "%Y-%m-%dT%H:%M:%SZ"
+
+
+class Experiment(NamedTuple):
+    """What a tool runs by default: end time and communication step size (s)."""
+
+    stop_time: float = 1.0
+    step_size: float = 1e-3
+
+    def attributes(self) -> dict[str, str]:
+        """Attributes of DefaultExperiment."""
+        return {"startTime": "0", "stopTime": f"{self.stop_time:.17g}", "stepSize": f"{self.step_size:.17g}"}
+
+
 STEP_DERIVATIVE = (
     "Right after a communication step the derivative is that of the outputs at the end of the step with respect "
     "to the inputs held or reached in it, d y(t + h) / d u. Otherwise, and in the model structure's dependencies, "
@@ -74,6 +86,7 @@ def model_description(
     generated: datetime,
     backend: Backend = "python",
     source_files: Sequence[str] = (),
+    experiment: Experiment | None = None,
 ) -> bytes:
     """The complete modelDescription.xml of a component as the FMU `name`.
 
@@ -92,7 +105,7 @@ def model_description(
     units = [v.quantity.unit for v in variables]
     add_units(root, [*units, *state_units(component)] if backend == "native" else units)
     _add_log_categories(root)
-    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    SubElement(root, "DefaultExperiment", (experiment or Experiment()).attributes())
     _add_annotations(root, component, backend)
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from components import Component, Port, port_layout
 
-from .fmi2 import DEFAULT_EXPERIMENT, STEP_DERIVATIVE, header, xml_bytes
+from .fmi2 import STEP_DERIVATIVE, Experiment, header, xml_bytes
 from .units import add_units
 from .variables import Variable, follows_inputs, quantities
 
@@ -35,7 +35,12 @@ _FLOWS = {"body": "inflow", "connection": "outflow"}
 
 
 def model_description3(
-    component: Component, name: str, starts: Sequence[float], token: str, generated: datetime
+    component: Component,
+    name: str,
+    starts: Sequence[float],
+    token: str,
+    generated: datetime,
+    experiment: Experiment | None = None,
 ) -> bytes:
     """The complete modelDescription.xml of a component as the native FMU `name` of FMI 3.0.
 
@@ -51,7 +56,7 @@ def model_description3(
     categories = SubElement(root, "LogCategories")
     for category, text in _LOG_CATEGORIES.items():
         SubElement(categories, "Category", {"name": category, "description": text})
-    SubElement(root, "DefaultExperiment", DEFAULT_EXPERIMENT)
+    SubElement(root, "DefaultExperiment", (experiment or Experiment()).attributes())
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
     annotation = SubElement(

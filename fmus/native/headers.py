@@ -101,7 +101,11 @@ def _places(prefix: str, end: str, position: int, quantities: Iterable[Quantity]
 
 def _resized(component: Component) -> Iterator[str]:
     """Where resized quantities lie in the example: the first, and those whose sizes before them are fixed."""
-    groups = (("X", "STATES", component.state_layout), ("Z", "OBSERVATIONS", component.observation_layout))
+    groups = (
+        ("P", "PARAMETERS", component.parameter_layout),
+        ("X", "STATES", component.state_layout),
+        ("Z", "OBSERVATIONS", component.observation_layout),
+    )
     for prefix, end, layout in groups:
         resized = [q for q in layout.quantities if q.resized]
         lagged = [q for q in resized if q.name.endswith(LAGGED) and not component.ports_vary]

@@ -6,16 +6,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fmus import Backend, FmiVersion
+from fmus import Backend, Experiment, FmiVersion
 
+from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..cosim.ports import Order
 from ..run import run
+from ..run.preload import started_at_rest
 from ..run.progress import Progress
 from ..run.run import MasterKind
 from ..run.simulation import Options, python_sentence
 from ..run.simulation import resume as resume_simulation
 from ..run.simulation import simulate as run_simulation
+from ..run.system_structure import write_ssp
 from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
 from ..scene.component_connections import WrenchMode
@@ -135,17 +138,48 @@ def export(
     fmi: FmiVersion = "2.0",
     sources: bool = False,
     backend: Backend | None = None,
+    ssp: str | Path | None = None,
 ) -> list[Path]:
     """Write every component of a scene as an FMU into a folder, and return the paths.
 
+    Of a scene with preload, bodies start in static equilibrium, which other tools do not search for. The default
+    experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable.
     wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
-    sources: add the C sources, to be compiled on other platforms.
+    sources: add the C sources, to be compiled on other platforms. ssp: a file that takes all FMUs of FMI 2.0 with
+    end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
     """
     checked = load(scene).check_one_run()
+    if ssp is not None and (fmi != "2.0" or wrench_mode != "endpoint"):
+        raise SceneError(
+            ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
+        )
     if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
         warn(sentence)
-    assembly = assemble(checked, listed(rigid), listed(flexible), wrench_mode)
-    return run.export(assembly, Path(folder), backend, fmi, sources)
+    fidelities = listed(rigid), listed(flexible)
+    assembly = assemble(checked, *fidelities, wrench_mode)
+    if assembly.preload:
+        assembly = started_at_rest(assembly, assemble(checked, *fidelities, "mean"))
+    step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
+    experiment = Experiment(assembly.until, step)
+    paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)
+    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+
+
+def _step_of_tools(assembly: Assembly) -> float:
+    """The communication step size (s) that exported FMUs advise; a FanfoldWarning tells where there is none."""
+    from ..analysis.stable_step import STEPS, largest_stable_step
+
+    try:
+        found = largest_stable_step(assembly)
+    except SceneError as error:
+        warn(f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}")
+        return STEPS[-1]
+    if found is None:
+        warn(
+            f"{assembly.name}: no communication step above {STEPS[-1]:g} s is stable where a tool does not iterate; "
+            "use rigid bodies, or model exchange"
+        )
+    return found or STEPS[-1]
 
 
 def check(fmu: str | Path, run: bool = True) -> list[Problem]:

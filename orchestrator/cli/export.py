@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     "--fmi", type=click.Choice(["2.0", "3.0"]), default="2.0", show_default=True,
     help="Version of FMI; 3.0 needs the native back end.",
 )  # fmt: skip
+@click.option(
+    "--ssp", type=click.Path(path_type=Path, dir_okay=False),
+    help="One file with all FMUs and their connections (SSP 1.0).",
+)  # fmt: skip
 @click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
 @backend_option
 def command(
@@ -37,11 +41,12 @@ def command(
     output: Path,
     wrench_mode: WrenchMode,
     fmi: FmiVersion,
+    ssp: Path | None,
     sources: bool,
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
-    for path in fanfold.export(
+    paths = fanfold.export(
         choice.load(),
         output,
         **choice.fidelities,
@@ -49,5 +54,12 @@ def command(
         fmi=fmi,
         sources=sources,
         backend=backend,
-    ):
+        ssp=ssp,
+    )
+    for path in paths:
         click.echo(path)
+    if wrench_mode == "endpoint":
+        from fmpy import read_model_description
+
+        step = float(read_model_description(str(paths[0])).defaultExperiment.stepSize)
+        click.echo(f"stable up to communication steps of {step:g} s in tools that do not iterate", err=True)

@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 from components import REGISTRY, ComponentError
 from components.cache.temporary import process_folder
-from fmus import Backend, FmiVersion, build_fmu
+from fmus import Backend, Experiment, FmiVersion, build_fmu
 from fmus.archive import content_digest
 
 from ..assembly import Assembly
@@ -94,6 +94,7 @@ def export(
     backend: Backend | None = None,
     fmi: FmiVersion = "2.0",
     with_sources: bool = False,
+    experiment: Experiment | None = None,
 ) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
     directory.mkdir(parents=True, exist_ok=True)
@@ -101,7 +102,9 @@ def export(
     for part in assembly.parts:
         try:
             component = REGISTRY[part.kind](**part.structure)
-            paths.append(build_fmu(component, part.name, directory, part.start, backend, fmi, with_sources))
+            paths.append(
+                build_fmu(component, part.name, directory, part.start, backend, fmi, with_sources, experiment)
+            )
         except ComponentError as error:
             raise RunError(f"{assembly.name}: {part.name}: {error}") from None
     return paths

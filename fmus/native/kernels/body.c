@@ -22,6 +22,7 @@ static int prepare(void *self, const double *p, Reason *why) {
     memcpy(body->start_orientation, q, sizeof body->start_orientation);
     memcpy(body->start_velocity, p + P_INITIAL_VELOCITY, sizeof body->start_velocity);
     memcpy(body->start_angular_velocity, p + P_INITIAL_ANGULAR_VELOCITY, sizeof body->start_angular_velocity);
+    memcpy(body->start_modal, p + P_INITIAL_MODAL_COORDINATE, body->modes * sizeof(double));
     memcpy(body->gravity, p + P_GRAVITY, sizeof body->gravity);
     body->quasi_static = p[P_QUASI_STATIC] >= 0.5;
     if (scale == body->damping_scale) return 1;
@@ -31,12 +32,12 @@ static int prepare(void *self, const double *p, Reason *why) {
     return 1;
 }
 
-/* Undeformed, placed and moving as the initial parameters say. */
+/* Placed, bent and moving as the initial parameters say, with no momentum of the modes. */
 static int initial(void *self, const double *u, double *x, Reason *why) {
-    const Body *body = self;
-    const double *j = body->coupling.inertia;
-    const double inertia[9] = {j[0], j[3], j[4], j[3], j[1], j[5], j[4], j[5], j[2]};
-    double a[9];
+    Body *body = self;
+    LocalWork stack;
+    Work work = work_of(body, &stack);
+    double a[9], j[6];
     (void)u, (void)why;
     Quaternion q = quaternion_normalized(quaternion_of(body->start_orientation));
     rotation_matrix(q, a);
@@ -47,6 +48,11 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     quaternion_store(q, x + X_ORIENTATION);
     vector_store(vector_scaled(body->mass, vector_of(body->start_velocity)), x + X_MOMENTUM);
     vector_store(omega, x + X_ANGULAR_VELOCITY);
+    memcpy(x + X_MODAL_AMPLITUDE, body->start_modal, body->modes * sizeof(double));
+    load_modes(body, x, work.eta, work.pi);
+    memcpy(j, body->coupling.inertia, sizeof j);
+    evaluate_coupling(body, work.eta, &work.coupling, j);
+    const double inertia[9] = {j[0], j[3], j[4], j[3], j[1], j[5], j[4], j[5], j[2]};
     vector_store(matrix_times(a, matrix_times(inertia, omega)), x + X_SPIN);
     return 1;
 }

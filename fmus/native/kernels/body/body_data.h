@@ -46,7 +46,7 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     body->padded_modes = padded(modes);
     body->coordinates = padded(arms);
     const size_t wrenches = WRENCH_SIZE * body->ports;
-    const Sizes own = {PARAMETERS, 2 * wrenches + body->is_base, MOTION_SIZE * body->ports + wrenches,
+    const Sizes own = {PARAMETERS + modes, 2 * wrenches + body->is_base, MOTION_SIZE * body->ports + wrenches,
                        OBSERVATIONS + modes + (body->is_base ? interface_told(body) : 0)};
     if (!check_sizes(KIND, sizes, &own, why)) return 0;
     return 1;
@@ -73,13 +73,15 @@ static int allocate_work(Body *body, Memory *memory) {
 static int allocate_all(Body *body, Memory *memory, Reason *why) {
     size_t n = body->padded_modes, l = body->coordinates, mode = (n + 1) * sizeof(double);
     body->damping_ratio = allocate(memory, mode);
+    body->start_modal = allocate(memory, mode);
     body->order = allocate(memory, (n + 1) * sizeof *body->order);
     body->arms = allocate(memory, (l + 1) * sizeof(double));
     body->origin_arms = allocate(memory, (l + 1) * sizeof(double));
     body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
     body->shapes = allocate(memory, 2 * l * mode);
     body->coupling.slope = allocate(memory, 6 * mode);
-    if (!body->damping_ratio || !body->order || !body->arms || !body->origin_arms || !body->port_orientation || !body->shapes ||
+    if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms ||
+        !body->port_orientation || !body->shapes ||
         !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
         !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||

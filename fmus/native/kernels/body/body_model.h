@@ -31,6 +31,7 @@ typedef struct {
     double *shapes;           /* modes rows of 2 coordinates: translations, then rotations */
     unsigned short *order;    /* mode j here is mode order[j] of the state and of the data */
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
+    double *start_modal; /* in the order of the state */
     double gravity[3], damping_scale;
     int quasi_static;
     int is_base;         /* 1: it has the input impulse, and tells of the loads at its ports */

@@ -76,3 +76,33 @@ def test_single_mode_decays_in_closed_form(zeta):
     assert observed(body, c, y, "dissipated_energy") == pytest.approx(
         before - 0.5 * (y[18] ** 2 + (w * y[17]) ** 2), rel=1e-12, abs=1e-13 * before
     )
+
+
+BENT = (0.02, -0.01, 0.004, 0.003)
+
+
+def test_a_body_that_starts_bent_swings_from_there():
+    """Closed form: the strain energy of its modal coordinates, and damped oscillations from them without a rate."""
+    body, c = flexible(coupling="constant", initial_modal_coordinate=BENT)
+    x = body.initial(c, no_wrench(body))
+    assert observed(body, c, x, "potential_energy") == pytest.approx(
+        0.5 * np.sum((2 * np.pi * HERTZ * BENT) ** 2), rel=1e-12
+    )
+    end, time = stepped(body, c, x, no_wrench(body), 0.01, 20), 0.2
+    omega, ratio = body.data.frequency, body.data.damping_ratio
+    damped, decay = omega * np.sqrt(1.0 - ratio**2), np.exp(-ratio * omega * time)
+    phase = damped * time
+    exact = BENT * decay * (np.cos(phase) + ratio * omega / damped * np.sin(phase))
+    assert observed(body, c, end, "modal_coordinate") == pytest.approx(exact, rel=1e-10, abs=1e-14)
+
+
+@pytest.mark.parametrize("coupling", ["rigid", "partial", "full"])
+def test_a_bent_body_turns_as_it_is_told(coupling):
+    """Definition: its angular momentum is that of the inertia it has when bent, and the rate stays what was given."""
+    rate = np.array((0.3, -0.2, 0.5))
+    body, c = flexible(coupling=coupling, initial_modal_coordinate=BENT, initial_angular_velocity=tuple(rate))
+    x = body.initial(c, no_wrench(body))
+    state = body.state_layout
+    spin, eta = x[state["spin"]], np.array(BENT)
+    assert body._inertia.angular_velocity(spin, eta, np.zeros(4)) == pytest.approx(rate, rel=1e-12)
+    assert x[state["angular_velocity"]] == pytest.approx(rate, rel=1e-15)

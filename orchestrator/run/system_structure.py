@@ -1,0 +1,137 @@
+"""An assembly as one SSP file (System Structure and Parameterization 1.0): its FMUs and how they are connected.
+
+The start values are those of the FMUs, the end time that of the scene. SSP knows no step size: OMSimulator finds it in
+the annotation, others are told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+from components import FanfoldError, Quantity
+from fmus import Experiment
+from fmus.description.units import base_unit
+
+from ..assembly import Assembly, Link
+from ..cosim.ports import MOTION, UNITS, WRENCH
+
+if TYPE_CHECKING:
+    from pyssp_standard.ssd import Component, Connection
+
+_OMSIMULATOR = "org.openmodelica"
+_OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
+
+
+class SystemStructureError(FanfoldError):
+    """A sentence for the user: why no SSP file can be written."""
+
+
+def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: Experiment) -> Path:
+    """Write the SSP file of an assembly from its FMUs, made with end-point wrenches, and return its path.
+
+    SystemStructureError without the library for the format, or for a name that does not end in .ssp.
+    """
+    if path.suffix != ".ssp":
+        raise SystemStructureError(f"{path}: an SSP file is meant; let its name end in .ssp")
+    try:
+        from pyssp_standard.ssd import DefaultExperiment, System
+        from pyssp_standard.ssp import SSP
+    except ImportError:
+        raise SystemStructureError(
+            "writing SSP files needs pyssp_standard; install it with: pip install 'fanfold[ssp]'"
+        ) from None
+    system = System(name=assembly.name.replace("-", "_").replace(".", "_"))
+    system.elements = [_component(assembly, fmu) for fmu in fmus]
+    system.connections = [c for link in assembly.links for c in _connections(link)]
+    system.annotations.add_annotation(_step_annotation(experiment.step_size))
+    run = DefaultExperiment()
+    run.start_time, run.stop_time = 0.0, experiment.stop_time
+    with TemporaryDirectory() as folder:
+        part = Path(folder) / path.name
+        with SSP(part, mode="w") as archive:
+            with archive.system_structure as structure:
+                structure.name, structure.version = system.name, "1.0"
+                structure.system, structure.default_experiment = system, run
+                for unit in _units():
+                    structure.units.add_unit(unit)
+            _order(archive.get_file_temp_path("SystemStructure.ssd"))
+            for fmu in fmus:
+                archive.add_resource(fmu)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(part.read_bytes())
+    return path
+
+
+def _order(description: Path) -> None:
+    """Put the units before the default experiment, where the schema wants them and the library does not."""
+    from lxml.etree import parse
+
+    tree = parse(str(description))
+    experiment, units = (tree.getroot().find(f"{{*}}{tag}") for tag in ("DefaultExperiment", "Units"))
+    experiment.addprevious(units)
+    tree.write(str(description), encoding="utf-8", xml_declaration=True)
+
+
+def _component(assembly: Assembly, fmu: Path) -> Component:
+    """An FMU of the archive with a connector for every scalar that a link of it carries."""
+    from pyssp_standard.common_content_ssc import TypeReal
+    from pyssp_standard.ssd import Component, Connector
+
+    found = Component()
+    found.name, found.source = fmu.stem, f"resources/{fmu.name}"
+    found.component_type, found.implementation = "application/x-fmu-sharedlibrary", "CoSimulation"
+    for link in assembly.links:
+        for side, given, taken in ((link.body, MOTION, WRENCH), (link.connection, WRENCH, MOTION)):
+            if side[0] == fmu.stem:
+                found.connectors += [
+                    Connector(None, scalar, kind, TypeReal(UNITS[name]))
+                    for kind, names in (("output", given), ("input", taken))
+                    for name in names
+                    for scalar in _scalars(side[1], name)
+                ]
+    return found
+
+
+def _connections(link: Link) -> Iterator[Connection]:
+    """Motions from the body to the connection, wrenches back."""
+    for source, target, names in ((link.body, link.connection, MOTION), (link.connection, link.body, WRENCH)):
+        for name in names:
+            yield from _wired(source, target, name)
+
+
+def _wired(source: tuple[str, str], target: tuple[str, str], name: str) -> Iterator[Connection]:
+    from pyssp_standard.ssd import Connection
+
+    for given, taken in zip(_scalars(source[1], name), _scalars(target[1], name), strict=True):
+        yield Connection(
+            start_element=source[0], start_connector=given, end_element=target[0], end_connector=taken
+        )
+
+
+def _scalars(port: str, name: str) -> tuple[str, ...]:
+    return Quantity(f"{port}.{name}", UNITS[name], "", 4 if name == "orientation" else 3).scalar_names()
+
+
+def _units() -> Iterator[Any]:
+    """Definitions of the units that ports have."""
+    from pyssp_standard.unit import BaseUnit, Unit
+
+    for name in dict.fromkeys(UNITS.values()):
+        exponents, factor = base_unit(name)
+        yield Unit(name, BaseUnit({**exponents, **({"factor": factor} if factor != 1.0 else {})}))
+
+
+def _step_annotation(step: float) -> Any:  # noqa: ANN401
+    """The fixed step of a master, in OMSimulator's words."""
+    from lxml.etree import Element, SubElement
+    from pyssp_standard.common_content_ssc import Annotation
+
+    found = Annotation(_OMSIMULATOR)
+    annotations = Element(f"{{{_OMS}}}Annotations", nsmap={"oms": _OMS})
+    information = SubElement(annotations, f"{{{_OMS}}}SimulationInformation")
+    SubElement(information, f"{{{_OMS}}}FixedStepMaster", {"description": "oms-ma", "stepSize": f"{step:g}"})
+    found.add_element(annotations)
+    return found
