@@ -59,7 +59,10 @@ def test_connectors_are_variables_of_the_fmus(written, tmp_path):
         for connector in component.connectors:
             variable = variables[connector.name]
             assert connector.kind == variable.causality
-            assert f'name="{connector.name}" kind="{connector.kind}"><ssc:Real unit="{variable.unit}"/>' in structure
+            assert (
+                f'name="{connector.name}" kind="{connector.kind}"><ssc:Real unit="{variable.unit}"/>'
+                in structure
+            )
         assert f'stepSize="{float(description.defaultExperiment.stepSize):g}"' in structure
     assert 'DefaultExperiment startTime="0.0" stopTime="5.3"' in structure
 
