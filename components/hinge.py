@@ -19,8 +19,8 @@ from .contract.component import ComponentError, Vector
 from .contract.connection import NO_PAIR, Connection, Inputs
 from .contract.frames import nearest_turn, rotate
 from .contract.record import Record
+from .hinge_parts.friction import FORCE_SMOOTHING, starting_deflection
 from .hinge_parts.loads import (
-    FORCE_SMOOTHING,
     NO_LOAD,
     endpoint_loads,
     impulse_loads,
@@ -49,7 +49,7 @@ from .hinge_parts.variables import (
     Parameters,
     State,
 )
-from .numerics.laws import Law, Linear, Table
+from .numerics.laws import Linear, Table
 from .numerics.mid_step import MidStep, MidStepSlope
 from .numerics.relative_motion import axis_frame, pair, relative_pose, relative_rates
 from .numerics.stiff_coordinate import Memory, StepMotion, remembered
@@ -66,7 +66,9 @@ class Hinge(Connection[Parameters, State, Commands]):
 
     axis: direction of the hinge line in the axes of both ports when they coincide; the hinge angle grows
     with the right-handed rotation of the outboard port about it. harness_angle, harness_torque: table of
-    the harness torque over the hinge angle (rad, N.m), positive opening; empty for no harness. latch:
+    the harness torque over the hinge angle (rad, N.m), positive opening; empty for no harness. motor_angle,
+    motor_torque: the same of the motor, in place of its spring. hysteresis_angle, hysteresis_torque: half of what the
+    torques of motor and harness differ by between opening and closing, a friction that latches leave as it is. latch:
     "none", "spring" (linear, zero at the angle where it engages), "table" (latch_torque, resisting, over
     latch_deflection from that angle) or "kinematic" (an impulse that removes the relative rate, then a
     lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
@@ -87,6 +89,10 @@ class Hinge(Connection[Parameters, State, Commands]):
         axis: Sequence[float] = (0.0, 1.0, 0.0),
         harness_angle: Sequence[float] = (),
         harness_torque: Sequence[float] = (),
+        motor_angle: Sequence[float] = (),
+        motor_torque: Sequence[float] = (),
+        hysteresis_angle: Sequence[float] = (),
+        hysteresis_torque: Sequence[float] = (),
         latch: LatchKind = "none",
         latch_deflection: Sequence[float] = (),
         latch_torque: Sequence[float] = (),
@@ -95,7 +101,17 @@ class Hinge(Connection[Parameters, State, Commands]):
         if latch not in _LATCH_KINDS:
             raise ComponentError(f"latch is {latch!r}; it must be none, spring, table or kinematic")
         self._axis_frame = axis_frame(axis, "the hinge line")
-        self._harness: Law = Table(harness_angle, harness_torque) if len(harness_angle) else Linear(0.0)
+        if any(torque < 0.0 for torque in hysteresis_torque):
+            raise ComponentError(f"hysteresis_torque is {tuple(hysteresis_torque)}; none may be negative")
+        self._tables = {
+            name: Table(angle, torque)
+            for name, angle, torque in (
+                ("motor", motor_angle, motor_torque),
+                ("harness", harness_angle, harness_torque),
+                ("hysteresis", hysteresis_angle, hysteresis_torque),
+            )
+            if len(angle) or len(torque)
+        }
         self._latch_table = Table(latch_deflection, [-t for t in latch_torque]) if latch == "table" else None
         self.latch = latch
         self.indicator_count = int(latch != "none")
@@ -103,6 +119,10 @@ class Hinge(Connection[Parameters, State, Commands]):
             "axis": tuple(axis),
             "harness_angle": tuple(harness_angle),
             "harness_torque": tuple(harness_torque),
+            "motor_angle": tuple(motor_angle),
+            "motor_torque": tuple(motor_torque),
+            "hysteresis_angle": tuple(hysteresis_angle),
+            "hysteresis_torque": tuple(hysteresis_torque),
             "latch": latch,
             "latch_deflection": tuple(latch_deflection),
             "latch_torque": tuple(latch_torque),
@@ -121,8 +141,10 @@ class Hinge(Connection[Parameters, State, Commands]):
             p=one,
             stiffness=one.stiffness,
             damping=one.damping,
-            motor=Linear(one.motor_stiffness, one.motor_wind_up),
-            harness=self._harness,
+            motor=self._tables.get("motor")
+            or Linear(one.motor_stiffness, one.motor_wind_up, one.motor_constant_torque),
+            harness=self._tables.get("harness") or Linear(0.0),
+            hysteresis=self._tables.get("hysteresis") or Linear(0.0),
             latches=self.latch != "none",
             locks=self._locks,
             latch=self._latch_table or Linear(stiffness),
@@ -148,14 +170,18 @@ class Hinge(Connection[Parameters, State, Commands]):
             damping_heat=0.0,
             hold_angle=angle,
             sliding=MidStepSlope.starting(turning.twist),
+            presliding=starting_deflection(c, angle),
         )
 
     def _moved(self, c: Constants, s: State, u: Inputs[Commands]) -> State:
-        """The state moved to the motion of the inputs."""
+        """The state moved to the motion of the inputs; of an end point, friction that sticks with it."""
         pose = relative_pose(u.motions, self._axis_frame)
         rates = rates_of(relative_rates(u.motions, pose))
         coordinates = coordinates_of(pose, nearest_turn(c.p.aligned_angle + pose.twist, s.angle))
-        return s._replace(frame=pose.frame, gap=pose.gap, coordinates=coordinates, rates=rates)
+        moved = s._replace(frame=pose.frame, gap=pose.gap, coordinates=coordinates, rates=rates)
+        if not self.endpoint or s.failed or c.p.presliding_stiffness == 0.0:
+            return moved
+        return moved._replace(presliding=s.presliding + moved.angle - s.angle)
 
     def advance(self, c: Constants, s: State, u: Inputs[Commands], h: float) -> State:
         """One step; the inputs are those of its end. Commands act from its start."""
@@ -196,6 +222,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             loads=lasting,
             sliding=sliding,
             numerical=old.numerical + loads.numerical,
+            presliding=loads.friction.deflection,
         )
 
     @staticmethod
@@ -243,9 +270,11 @@ class Hinge(Connection[Parameters, State, Commands]):
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
         moved = self._latched(c, moved, c.p.latch_angle)
-        power = endpoint_loads(c, moved).heat
-        friction, latch, damping = (0.5 * h * (a + b) for a, b in zip(old.power, power, strict=True))
-        return moved.heated((friction, latch, damping))._replace(power=power)
+        loads = endpoint_loads(c, moved)
+        friction, latch, damping = (0.5 * h * (a + b) for a, b in zip(old.power, loads.heat, strict=True))
+        return moved.heated((friction, latch, damping))._replace(
+            power=loads.heat, presliding=loads.friction.deflection
+        )
 
     def _awaits_latch(self, c: Constants, state: State) -> bool:
         """Whether the latch engages by itself and has not yet."""
@@ -292,6 +321,8 @@ class Hinge(Connection[Parameters, State, Commands]):
                 rates=(x, y, z, turning, swing[0], swing[1]),
             )
         loads = instant_loads(c, now, recorded(c, now)) if c.paired else endpoint_loads(c, now)
+        if self.endpoint:
+            now = now._replace(presliding=loads.friction.deflection)
         along, *across = loads.force
         _, *bending = loads.torque
         found = Observations(
@@ -299,7 +330,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             angular_rate=rate,
             motor_torque=c.motor.value(now.angle),
             harness_torque=c.harness.value(now.angle),
-            friction_torque=loads.friction_torque,
+            friction_torque=loads.friction.force,
             latch_torque=loads.latch_torque,
             axial_force=along,
             radial_force=hypot(*across),
@@ -344,6 +375,9 @@ class Hinge(Connection[Parameters, State, Commands]):
     def follow(self, c: Constants, s: State, u: Inputs[Commands], at_event: bool) -> State:
         """Follow the angle; at an event commands act, and a latch that is reached engages at its angle."""
         state = self._moved(c, s, u)
+        if not s.failed:
+            now = endpoint_loads(c, self._now(c, s, u))
+            state = state._replace(presliding=now.friction.deflection)
         if at_event:
             state = self._latched(c, self._commanded(c, state, u.commands), c.p.latch_angle - _REACHED)
         return state
@@ -354,17 +388,19 @@ class Hinge(Connection[Parameters, State, Commands]):
             **super().native_data(),
             "axis_frame": self._axis_frame,
             "latch_kind": _LATCH_KINDS.index(self.latch),
-            "has_harness": isinstance(self._harness, Table),
-            **(self._harness.native_data("harness") if isinstance(self._harness, Table) else {}),
+            **{f"has_{name}": name in self._tables for name in ("motor", "harness", "hysteresis")},
+            **{k: v for name, table in self._tables.items() for k, v in table.native_data(name).items()},
             **(self._latch_table.native_data("latch") if self._latch_table else {}),
         }
 
     @classmethod
     def example(cls) -> Hinge:
-        """A hinge with harness and spring latch."""
+        """A hinge with harness, hysteresis and spring latch."""
         return cls(
             axis=(0.0, -1.0, 0.0),
             harness_angle=(0.0, 1.5, 3.2),
             harness_torque=(0.2, 0.05, -0.1),
+            hysteresis_angle=(0.0, 1.0, 3.2),
+            hysteresis_torque=(0.02, 0.05, 0.03),
             latch="spring",
         )

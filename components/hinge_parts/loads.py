@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from math import sqrt
 
-from ..contract.frames import Vector3
-from ..numerics.laws import Law, mean_force, stiction_factors
+from ..numerics.laws import Law, mean_force
+from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
 from ..numerics.workless_pair import workless_law, workless_spring
+from .friction import instant_friction, step_friction
 from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
 from .variables import State
 
-FORCE_SMOOTHING = 1.0
-NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, (0.0, 0.0, 0.0), 0.0)
+NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 """Of a joint that has failed."""
 
 
@@ -34,11 +34,11 @@ def mean_loads(
     elastic, slope = [load.force for load in stiff], [load.slope for load in stiff]
     force_on_b = (elastic[0], elastic[1], elastic[2])
     change = new.angle - old.angle
-    friction = friction_torque(c, old.latched > 0.5, force_on_b, (elastic[4], elastic[5]), change / h)
+    friction = step_friction(c, old, new.angle, force_on_b, (elastic[4], elastic[5]), h)
     numerical = sum(load.numerical for load in stiff) + latch.numerical
-    heat = (-friction * change, latch.heat, sum(load.heat for load in stiff))
+    heat = (friction.heat, latch.heat, sum(load.heat for load in stiff))
     motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
-    twist = elastic[3] + motor.force + harness.force + friction + latch.force
+    twist = elastic[3] + motor.force + harness.force + friction.force + latch.force
     if old.holding:
         twist -= c.p.hold_stiffness * (new.angle - old.hold_angle)
         numerical += 0.5 * c.p.hold_stiffness * change * change
@@ -63,19 +63,6 @@ def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:
     if c.paired:
         return workless_law(law, 0.0, motion)
     return MeanLoad(mean_force(law, motion.start, motion.end, c.p.end_weight), 0.0, 0.0)
-
-
-def friction_torque(
-    c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], rate: float
-) -> float:
-    """Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2)."""
-    preload = 0.0 if latched else c.p.friction_preload
-    square = force[1] * force[1] + force[2] * force[2]
-    normal = square / sqrt(square + FORCE_SMOOTHING**2)
-    if c.p.friction_bending_arm > 0.0:
-        normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.p.friction_bending_arm
-    sliding, constant = stiction_factors(rate, c.p.stiction_velocity, c.p.static_friction_ratio)
-    return -(c.p.friction_coefficient * c.p.pin_radius * normal * sliding + preload * constant)
 
 
 def mean_latch_load(c: Constants, old: State, motion: StepMotion) -> MeanLoad:
@@ -110,7 +97,7 @@ def impulse_loads(c: Constants, old: State, new: State, h: float) -> Loads:
         (load[0], load[1], load[2]),
         conjugate_torque(load[3], (load[4], load[5]), mean_swing(old, new)),
         0.0,
-        0.0,
+        Presliding(0.0, 0.0, old.presliding),
         (0.0, latch, 0.0),
         sum(work) - latch,
     )
@@ -152,9 +139,9 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
     load, latch = held
     q, w, rate = s.coordinates, s.rates, s.rates[3]
     force = (load[0], load[1], load[2])
-    friction = friction_torque(c, s.latched > 0.5, force, (load[4], load[5]), rate)
+    friction = instant_friction(c, s, force, (load[4], load[5]))
     viscous = -c.latch_damping * rate if s.latched and c.latches else 0.0
-    twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction + latch
+    twist = load[3] + c.motor.value(s.angle) + c.harness.value(s.angle) + friction.force + latch
     if s.holding:
         twist -= c.p.hold_stiffness * (s.angle - s.hold_angle)
     damping = sum(d * v * v for d, v in zip(c.damping, w, strict=True))
@@ -163,19 +150,20 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
         conjugate_torque(twist, (load[4], load[5]), (q[4], q[5])),
         latch,
         friction,
-        (-friction * rate, -viscous * rate, damping),
+        (friction.heat, -viscous * rate, damping),
         0.0,
     )
 
 
 def stored_energy(c: Constants, s: State) -> float:
-    """Energy in bushing, motor, harness, latch and hold."""
+    """Energy in bushing, motor, harness, latch, friction that sticks and hold."""
     q = list(s.coordinates)
     q[3] -= c.p.aligned_angle
     energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
     energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
     if s.latched and c.latches:
         energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
+    energy += 0.5 * c.p.presliding_stiffness * s.presliding * s.presliding
     if s.holding:
         energy += 0.5 * c.p.hold_stiffness * (s.angle - s.hold_angle) ** 2
     return energy

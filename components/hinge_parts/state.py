@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from ..contract.frames import Vector3
 from ..numerics.laws import Law
+from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import Passage, Pose, Rates
 from ..numerics.stiff_coordinate import MeanLoad, StepMotion
 from .variables import Parameters, Six, State
@@ -23,6 +24,7 @@ class Constants(NamedTuple):
     damping: Six
     motor: Law
     harness: Law
+    hysteresis: Law
     latches: bool
     locks: bool
     latch: Law
@@ -32,7 +34,7 @@ class Constants(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Force and torque on B in hinge axes, torque of latch and of friction, heat of three causes, numerical loss.
+    """Force and torque on B in hinge axes, torque of the latch, friction, heat of three causes, numerical loss.
 
     The slopes of force and torque are zero of order 2.
     """
@@ -40,7 +42,7 @@ class Loads(NamedTuple):
     force: Vector3
     torque: Vector3
     latch_torque: float
-    friction_torque: float
+    friction: Presliding
     heat: tuple[float, float, float]
     numerical: float
     force_slope: Vector3 = (0.0, 0.0, 0.0)

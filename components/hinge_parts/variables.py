@@ -48,6 +48,7 @@ class Parameters(NamedTuple):
     stowed_angle: Annotated[float, tunable("rad", "Hinge angle of the stowed configuration")]
     motor_stiffness: Annotated[float, tunable("N.m/rad", "Rate of the motorisation spring", 0.0, 0.0)]
     motor_wind_up: Annotated[float, tunable("rad", "Hinge angle at which the motorisation spring is relaxed")]
+    motor_constant_torque: Annotated[float, tunable("N.m", "Torque of the motor beside the spring's")]
     friction_coefficient: Annotated[
         float, tunable("1", "Coulomb friction of the hinge pin, sliding", 0.0, 0.0)
     ]
@@ -61,6 +62,10 @@ class Parameters(NamedTuple):
     friction_preload: Annotated[
         float, tunable("N.m", "Constant friction torque; 0 from latch-up on", 0.0, 0.0)
     ]
+    presliding_stiffness: Annotated[
+        float, tunable("N.m/rad", "Stiffness of friction that sticks; 0: a smooth transition", 0.0, 0.0)
+    ]
+    presliding_damping: Annotated[float, tunable("N.m.s/rad", "Damping beside it, while it sticks", 0.0, 0.0)]
     stiction_velocity: Annotated[
         float, tunable("rad/s", "Stiction transition velocity as a hinge rate", 0.0167, 1e-9)
     ]
@@ -114,6 +119,7 @@ class State(NamedTuple):
     latch_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
     damping_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
     hold_angle: Annotated[float, kept("rad", "Angle that is held")]
+    presliding: Annotated[float, kept("rad", "Elastic deflection of friction that sticks")] = 0.0
     latched: Annotated[float, kept("1", "1 from latch-up on")] = 0.0
     latched_angle: Annotated[float, kept("rad", "Angle where the latch engaged")] = 0.0
     holding: Annotated[float, kept("1", "1 while the angle is held")] = 0.0
@@ -170,14 +176,14 @@ class Observations(NamedTuple):
 
     angle: Annotated[float, observed("rad", "Hinge angle, unwrapped")]
     angular_rate: Annotated[float, observed("rad/s", "Hinge rate, of the ports at this instant")]
-    motor_torque: Annotated[float, observed("N.m", "Torque of the motorisation spring, positive opening")]
+    motor_torque: Annotated[float, observed("N.m", "Torque of the motorisation, positive opening")]
     harness_torque: Annotated[float, observed("N.m", "Torque of the harness, positive opening")]
-    friction_torque: Annotated[float, observed("N.m", "Friction torque, positive opening")]
+    friction_torque: Annotated[float, observed("N.m", "Torque of friction and hysteresis, positive opening")]
     latch_torque: Annotated[float, observed("N.m", "Latch torque about the hinge line, positive opening")]
     axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line")]
     radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line")]
     bending_moment: Annotated[float, observed("N.m", "Magnitude of the moment normal to the hinge line")]
-    motor_energy: Annotated[float, observed("J", "Energy released by the motorisation spring since stowed")]
+    motor_energy: Annotated[float, observed("J", "Energy released by the motorisation since stowed")]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
     latch_energy: Annotated[
         float, observed("J", "Energy dissipated by the latch, its impulse included", DISSIPATION)
@@ -186,7 +192,9 @@ class Observations(NamedTuple):
         float, observed("J", "Energy dissipated by the damping of the joint", DISSIPATION)
     ]
     failure_energy: Annotated[float, observed("J", "Energy held at the failure, as heat", DISSIPATION)]
-    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Energy of bushing, motor, harness and latch")]
+    potential_energy: Annotated[
+        float, POTENTIAL_ENERGY.saying("Energy of bushing, motor, harness, latch and friction that sticks")
+    ]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]
 

@@ -49,22 +49,24 @@ def mean_force(law: Law, s0: float, s1: float, end_weight: float = 0.5) -> float
 
 
 class Linear:
-    """Spring: force -k (s - s_free), with the free coordinate s_free."""
+    """Spring and a constant force: f0 - k (s - s_free), with the free coordinate s_free of the spring."""
 
-    __slots__ = ("free", "stiffness")
+    __slots__ = ("constant", "free", "stiffness")
 
-    def __init__(self, stiffness: float, free: float = 0.0) -> None:
+    def __init__(self, stiffness: float, free: float = 0.0, constant: float = 0.0) -> None:
         self.stiffness = stiffness
         self.free = free
+        self.constant = constant
 
     def value(self, s: float) -> float:
         """Force at s."""
-        return -self.stiffness * (s - self.free)
+        return self.constant - self.stiffness * (s - self.free)
 
     def potential(self, s: float) -> float:
         """Energy at s."""
         stretch = s - self.free
-        return 0.5 * self.stiffness * stretch * stretch  # as in the native law: a power may round differently
+        # as in the native law: a power may round differently
+        return (0.5 * self.stiffness * stretch - self.constant) * stretch
 
     def tangent(self, s0: float, s1: float) -> float:
         """The stiffness."""
@@ -177,6 +179,12 @@ class StictionFactors(NamedTuple):
     constant: float
 
 
+def static_factor(rate: float, transition: float, static_ratio: float) -> float:
+    """Factor on dynamic Coulomb friction: static up to a rate, falling smoothly to 1 at 1.5 times that."""
+    t = min(max(2.0 * (abs(rate) / transition - 1.0), 0.0), 1.0)
+    return static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t)
+
+
 def stiction_factors(rate: float, transition: float, static_ratio: float) -> StictionFactors:
     """Factors at a sliding rate.
 
@@ -184,12 +192,6 @@ def stiction_factors(rate: float, transition: float, static_ratio: float) -> Sti
     1 and 1.5 times it; the second factor stays at 1 beyond the transition. Both are odd in the rate.
     """
     ratio = abs(rate) / transition
-    if ratio < 1.0:
-        rise = ratio * (1.5 - 0.5 * ratio * ratio)
-        dynamic, constant = static_ratio * rise, rise
-    elif ratio < 1.5:
-        t = 2.0 * (ratio - 1.0)
-        dynamic, constant = static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t), 1.0
-    else:
-        dynamic = constant = 1.0
+    constant = ratio * (1.5 - 0.5 * ratio * ratio) if ratio < 1.0 else 1.0
+    dynamic = static_factor(rate, transition, static_ratio) * constant
     return StictionFactors(dynamic, constant) if rate >= 0.0 else StictionFactors(-dynamic, -constant)

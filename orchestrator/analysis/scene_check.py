@@ -61,6 +61,7 @@ class LineOverview:
     motor: tuple[float, float] | None
     motor_energy: float
     friction_preload: float
+    sticks: bool
     latch: str
     effective_inertia: float | None
     end_stop: float | None
@@ -199,7 +200,8 @@ def _line(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool]) ->
         line.name, line.inboard, line.outboard, tuple(hinge.name for hinge in line.hinges), line.held,
         line.initial_angle, line.deployed_angle,
         None if line.motor is None else (line.motor.stowed, line.motor.deployed),
-        line.motor_energy, line.friction_preload, f"{setting.kind}{stiff}", inertia, line.stop_angle,
+        line.motor_energy, line.friction_preload, line.presliding is not None, f"{setting.kind}{stiff}", inertia,
+        line.stop_angle,
     )  # fmt: skip
 
 

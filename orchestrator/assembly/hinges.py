@@ -105,6 +105,7 @@ def hinge_parts(
         "latch_damping": share * latch.damping,
         "latch_automatic": float(mode == "endpoint"),
         "friction_preload": share * line.friction_preload,
+        **_presliding(scene, line, share),
         **_motor(line, share),
         **_friction(scene.friction, beside_flexible),
     }
@@ -132,7 +133,20 @@ def _motor(line: HingeLine, share: float) -> dict[str, float]:
     if line.motor is None:
         return {}
     rate = (line.motor.stowed - line.motor.deployed) / (line.deployed_angle - line.stowed_angle)
+    if rate == 0.0:
+        return {"motor_constant_torque": share * line.motor.stowed}
     return {"motor_stiffness": share * rate, "motor_wind_up": line.stowed_angle + line.motor.stowed / rate}
+
+
+def _presliding(scene: CheckedScene, line: HingeLine, share: float) -> dict[str, float]:
+    if line.presliding is None:
+        return {}
+    stiffness = line.presliding.stiffness
+    inertia = line.presliding.effective_inertia or effective_inertia(scene, line)
+    return {
+        "presliding_stiffness": share * stiffness,
+        "presliding_damping": share * 2.0 * line.presliding.damping_ratio * sqrt(stiffness * inertia),
+    }
 
 
 def _friction(friction: Friction, beside_flexible: bool) -> dict[str, float]:

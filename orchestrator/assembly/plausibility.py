@@ -20,7 +20,7 @@ _BEYOND_POINTS = 5.0
 
 def doubts(scene: CheckedScene) -> list[str]:
     """Everything about a scene that is hardly meant, as sentences with their keys."""
-    return [*_unstopped(scene), *_unlike_travels(scene), *_large_inertias(scene)]
+    return [*_unstopped(scene), *_without_friction(scene), *_unlike_travels(scene), *_large_inertias(scene)]
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:
@@ -30,6 +30,16 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
                 f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+def _without_friction(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose friction is to stick and that have none."""
+    for line in scene.hinge_lines:
+        if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
+            yield (
+                f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
+                "friction_preload, or friction.coefficient"
             )
 
 

@@ -60,7 +60,12 @@ def _body(body: BodyOverview) -> tuple[str, ...]:
 
 def _line(line: LineOverview) -> tuple[str, ...]:
     angles = (degrees_text(angle, 1) for angle in (line.start, line.deployed, line.travel))
-    return line.name, f"{line.inboard}, {line.outboard}", *angles, f"{line.friction_preload:g}"
+    return (
+        line.name,
+        f"{line.inboard}, {line.outboard}",
+        *angles,
+        f"{line.friction_preload:g}{', sticks' * line.sticks}",
+    )
 
 
 def _ends(line: LineOverview) -> tuple[str, ...]:

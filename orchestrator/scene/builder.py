@@ -141,7 +141,8 @@ class Scene:
     def hinge_line(self, name: str, inboard: str, outboard: str, *, hinges: Hinges, **keys: object) -> str:
         """Add a [[hinge_line]] between two bodies by name: axis, aligned_angle, and what turns, stops or holds it.
 
-        Further keys: stowed_angle, start_angle, latch_angle, held, motor, harness, friction_preload, latch, end_stop.
+        Further keys: stowed_angle, start_angle, latch_angle, held, motor, harness, friction_preload, presliding, latch,
+        end_stop.
         Keys of a hinge: kind, translational_stiffness, rotational_stiffness, harness, sensor.
         """
         listed = [{"name": hinge, **_ends(ends)} for hinge, ends in hinges.items()]

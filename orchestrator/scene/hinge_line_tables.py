@@ -85,18 +85,15 @@ class Hinge(Table):
 
 
 class Motor(Table):
-    """Motorisation spring of a line: torques at the stowed and at the latch angle, positive opening."""
+    """Motorisation spring of a line: its torques at the stowed and at the latch angle, positive opening."""
 
     stowed: Torque
     deployed: Torque
 
     @model_validator(mode="after")
     def _falling(self) -> Self:
-        if not self.stowed > self.deployed:
-            raise ValueError(
-                "the torque of a spring falls while it opens; stowed must exceed deployed (by a millionth of it "
-                "where the torque is constant)"
-            )
+        if not self.stowed >= self.deployed:
+            raise ValueError("the torque of a spring falls while it opens; stowed must not be below deployed")
         return self
 
 
@@ -166,6 +163,18 @@ class Latch(Table):
         return self
 
 
+class Presliding(Table):
+    """How the friction of a line sticks: an elastic deflection, of the total stiffness, until its torque breaks away.
+
+    The effective inertia turns the damping ratio of the line while it sticks into N.m.s/rad, by default that of the
+    bodies. Half of critical is what Canudas de Wit, Olsson, Astrom and Lischinsky (1995) take.
+    """
+
+    stiffness: TurningStiffness
+    damping_ratio: Ratio = 0.5
+    effective_inertia: MomentOfInertia | None = None
+
+
 class EndStop(Table):
     """End stop of a line, the total of its hinges: from an angle on, by default the deployed angle, it pushes back.
 
@@ -198,6 +207,7 @@ class HingeLine(Table):
     motor: Motor | None = None
     harness: Harness | None = None
     friction_preload: FrictionTorque = 0.0
+    presliding: Presliding | None = None
     latch: Latch | None = None
     end_stop: EndStop | None = None
     hinges: tuple[Hinge, ...]
@@ -218,6 +228,11 @@ class HingeLine(Table):
         if self.end_stop is None:
             return None
         return self.deployed_angle if self.end_stop.angle is None else self.end_stop.angle
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether it has friction beside that of its pins."""
+        return self.friction_preload > 0.0
 
     @property
     def motor_energy(self) -> float:

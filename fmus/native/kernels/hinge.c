@@ -22,6 +22,7 @@ static int hinge_initial(void *self, const double *u, double *x, Reason *why) {
     store_rates_after_impulse(&motion, x);
     store_mid_step_slope_start(motion.rates[HINGE_ANGLE], x + X_SLIDING);
     x[X_HOLD_ANGLE] = motion.coordinates[HINGE_ANGLE];
+    x[X_PRESLIDING] = starting_deflection(hinge, motion.coordinates[HINGE_ANGLE]);
     return 1;
 }
 
@@ -65,7 +66,9 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     /* in a mean wrench a command acts from the next step's start, which is this instant */
     Grip grip = hinge->base.endpoint ? present_grip(x, u) : commanded_grip(x, u);
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
-    if (!hinge->base.endpoint) {
+    if (hinge->base.endpoint) {
+        move_along(hinge, x, angle, &grip);
+    } else {
         for (int i = 0; i < COORDINATE_COUNT; i++)
             now.rates[i] = x[memory_place(i) + (hinge->base.paired ? END_RATE : MEAN_RATE)];
         now.rates[HINGE_ANGLE] = hinge->base.paired ? mid_step_slope_now(x + X_SLIDING) : mid_step_now(x + X_SLIDE);
@@ -82,9 +85,10 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     Held held = held_at(hinge, &grip, now.coordinates, now.rates);
     if (hinge->base.paired) correct(x, &held);
     Loads loads = instant_loads(hinge, &grip, now.coordinates, now.rates, &held);
+    if (hinge->base.endpoint) grip.presliding = loads.friction.deflection;
     z[Z_MOTOR_TORQUE] = law_value(&hinge->motor, angle);
     z[Z_HARNESS_TORQUE] = law_value(&hinge->harness, angle);
-    z[Z_FRICTION_TORQUE] = loads.friction_torque;
+    z[Z_FRICTION_TORQUE] = loads.friction.force;
     z[Z_LATCH_TORQUE] = loads.latch_torque;
     z[Z_AXIAL_FORCE] = loads.force.x;
     z[Z_RADIAL_FORCE] = sqrt(loads.force.y * loads.force.y + loads.force.z * loads.force.z);
@@ -120,6 +124,7 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
     }
     latch_if_reached(hinge, &grip, due || now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE]);
     store_grip(&grip, x_next);
+    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) x_next[X_POWER + i] = loads.heat[i];
 }

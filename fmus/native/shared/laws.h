@@ -15,21 +15,21 @@
 
 typedef enum { SPRING_LAW, STRAND_LAW, TABLE_LAW } LawKind;
 
-/* A spring, a strand that only pulls (each with its stiffness and the coordinate where it is free), or a
-   piecewise cubic table: coefficients per piece, highest power first, 4 of the force and 5 of the potential. */
+/* A spring with a constant force beside it, a strand that only pulls (each with its stiffness and the coordinate where
+   it is free), or a piecewise cubic table: coefficients per piece, highest power first, 4 of the force and 5 of the potential. */
 typedef struct Law {
     LawKind kind;
-    double stiffness, free;
+    double stiffness, free, constant;
     size_t pieces;
     const double *breaks, *force, *potential;
 } Law;
 
 static inline Law spring_law(double stiffness, double free) {
-    return (Law){SPRING_LAW, stiffness, free, 0, NULL, NULL, NULL};
+    return (Law){SPRING_LAW, stiffness, free, 0.0, 0, NULL, NULL, NULL};
 }
 
 static inline Law strand_law(double stiffness, double preload) {
-    return (Law){STRAND_LAW, stiffness, -(preload / stiffness), 0, NULL, NULL, NULL};
+    return (Law){STRAND_LAW, stiffness, -(preload / stiffness), 0.0, 0, NULL, NULL, NULL};
 }
 
 /* The piece of a table that holds s; the first and the last reach to infinity, NaN falls into the last. */
@@ -55,7 +55,7 @@ static inline real law_value(const Law *law, real s) {
     }
     real stretch = s - law->free;
     if (law->kind == STRAND_LAW && !(value_of(stretch) > 0.0)) return 0.0;
-    return -law->stiffness * stretch;
+    return law->constant - law->stiffness * stretch;
 }
 
 /* Energy at s; of a table, zero at an arbitrary point. */
@@ -68,7 +68,7 @@ static inline real law_potential(const Law *law, real s) {
     }
     real stretch = s - law->free;
     if (law->kind == STRAND_LAW && !(value_of(stretch) > 0.0)) return 0.0;
-    return 0.5 * law->stiffness * stretch * stretch;
+    return (0.5 * law->stiffness * stretch - law->constant) * stretch;
 }
 
 /* Whether the law is one cubic between two coordinates. */
@@ -136,18 +136,20 @@ typedef struct StictionFactors {
     real dynamic, constant;
 } StictionFactors;
 
+/* Factor on dynamic Coulomb friction: static up to a rate, falling smoothly to 1 at 1.5 times that. */
+static inline real static_factor(real rate, double transition, double static_ratio) {
+    real t = 2.0 * (real_abs(rate) / transition - 1.0);
+    if (!(value_of(t) > 0.0)) return static_ratio;
+    if (value_of(t) >= 1.0) return 1.0;
+    return static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t);
+}
+
 /* Signed factors at a sliding rate. Rises smoothly to the static value at the stiction transition velocity,
    falls to the dynamic one between 1 and 1.5 times it; the second factor stays at 1 beyond the transition. */
 static inline StictionFactors stiction_factors(real rate, double transition, double static_ratio) {
-    real ratio = real_abs(rate) / transition;
-    real dynamic = 1.0, constant = 1.0;
-    if (value_of(ratio) < 1.0) {
-        constant = ratio * (1.5 - 0.5 * ratio * ratio);
-        dynamic = static_ratio * constant;
-    } else if (value_of(ratio) < 1.5) {
-        real t = 2.0 * (ratio - 1.0);
-        dynamic = static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t);
-    }
+    real ratio = real_abs(rate) / transition, constant = 1.0;
+    if (value_of(ratio) < 1.0) constant = ratio * (1.5 - 0.5 * ratio * ratio);
+    real dynamic = static_factor(rate, transition, static_ratio) * constant;
     if (value_of(rate) >= 0.0) return (StictionFactors){dynamic, constant};
     return (StictionFactors){-dynamic, -constant};
 }

@@ -144,7 +144,8 @@ def _opening_torques(part: Part, axis: Vector3, settled: Participant, friction: 
     """
     hinge = Hinge(**{**part.structure, "wrench_mode": "endpoint"})
     coefficient = {"friction_coefficient": 0.0} if friction == "constant" else {}
-    slow = InProcess(part.name, hinge, {**part.start, **coefficient})
+    sliding = {"presliding_stiffness": 0.0}
+    slow = InProcess(part.name, hinge, {**part.start, **coefficient, **sliding})
     layout, known = hinge.input_layout, settled.input_layout
     for quantity in layout.quantities:  # of an instant there are fewer than of a step
         slow.inputs[layout[quantity.name]] = settled.inputs[known[quantity.name]]

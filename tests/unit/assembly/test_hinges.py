@@ -104,3 +104,21 @@ def test_stiction_velocity_is_raised_beside_a_flexible_body(mode):
     assert parts["hl2_left"].start["stiction_velocity"] == 0.0167
     assert parts["hl3_left"].start["stiction_velocity"] == pytest.approx(0.167, rel=1e-12)
     assert parts["hl3_left"].start["latch_automatic"] == (mode == "endpoint")
+
+
+def test_friction_that_sticks_is_damped_on_the_inertia_of_the_bodies():
+    """Half of critical of one mass on its spring, 2 x 0.5 sqrt(k J), shared by the hinges of the line."""
+    settings = {"hinge_line.HL2.presliding": {"stiffness": 900.0, "effective_inertia": 4.0}}
+    parts = parts_of(assemble(Scene.load("amos3", settings=settings).check(), rigid={"all"}))
+    for name in ("hl2_left", "hl2_right"):
+        assert parts[name].start["presliding_stiffness"] == pytest.approx(450.0, rel=1e-12)
+        assert parts[name].start["presliding_damping"] == pytest.approx(30.0, rel=1e-12)
+    assert "presliding_stiffness" not in parts["hl3_left"].start
+
+
+def test_a_motor_of_constant_torque_has_no_spring():
+    settings = {"hinge_line.HL2.motor": {"stowed": "1.2 N.m", "deployed": "1.2 N.m"}}
+    parts = parts_of(assemble(Scene.load("amos3", settings=settings).check(), rigid={"all"}))
+    start = parts["hl2_left"].start
+    assert start["motor_constant_torque"] == pytest.approx(0.6, rel=1e-12)
+    assert start.get("motor_stiffness", 0.0) == 0.0

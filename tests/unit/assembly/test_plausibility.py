@@ -56,3 +56,11 @@ def test_an_inertia_in_square_millimetres_is_told(tmp_path):
         "body.inner.rigid: its radius of gyration is 581 m" in one
         for one in doubts(load_text(tmp_path, text))
     )
+
+
+def test_friction_that_sticks_and_is_none_is_told(tmp_path):
+    sticks = TWO_PANELS.replace("hinges = [", LATCH + "presliding = { stiffness = 1e4 }\nhinges = [", 1)
+    (sentence,) = (one for one in doubts(load_text(tmp_path, sticks)) if "presliding" in one)
+    assert "root_line.presliding: there is no friction that could stick" in sentence
+    given = sticks.replace("presliding", "friction_preload = 0.1\npresliding")
+    assert not any("presliding" in one for one in doubts(load_text(tmp_path, given)))

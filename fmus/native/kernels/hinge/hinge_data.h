@@ -5,12 +5,20 @@
 
 #include "hinge_model.h"
 
+/* The table of a name where `has_<name>` says so, else a law of no torque. */
+static int read_optional_table(const Data *data, Memory *memory, const char *name, Law *law, Reason *why) {
+    char switch_name[64];
+    int has = 0;
+    snprintf(switch_name, sizeof switch_name, "has_%s", name);
+    *law = spring_law(0.0, 0.0);
+    return read_choice(data, switch_name, 1, &has, why) && (!has || read_table(data, memory, name, law, why));
+}
+
 /* The laws that come from the structure. */
 static int read_laws(Hinge *hinge, const Data *data, Memory *memory, Reason *why) {
-    int has_harness = 0;
-    if (!read_choice(data, "has_harness", 1, &has_harness, why)) return 0;
-    hinge->harness = spring_law(0.0, 0.0);
-    if (has_harness && !read_table(data, memory, "harness", &hinge->harness, why)) return 0;
+    if (!read_optional_table(data, memory, "motor", &hinge->motor, why)) return 0;
+    if (!read_optional_table(data, memory, "harness", &hinge->harness, why)) return 0;
+    if (!read_optional_table(data, memory, "hysteresis", &hinge->hysteresis, why)) return 0;
     if (hinge->latch_kind != TABLE_LATCH) return 1;
     return read_table(data, memory, "latch", &hinge->latch, why);
 }
@@ -34,7 +42,10 @@ static int hinge_prepare(void *self, const double *p, Reason *why) {
         hinge->stiffness[3 + i] = p[P_ROTATIONAL_STIFFNESS + i];
         hinge->damping[3 + i] = p[P_ROTATIONAL_DAMPING + i];
     }
-    hinge->motor = spring_law(p[P_MOTOR_STIFFNESS], p[P_MOTOR_WIND_UP]);
+    if (hinge->motor.kind != TABLE_LAW) {
+        hinge->motor = spring_law(p[P_MOTOR_STIFFNESS], p[P_MOTOR_WIND_UP]);
+        hinge->motor.constant = p[P_MOTOR_CONSTANT_TORQUE];
+    }
     hinge->latch_stiffness = p[hinge->locks ? P_LOCK_STIFFNESS : P_LATCH_STIFFNESS];
     hinge->latch_damping = hinge->locks ? 0.0 : p[P_LATCH_DAMPING];
     if (hinge->latch_kind != TABLE_LATCH) hinge->latch = spring_law(hinge->latch_stiffness, 0.0);

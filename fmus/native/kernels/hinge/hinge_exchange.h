@@ -14,6 +14,7 @@ int NAME(hinge_rates)(void *self, const real *raw, const real *x, const real *u,
     (void)raw, (void)why;
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     Grip grip = present_grip(x, u);
+    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) rates[i] = loads.heat[i];
     return 1;
@@ -40,10 +41,14 @@ static void hinge_update(void *self, const double *x, const double *u, int at_ev
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     memcpy(x_next, x, STATES * sizeof *x);
     store_motion(&now, x_next);
+    Grip present = present_grip(x, u);
+    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &present);
+    if (!present.failed)
+        x_next[X_PRESLIDING] = endpoint_loads(hinge, &present, now.coordinates, now.rates).friction.deflection;
     if (!at_event) return;
     Grip grip = commanded_grip(x_next, u);
     if (grip.failed) {
-        store_failure(hinge, x, now.coordinates, x_next);
+        store_failure(hinge, x_next, now.coordinates, x_next);
         return;
     }
     latch_if_reached(hinge, &grip, now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE] - REACHED);

@@ -3,19 +3,7 @@
 #ifndef FANFOLD_HINGE_LOADS_H
 #define FANFOLD_HINGE_LOADS_H
 
-#include "hinge_model.h"
-
-/* Coulomb torque mu r_p F_r + T_pre against the sliding rate (Bagnoli 2007, eq 2.2). */
-static inline real friction_torque(const Hinge *hinge, const Grip *grip, const real *load, real rate) {
-    double preload = grip->latched > 0.5 ? 0.0 : hinge->base.p[P_FRICTION_PRELOAD];
-    if (hinge->base.p[P_FRICTION_COEFFICIENT] == 0.0 && preload == 0.0) return 0.0;
-    real square = load[1] * load[1] + load[2] * load[2];
-    real normal = square / real_sqrt(square + FORCE_SMOOTHING * FORCE_SMOOTHING);
-    if (hinge->base.p[P_FRICTION_BENDING_ARM] > 0.0)
-        normal += root_of_squares(load[4] * load[4] + load[5] * load[5]) / hinge->base.p[P_FRICTION_BENDING_ARM];
-    StictionFactors sliding = stiction_factors(rate, hinge->base.p[P_STICTION_VELOCITY], hinge->base.p[P_STATIC_FRICTION_RATIO]);
-    return -(hinge->base.p[P_FRICTION_COEFFICIENT] * hinge->base.p[P_PIN_RADIUS] * normal * sliding.dynamic + preload * sliding.constant);
-}
+#include "hinge_friction.h"
 
 /* Swing in the middle of a step. */
 static inline Transverse mean_swing(const double *x, const Motion *new) {
@@ -61,7 +49,7 @@ static inline StiffLoads stiff_loads(const Hinge *hinge, const Grip *grip, const
 
 /* Mean loads over a step from both its ends (discrete gradients and mean rates), and their slopes at order 4. */
 static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *grip, const Motion *new,
-                               const StepMotion *motions, const StiffLoads *stiff, double h) {
+                               const StepMotion *motions, const StiffLoads *stiff) {
     real elastic[COORDINATE_COUNT], slope[COORDINATE_COUNT], heat = 0.0, numerical = 0.0;
     StepMotion turn = motions[HINGE_ANGLE];
     MeanLoad latch = stiff->latch;
@@ -72,9 +60,9 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         numerical += stiff->bushing[i].numerical;
     }
     real change = turn.end - turn.start;
-    real friction = friction_torque(hinge, grip, elastic, change / h);
+    Presliding friction = step_friction(hinge, grip, elastic, &turn);
     MeanLoad motor = drive_load(hinge, &hinge->motor, &turn), harness = drive_load(hinge, &hinge->harness, &turn);
-    real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction + latch.force;
+    real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction.force + latch.force;
     numerical += latch.numerical;
     if (grip->holding != 0.0) {
         twist -= hinge->base.p[P_HOLD_STIFFNESS] * (turn.end - grip->hold_angle);
@@ -86,7 +74,7 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         conjugate_torque(twist, (Transverse){elastic[4], elastic[5]}, swing),
         latch.force,
         friction,
-        {-friction * change, latch.heat, heat},
+        {friction.heat, latch.heat, heat},
         numerical,
         {0.0, 0.0, 0.0},
         {0.0, 0.0, 0.0},
@@ -118,7 +106,7 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
         {load[0], load[1], load[2]},
         conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
         0.0,
-        0.0,
+        {0.0, 0.0, grip->presliding},
         {0.0, latch, 0.0},
         sum - latch,
         {0.0, 0.0, 0.0},
@@ -150,24 +138,24 @@ static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const re
     const real *load = held->bushing;
     real angle = coordinates[HINGE_ANGLE], rate = rates[HINGE_ANGLE], viscous = 0.0, damping = 0.0;
     for (int i = 0; i < COORDINATE_COUNT; i++) damping += hinge->damping[i] * rates[i] * rates[i];
-    real friction = friction_torque(hinge, grip, load, rate);
+    Presliding friction = instant_friction(hinge, grip, load, angle, rate);
     if (latch_acts(hinge, grip)) viscous = -hinge->latch_damping * rate;
-    real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) + friction +
-                 held->latch;
+    real twist = load[HINGE_ANGLE] + law_value(&hinge->motor, angle) + law_value(&hinge->harness, angle) +
+                 friction.force + held->latch;
     if (grip->holding != 0.0) twist -= hinge->base.p[P_HOLD_STIFFNESS] * (angle - grip->hold_angle);
     return (Loads){
         {load[0], load[1], load[2]},
         conjugate_torque(twist, (Transverse){load[4], load[5]}, (Transverse){coordinates[4], coordinates[5]}),
         held->latch,
         friction,
-        {-friction * rate, -viscous * rate, damping},
+        {friction.heat, -viscous * rate, damping},
         0.0,
         {0.0, 0.0, 0.0},
         {0.0, 0.0, 0.0},
     };
 }
 
-/* Energy in bushing, motor, harness, latch and hold. */
+/* Energy in bushing, motor, harness, latch, friction that sticks and hold. */
 static inline real stored_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
     real angle = coordinates[HINGE_ANGLE], energy = 0.0;
     for (int i = 0; i < COORDINATE_COUNT; i++) {
@@ -177,6 +165,7 @@ static inline real stored_energy(const Hinge *hinge, const Grip *grip, const rea
     energy += law_potential(&hinge->motor, angle) + law_potential(&hinge->harness, angle);
     if (latch_acts(hinge, grip))
         energy += law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
+    energy += 0.5 * hinge->base.p[P_PRESLIDING_STIFFNESS] * grip->presliding * grip->presliding;
     if (grip->holding != 0.0) {
         real held = angle - grip->hold_angle;
         energy += 0.5 * hinge->base.p[P_HOLD_STIFFNESS] * held * held;

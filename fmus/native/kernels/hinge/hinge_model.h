@@ -8,6 +8,7 @@
 #include "hinge_layout.h"
 #include "connection.h"
 #include "laws.h"
+#include "presliding.h"
 #include "workless.h"
 
 enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3, HEAT_CAUSES = 3 };
@@ -20,7 +21,7 @@ typedef struct Hinge {
     double axis_frame[4];
     int latch_kind, locks;
     double stiffness[COORDINATE_COUNT], damping[COORDINATE_COUNT], latch_stiffness, latch_damping;
-    Law motor, harness, latch;
+    Law motor, harness, hysteresis, latch;
 } Hinge;
 
 /* Pose of one instant, its six coordinates (the hinge angle unwrapped) and their rates. */
@@ -30,19 +31,22 @@ typedef struct Motion {
     real coordinates[COORDINATE_COUNT], rates[COORDINATE_COUNT];
 } Motion;
 
-/* What holds the hinge, the angles where it took hold, and whether the joint has failed: then nothing does. */
+/* What holds the hinge, the angles where it took hold, how far friction that sticks has deflected, and whether the joint
+   has failed: then nothing holds. */
 typedef struct Grip {
     double latched, holding;
-    real latched_angle, hold_angle;
+    real latched_angle, hold_angle, presliding;
     int failed;
 } Grip;
 
-/* Force and torque on B in hinge axes, torque of latch and of friction, heat of friction, latch and damping,
+/* Force and torque on B in hinge axes, torque of the latch, friction, heat of friction, latch and damping,
    what the scheme took away; the slopes of force and torque, zero at order 2; of a step, what turns about the hinge line,
    and its slope. */
 typedef struct Loads {
     Vector3 force, torque;
-    real latch_torque, friction_torque, heat[HEAT_CAUSES], numerical;
+    real latch_torque;
+    Presliding friction;
+    real heat[HEAT_CAUSES], numerical;
     Vector3 force_slope, torque_slope;
     real about_line[2];
 } Loads;
@@ -71,7 +75,8 @@ static inline Motion hinge_motion(const Hinge *hinge, const real *u, real refere
 
 /* Fail, or latch or hold at the angle where the command arrives. */
 static inline Grip commanded_grip(const double *x, const real *u) {
-    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_FAILED] != 0.0 || commanded(u, U_FAILURE_COMMAND)};
+    Grip grip = {x[X_LATCHED], 0.0, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0};
+    grip.failed = x[X_FAILED] != 0.0 || commanded(u, U_FAILURE_COMMAND);
     if (grip.failed) return grip;
     if (commanded(u, U_LATCH_COMMAND) && x[X_LATCHED] == 0.0) {
         grip.latched = 1.0;
@@ -92,7 +97,13 @@ static inline int latch_acts(const Hinge *hinge, const Grip *grip) {
 /* The grip of a state under the present hold command. */
 static inline Grip present_grip(const real *x, const real *u) {
     double holding = commanded(u, U_HOLD) ? 1.0 : 0.0;
-    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], value_of(x[X_FAILED]) != 0.0};
+    const int failed = value_of(x[X_FAILED]) != 0.0;
+    return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], failed};
+}
+
+/* Moves friction that sticks with the hinge from a state to an angle. */
+static inline void move_along(const Hinge *hinge, const real *x, real angle, Grip *grip) {
+    if (hinge->base.p[P_PRESLIDING_STIFFNESS] != 0.0) grip->presliding += angle - x[X_COORDINATES + HINGE_ANGLE];
 }
 
 /* Whether the latch engages by itself and has not yet. */

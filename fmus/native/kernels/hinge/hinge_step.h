@@ -19,12 +19,13 @@ static inline void store_grip(const Grip *grip, real *x) {
     x[X_LATCHED_ANGLE] = grip->latched_angle;
     x[X_HOLDING] = grip->holding;
     x[X_HOLD_ANGLE] = grip->hold_angle;
+    x[X_PRESLIDING] = grip->presliding;
 }
 
 /* A joint that fails turns to heat what it stores at the coordinates. */
 static inline void store_failure(const Hinge *hinge, const double *x, const double *coordinates, real *x_next) {
     if (x[X_FAILED] != 0.0) return;
-    const Grip grip = {x[X_LATCHED], x[X_HOLDING], x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], 0};
+    const Grip grip = {x[X_LATCHED], x[X_HOLDING], x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], 0};
     real place[COORDINATE_COUNT];
     for (int i = 0; i < COORDINATE_COUNT; i++) place[i] = coordinates[i];
     x_next[X_FAILED] = 1.0;
@@ -70,7 +71,9 @@ static inline void store_loads(const Hinge *hinge, const double *x, const Grip *
 static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip, const Motion *new, double h,
                                  real *x_next) {
     latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->base.p[P_LATCH_ANGLE]);
+    move_along(hinge, x, new->coordinates[HINGE_ANGLE], grip);
     Loads loads = endpoint_loads(hinge, grip, new->coordinates, new->rates);
+    grip->presliding = loads.friction.deflection;
     for (int i = 0; i < HEAT_CAUSES; i++) {
         x_next[X_FRICTION_HEAT + i] = x[X_FRICTION_HEAT + i] + 0.5 * h * (x[X_POWER + i] + loads.heat[i]);
         x_next[X_POWER + i] = loads.heat[i];
@@ -105,10 +108,11 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         StepMotion motions[COORDINATE_COUNT];
         step_motions(hinge, x, u, new, &passage, h, motions);
         StiffLoads stiff = stiff_loads(hinge, grip, motions);
-        loads = mean_loads(hinge, x, grip, new, motions, &stiff, h);
+        loads = mean_loads(hinge, x, grip, new, motions, &stiff);
         store_memories(hinge, x, new, motions, h, x_next);
         if (hinge->base.paired) store_loads(hinge, x, grip, motions, &stiff, h, x_next);
     }
+    grip->presliding = loads.friction.deflection;
     store_mean_pair(&passage, loads.force, loads.torque, x_next + X_WRENCH);
     if (hinge->base.paired)
         store_slope_pair(&passage, loads.force_slope, loads.torque_slope, x_next + X_WRENCH, x_next + X_SLOPES);
@@ -161,6 +165,7 @@ void NAME(hinge_outputs)(void *self, const real *x, const real *u, real *y) {
     if (hinge->base.endpoint) {
         Motion now = hinge_motion(hinge, u, angle);
         Grip grip = present_grip(x, u);
+        move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
         Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
         store_pair(quaternion_rotate(now.frame, loads.force), quaternion_rotate(now.frame, loads.torque), now.gap, y);
         angle = now.coordinates[HINGE_ANGLE];

@@ -91,15 +91,19 @@ static inline void differentiate_loads(const Hinge *hinge, const Grip *grip, con
 /* Adds what friction changes in the torque about the hinge line, as mean loads of the bushing and the angle move. */
 static inline void add_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff, const StepMotion *turn,
                                 const double *const mean[COORDINATE_COUNT], const double *angle, double *twist) {
-    real load[COORDINATE_COUNT], rate = (turn->end - turn->start) / turn->h;
+    real load[COORDINATE_COUNT];
     for (int i = 0; i < COORDINATE_COUNT; i++) load[i] = stiff->bushing[i].force;
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        const int by_rate = i == HINGE_ANGLE; /* the load about the hinge line itself does not press */
+        const int by_angle = i == HINGE_ANGLE; /* the load about the hinge line itself does not press */
         const real kept = load[i];
-        if (!by_rate) load[i] = seeded_number(load[i]);
-        const real friction = friction_torque(hinge, grip, load, by_rate ? seeded_number(rate) : rate);
-        const double slope = cimag(friction) / FANFOLD_INFINITESIMAL / (by_rate ? turn->h : 1.0);
-        const double *moved = by_rate ? angle : mean[i];
+        StepMotion seeded = *turn;
+        if (by_angle)
+            seeded.end = seeded_number(turn->end);
+        else
+            load[i] = seeded_number(load[i]);
+        const real friction = step_friction(hinge, grip, load, &seeded).force;
+        const double slope = cimag(friction) / FANFOLD_INFINITESIMAL;
+        const double *moved = by_angle ? angle : mean[i];
         load[i] = kept;
         for (int j = 0; j < COLUMNS && slope != 0.0; j++) twist[j] += slope * moved[j];
     }
@@ -313,7 +317,7 @@ int hinge_stiffness(void *self, const double *x, const double *u, double h, size
     step_motions(hinge, x, given, &course.end, &passage, h, course.motions);
     place_frames(&passage, &course);
     const StiffLoads stiff = stiff_loads(hinge, &grip, course.motions);
-    const Loads loads = mean_loads(hinge, x, &grip, &course.end, course.motions, &stiff, h);
+    const Loads loads = mean_loads(hinge, x, &grip, &course.end, course.motions, &stiff);
     const Transverse swing = mean_swing(x, &course.end);
     const Columns turn_a = columns_of_unit(BY_TURN_A);
     Columns moved[4] = {{{{0.0}}}}, change[4] = {{{{0.0}}}};

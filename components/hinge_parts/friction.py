@@ -1,0 +1,93 @@
+"""Friction of a hinge: pin and constant friction and the hysteresis of its laws, sticking or smooth at rest."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import NamedTuple
+
+from ..contract.frames import Vector3
+from ..numerics.laws import static_factor, stiction_factors
+from ..numerics.presliding import Presliding, instant_force, step_force, within
+from .state import Constants
+from .variables import State
+
+FORCE_SMOOTHING = 1.0
+
+
+class _Magnitudes(NamedTuple):
+    """Friction (N.m) that is static or dynamic, and friction that is the same at any rate."""
+
+    of_pin: float
+    constant: float
+
+
+def _magnitudes(
+    c: Constants, latched: bool, force: Vector3, bending: tuple[float, float], angle: float
+) -> _Magnitudes:
+    """Coulomb torque mu r_p F_r, and T_pre (Bagnoli 2007, eq 2.2) with half the width of the hysteresis."""
+    square = force[1] * force[1] + force[2] * force[2]
+    normal = square / sqrt(square + FORCE_SMOOTHING**2)
+    if c.p.friction_bending_arm > 0.0:
+        normal += sqrt(bending[0] * bending[0] + bending[1] * bending[1]) / c.p.friction_bending_arm
+    constant = 0.0 if latched else c.p.friction_preload
+    return _Magnitudes(
+        c.p.friction_coefficient * c.p.pin_radius * normal, constant + max(c.hysteresis.value(angle), 0.0)
+    )
+
+
+def _smooth(c: Constants, found: _Magnitudes, rate: float) -> float:
+    """Torque against a sliding rate."""
+    of_pin, constant = stiction_factors(rate, c.p.stiction_velocity, c.p.static_friction_ratio)
+    return -(found.of_pin * of_pin + found.constant * constant)
+
+
+def _largest(c: Constants, found: _Magnitudes, rate: float) -> float:
+    """Torque that friction does not exceed at a rate."""
+    factor = static_factor(rate, c.p.stiction_velocity, c.p.static_friction_ratio)
+    return found.of_pin * factor + found.constant
+
+
+def step_friction(
+    c: Constants, old: State, angle: float, force: Vector3, bending: tuple[float, float], h: float
+) -> Presliding:
+    """Mean torque over a step to an angle, positive opening."""
+    change = angle - old.angle
+    found = _magnitudes(c, old.latched > 0.5, force, bending, 0.5 * (old.angle + angle))
+    if c.p.presliding_stiffness == 0.0:
+        torque = _smooth(c, found, change / h)
+        return Presliding(torque, -torque * change, 0.0)
+    if old.holding:
+        return _taking_over(c, found, angle - old.hold_angle)
+    most = _largest(c, found, change / h)
+    return step_force(c.p.presliding_stiffness, c.p.presliding_damping, most, old.presliding, change, h)
+
+
+def _taking_over(c: Constants, found: _Magnitudes, held: float) -> Presliding:
+    """No torque while the angle is held, but the deflection with which friction then takes over what it can."""
+    most = _largest(c, found, 0.0)
+    return Presliding(0.0, 0.0, within(c.p.hold_stiffness * held, most) / c.p.presliding_stiffness)
+
+
+def instant_friction(c: Constants, s: State, force: Vector3, bending: tuple[float, float]) -> Presliding:
+    """Torque of one instant; heat as power (W)."""
+    found = _magnitudes(c, s.latched > 0.5, force, bending, s.angle)
+    if c.p.presliding_stiffness == 0.0:
+        torque = _smooth(c, found, s.rate)
+        return Presliding(torque, -torque * s.rate, 0.0)
+    if s.holding:
+        return _taking_over(c, found, s.angle - s.hold_angle)
+    most = _largest(c, found, s.rate)
+    return instant_force(c.p.presliding_stiffness, c.p.presliding_damping, most, s.presliding, s.rate)
+
+
+def starting_deflection(c: Constants, angle: float) -> float:
+    """Deflection with which friction that sticks holds what motor, harness and joint do at an angle, as far as it can.
+
+    Of the friction, what is there without loads on the pin.
+    """
+    if c.p.presliding_stiffness == 0.0:
+        return 0.0
+    none = (0.0, 0.0, 0.0)
+    most = _largest(c, _magnitudes(c, False, none, (0.0, 0.0), angle), 0.0)
+    driving = c.motor.value(angle) + c.harness.value(angle) - c.stiffness[3] * (angle - c.p.aligned_angle)
+    return within(driving, most) / c.p.presliding_stiffness
