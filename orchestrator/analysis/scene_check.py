@@ -199,10 +199,17 @@ def _line(scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool]) ->
     return LineOverview(
         line.name, line.inboard, line.outboard, tuple(hinge.name for hinge in line.hinges), line.held,
         line.initial_angle, line.deployed_angle,
-        None if line.motor is None else (line.motor.stowed, line.motor.deployed),
+        _motor_torques(line),
         line.motor_energy, line.friction_preload, line.presliding is not None, f"{setting.kind}{stiff}", inertia,
         line.stop_angle,
     )  # fmt: skip
+
+
+def _motor_torques(line: HingeLine) -> tuple[float, float] | None:
+    """Of its motor, opening, at the stowed and the deployed angle."""
+    if line.motor is None:
+        return None
+    return line.motor_law.value(line.stowed_angle), line.motor_law.value(line.deployed_angle)
 
 
 def _loop(scene: CheckedScene, loop: Ccl) -> LoopOverview:

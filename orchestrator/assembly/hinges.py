@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import sqrt
 from typing import Literal, NamedTuple
+
+import numpy as np
 
 from components.contract.frames import Vector3
 
 from ..scene.component_connections import WrenchMode
 from ..scene.connection_tables import Ccl, Damper
 from ..scene.damping import StructuralDamping
-from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch
+from ..scene.hinge_line_tables import Friction, Hinge, HingeLine, Joint, Latch, MeasuredLatch, TorqueLoop
 from ..scene.schema import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
@@ -115,7 +117,7 @@ def hinge_parts(
         Part(
             hinge.name,
             "hinge",
-            structure | _harness(line, hinge),
+            structure | _tables(line, hinge),
             start | _bushing(scene.joint, hinge, damping),
         )
         for hinge in line.hinges
@@ -130,7 +132,8 @@ def _measured(latch: LatchSetting, share: float) -> dict[str, tuple[float, ...]]
 
 
 def _motor(line: HingeLine, share: float) -> dict[str, float]:
-    if line.motor is None:
+    """The share of a spring, or of a constant torque."""
+    if line.motor is None or line.motor.angle or line.motor.stowed is None or line.motor.deployed is None:
         return {}
     rate = (line.motor.stowed - line.motor.deployed) / (line.deployed_angle - line.stowed_angle)
     if rate == 0.0:
@@ -160,13 +163,26 @@ def _friction(friction: Friction, beside_flexible: bool) -> dict[str, float]:
     }
 
 
-def _harness(line: HingeLine, hinge: Hinge) -> dict[str, tuple[float, ...]]:
-    """Table of the opening torque at a hinge that carries a share of the harness."""
-    if line.harness is None or not hinge.harness:
+def _tables(line: HingeLine, hinge: Hinge) -> dict[str, tuple[float, ...]]:
+    """Tables of motor and harness at a hinge, opening torques, and of their hysteresis; only some carry the harness."""
+    loops = {}
+    if line.motor is not None and line.motor.loop is not None:
+        loops["motor"] = line.motor.loop.shared(len(line.hinges))
+    if line.harness is not None and hinge.harness:
+        loops["harness"] = line.harness.loop.shared(sum(other.harness for other in line.hinges))
+    found: dict[str, tuple[float, ...]] = {}
+    for name, loop in loops.items():
+        found |= {f"{name}_angle": loop.angle, f"{name}_torque": loop.mean}
+    return found | _hysteresis([loop for loop in loops.values() if any(loop.half)])
+
+
+def _hysteresis(loops: Sequence[TorqueLoop]) -> dict[str, tuple[float, ...]]:
+    """Their sum over the angles of both, straight between each one's own."""
+    if not loops:
         return {}
-    share = 1.0 / sum(other.harness for other in line.hinges)
-    torque = tuple(-share * value for value in line.harness.resisting_torque)
-    return {"harness_angle": line.harness.angle, "harness_torque": torque}
+    angle = np.unique(np.concatenate([loop.angle for loop in loops]))
+    half = np.sum([np.interp(angle, loop.angle, loop.half) for loop in loops], axis=0)
+    return {"hysteresis_angle": tuple(angle.tolist()), "hysteresis_torque": tuple(half.tolist())}
 
 
 def _bushing(joint: Joint, hinge: Hinge, time: float) -> dict[str, float | Vector3]:

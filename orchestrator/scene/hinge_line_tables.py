@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import degrees, pi
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 from pydantic import Field, model_validator
+
+from components.numerics.laws import Law, Linear
+from components.numerics.laws import Table as TorqueTable
 
 from .table import Axis, Name, Table
 from .units import (
@@ -85,31 +89,100 @@ class Hinge(Table):
 
 
 class Motor(Table):
-    """Motorisation spring of a line: its torques at the stowed and at the latch angle, positive opening."""
+    """Motor of a line, positive opening: a spring by its torques at the stowed and at the latch angle, or a table.
 
-    stowed: Torque
-    deployed: Torque
+    The table has the torque over the hinge angle while the line opens, and closing_torque what it is while it closes,
+    where that differs: more, as a motor with hysteresis resists being wound up. A table, such as a variant lays over a
+    spring, takes its place.
+    """
+
+    stowed: Torque | None = None
+    deployed: Torque | None = None
+    angle: tuple[Angle, ...] = ()
+    torque: tuple[Torque, ...] = ()
+    closing_torque: tuple[Torque, ...] = ()
+
+    @property
+    def loop(self) -> TorqueLoop | None:
+        """The table, None of a spring."""
+        return TorqueLoop.of(self.angle, self.torque, self.closing_torque) if self.angle else None
 
     @model_validator(mode="after")
-    def _falling(self) -> Self:
-        if not self.stowed >= self.deployed:
-            raise ValueError("the torque of a spring falls while it opens; stowed must not be below deployed")
+    def _spring_or_table(self) -> Self:
+        if not self.angle and None in (self.stowed, self.deployed):
+            raise ValueError("give its torques stowed and deployed, or a table of angle and torque")
+        if self.stowed is not None and self.deployed is not None and not self.stowed >= self.deployed:
+            raise ValueError(
+                "the torque of a spring falls while it opens; stowed must not be below deployed; give a table of angle "
+                "and torque where it rises"
+            )
+        _check_loop(self.angle, self.torque, self.closing_torque, more=True)
         return self
 
 
 class Harness(Table):
-    """Harness of a line: table of the torque that resists opening over the hinge angle."""
+    """Harness of a line: table of the torque that resists opening over the hinge angle.
+
+    closing_torque: the same while the line closes, where hysteresis makes it less.
+    """
 
     angle: tuple[Angle, ...]
     resisting_torque: tuple[Torque, ...]
+    closing_torque: tuple[Torque, ...] = ()
+
+    @property
+    def loop(self) -> TorqueLoop:
+        """The table, positive opening."""
+        opening, closing = (
+            tuple(-torque for torque in torques) for torques in (self.resisting_torque, self.closing_torque)
+        )
+        return TorqueLoop.of(self.angle, opening, closing)
 
     @model_validator(mode="after")
     def _table(self) -> Self:
-        if len(self.angle) < 2 or len(self.angle) != len(self.resisting_torque):
+        if len(self.angle) < 2:
             raise ValueError("give at least two angles and as many torques")
-        if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(self.angle)):
-            raise ValueError("the angles of the table must increase")
+        _check_loop(self.angle, self.resisting_torque, self.closing_torque, more=False)
         return self
+
+
+class TorqueLoop(NamedTuple):
+    """Torque (N.m, positive opening) over angles (rad): the mean of both ways, and half of their difference."""
+
+    angle: tuple[float, ...]
+    mean: tuple[float, ...]
+    half: tuple[float, ...]
+
+    @classmethod
+    def of(cls, angle: Sequence[float], opening: Sequence[float], closing: Sequence[float]) -> Self:
+        """From the torques of both ways; those of closing may be none, which is the same."""
+        pairs = list(zip(opening, closing or opening, strict=True))
+        return cls(
+            tuple(angle), tuple(0.5 * (a + b) for a, b in pairs), tuple(0.5 * abs(b - a) for a, b in pairs)
+        )
+
+    def shared(self, count: int) -> Self:
+        """The share of one of several hinges."""
+        mean, half = (tuple(torque / count for torque in torques) for torques in (self.mean, self.half))
+        return self._replace(mean=mean, half=half)
+
+
+def _check_loop(
+    angle: Sequence[float], opening: Sequence[float], closing: Sequence[float], *, more: bool
+) -> None:
+    """ValueError where a table of torques both ways is none; more: whether closing may take more, or less."""
+    if angle and (len(angle) < 2 or len(angle) != len(opening)):
+        raise ValueError("give at least two angles and as many torques")
+    if any(b - a < _ANGLE_ROUND_OFF for a, b in pairwise(angle)):
+        raise ValueError("the angles of the table must increase")
+    if closing and len(closing) != len(angle):
+        raise ValueError(f"closing_torque has {len(closing)} torques for {len(angle)} angles")
+    differences = [b - a if more else a - b for a, b in zip(opening, closing, strict=False)]
+    if any(difference < 0.0 for difference in differences):
+        word = "below" if more else "above"
+        raise ValueError(
+            f"hysteresis only takes energy; closing_torque must nowhere be {word} the torque of opening"
+        )
 
 
 class MeasuredLatch(Table):
@@ -231,17 +304,29 @@ class HingeLine(Table):
 
     @property
     def has_friction(self) -> bool:
-        """Whether it has friction beside that of its pins."""
-        return self.friction_preload > 0.0
+        """Whether it has friction, or hysteresis, beside the friction of its pins."""
+        loops = (table.loop for table in (self.motor, self.harness) if table is not None)
+        return self.friction_preload > 0.0 or any(any(loop.half) for loop in loops if loop is not None)
+
+    @property
+    def motor_law(self) -> Law:
+        """Torque of its motor while it opens, and its potential, over the hinge angle; no torque without one."""
+        motor = self.motor
+        if motor is None:
+            return Linear(0.0)
+        if motor.angle or motor.stowed is None or motor.deployed is None:
+            return TorqueTable(motor.angle, motor.torque)
+        rate = (motor.stowed - motor.deployed) / (self.deployed_angle - self.stowed_angle)
+        return Linear(rate, self.stowed_angle, motor.stowed)
 
     @property
     def motor_energy(self) -> float:
-        """Energy (J) that the motorisation spring gives from the initial to the deployed angle, 0 without one."""
-        if self.motor is None:
+        """Energy (J) that the motor gives from the initial to the deployed angle, 0 without one."""
+        if self.initial_angle >= self.deployed_angle:
             return 0.0
-        left = self.deployed_angle - self.initial_angle
-        rise = (self.motor.stowed - self.motor.deployed) / (self.deployed_angle - self.stowed_angle)
-        return max(0.0, left * (self.motor.deployed + 0.5 * rise * left))
+        return max(
+            0.0, self.motor_law.potential(self.initial_angle) - self.motor_law.potential(self.deployed_angle)
+        )
 
     @property
     def sensor(self) -> str:

@@ -28,7 +28,7 @@ _SAME = 1e-6
 
 
 def at_rest(part: Part) -> Part:
-    """The part with end-point wrenches, without friction, and with a kinematic latch as its lock."""
+    """The part with end-point wrenches, without friction or hysteresis, and with a kinematic latch as its lock."""
     structure, start = dict(part.structure), dict(part.start)
     if REGISTRY[part.kind].has_wrench_mode():
         structure["wrench_mode"] = "endpoint"
@@ -39,6 +39,7 @@ def at_rest(part: Part) -> Part:
         start |= {"latch_stiffness": start.get("lock_stiffness", lock), "latch_damping": 0.0}
     if "latch_automatic" in layout:
         start["latch_automatic"] = 0.0
+    structure = {k: v for k, v in structure.items() if not k.startswith("hysteresis")}
     start |= {q.name: 0.0 for q in layout.quantities if q.name.startswith("friction")}
     return replace(part, structure=structure, start=start)
 

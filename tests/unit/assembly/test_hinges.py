@@ -11,6 +11,7 @@ import pytest
 from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.hinges import line_latch
 from orchestrator.scene.builder import Scene
+from orchestrator.scene.table import SceneError
 from tests.references.edits import edited
 from tests.unit.scene.scene_cases import AMOS3_BODIES, COMPLETE, amos3, load_text, parts_of
 
@@ -122,3 +123,41 @@ def test_a_motor_of_constant_torque_has_no_spring():
     start = parts["hl2_left"].start
     assert start["motor_constant_torque"] == pytest.approx(0.6, rel=1e-12)
     assert start.get("motor_stiffness", 0.0) == 0.0
+
+
+def test_tables_of_motor_and_harness_with_hysteresis_are_shared():
+    """Means of both ways, and half of their differences in sum over the angles of both; the harness is on one hinge."""
+    motor = {"angle": ["0 deg", "180 deg"], "torque": [1.6, 1.0], "closing_torque": [1.8, 1.2]}
+    settings = {
+        "hinge_line.HL2.motor": motor,
+        "hinge_line.HL2.harness.angle": ["0 deg", "180 deg"],
+        "hinge_line.HL2.harness.resisting_torque": [0.15, -0.08],
+        "hinge_line.HL2.harness.closing_torque": [0.05, -0.08],
+    }
+    scene = Scene.load("amos3", settings=settings)
+    parts = parts_of(assemble(scene.check(), rigid={"all"}))
+    left, right = parts["hl2_left"].structure, parts["hl2_right"].structure
+    for structure in (left, right):
+        assert structure["motor_torque"] == pytest.approx((0.85, 0.55))
+    assert left["harness_torque"] == pytest.approx((-0.1, 0.08))
+    assert left["hysteresis_torque"] == pytest.approx((0.1, 0.05))
+    assert right["hysteresis_torque"] == pytest.approx((0.05, 0.05))
+    line = next(line for line in scene.check().hinge_lines if line.name == "HL2")
+    assert line.motor_energy == pytest.approx(1.3 * pi)
+
+
+NINETY = {"angle": ["0 deg", "90 deg"]}
+
+
+@pytest.mark.parametrize(
+    ("motor", "text"),
+    [
+        ({"stowed": 1.0, "deployed": 1.1}, "stowed must not be below deployed"),
+        (NINETY | {"torque": [1.0]}, "at least two angles and as many torques"),
+        (NINETY | {"torque": [1.0, 1.0], "closing_torque": [1.0, 0.9]}, "nowhere be below"),
+        (NINETY | {"torque": [1.0, 1.0], "closing_torque": [1.0]}, "1 torques for 2 angles"),
+    ],
+)
+def test_motors_that_are_none_are_told(motor, text):
+    with pytest.raises(SceneError, match=text):
+        Scene.load("amos3", settings={"hinge_line.HL2.motor": motor}).check()

@@ -182,3 +182,29 @@ def test_native_hinge_sticks_and_slides_as_its_component():
         observations, derivatives = native_errors("hinge", until, rotor(0.2, 0.3, **spring), LINKS, 0.02)
         assert observations < 1e-6
         assert derivatives < 1e-9
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 400.0])
+def test_hysteresis_takes_the_area_between_opening_and_closing(stiffness):
+    """From 0 to 1 rad and back under 2 -+ W, W = 0.1 + 0.2 phi (N.m): heat of 0.4 J.
+
+    A contact that sticks passes the last 2 W / k before the turn twice for nothing, 2 W^2 / k at W = 0.3 N.m. W is that
+    in the middle of steps of 2.5 mrad, and the way back to sliding at its start: 0.2 x 2.5e-3 x 1.5e-3 J at the most,
+    and as much again of second order in 2 W / k.
+    """
+    ends = {"motor_angle": (0.0, 1.0), "hysteresis_angle": (0.0, 1.0)}
+    component, c = hinge(
+        "mean",
+        ends | {"motor_torque": (2.0, 2.0), "hysteresis_torque": (0.1, 0.3)},
+        **STIFF,
+        presliding_stiffness=stiffness,
+    )
+    x = component.initial(c, outboard(component, 0.0))
+    for angle in (*np.linspace(0.0, 1.0, 401)[1:], *np.linspace(1.0, 0.0, 401)[1:]):
+        u = outboard(component, angle)
+        x = component.step(c, x, u, 0.01)
+    turned = 2.0 * 0.3**2 / stiffness if stiffness else 0.0
+    seen = observed(component, c, x, u)
+    assert seen["friction_energy"] == pytest.approx(0.4 - turned, abs=1.5e-6 if stiffness else 1e-12)
+    assert seen["motor_torque"] == 2.0
+    assert seen["motor_energy"] == pytest.approx(0.0, abs=1e-12)
