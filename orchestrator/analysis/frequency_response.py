@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from components.contract.component import Vector
 
 from ..scene import SceneError
+from .statics.configuration import Configuration
 from .statics.linear_model import LinearModel, modal_damping, normal_modes
 from .vibration import DIRECTIONS, INTERFACE
 
@@ -34,9 +35,14 @@ class Response(NamedTuple):
 
 @dataclass(frozen=True)
 class FrequencyResponse:
-    """Responses of a scene to an acceleration of its base, of 1 m/s2 or 1 rad/s2; frequencies: Hz, shape (F,)."""
+    """Responses of a scene to an acceleration of its base, of 1 m/s2 or 1 rad/s2; frequencies: Hz, shape (F,).
+
+    The base moves as prescribed, whatever its mass: a free one (`base_is_free`) as well, which would not by itself.
+    """
 
     scene: str
+    configuration: Configuration
+    base_is_free: bool
     excitation: str
     frequencies: Vector
     responses: tuple[Response, ...]
@@ -54,6 +60,8 @@ class FrequencyResponse:
         ]
         return {
             "scene": self.scene,
+            "configuration": self.configuration.as_dict(),
+            "base_is_free": self.base_is_free,
             "excitation": self.excitation,
             "frequency_hz": self.frequencies.tolist(),
             "responses": curves,
@@ -70,8 +78,7 @@ def base_response(model: LinearModel, excitation: int, frequencies: Vector) -> t
     others = model.other_rows
     rigid = model.mechanism.rigid_motion(model.origin)
     carried = rigid[:, excitation]
-    mass = model.mass.copy()
-    mass[np.ix_(base, base)] = 0.0  # loads are those at the interface, on whatever base there is
+    mass = model.mass_on_base  # loads are those at the interface, on whatever base there is
     accelerations = np.zeros((len(frequencies), len(mass)), dtype=complex)
     loads = np.zeros((len(frequencies), 6), dtype=complex)
     for k, omega in enumerate(2.0 * np.pi * np.asarray(frequencies, dtype=float)):

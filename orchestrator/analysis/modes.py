@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from math import isnan
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -65,12 +65,14 @@ class Mode(NamedTuple):
 class Modes:
     """Normal modes of a scene in a configuration.
 
+    base: "fixed" to ground, "free" to swing with the wing, whose modes have no effective masses, or free and "held".
     listed: those beyond the free motions, of which there are `free_motions`. unbalanced: force (N) and torque (N.m)
     that nothing balances there.
     """
 
     scene: str
     configuration: Configuration
+    base: Literal["fixed", "held", "free"]
     listed: tuple[Mode, ...]
     free_motions: int
     unbalanced: tuple[float, float]
@@ -93,8 +95,8 @@ class Modes:
         structural = self.structural_damping
         return {
             "scene": self.scene,
-            "angles_rad": dict(self.configuration.angles),
-            "latched": list(self.configuration.latched),
+            **self.configuration.as_dict(),
+            "base": self.base,
             "unbalanced_force_n": self.unbalanced[0],
             "unbalanced_torque_nm": self.unbalanced[1],
             "free_motions": self.free_motions,
@@ -112,12 +114,14 @@ def find_modes(
     target: Configuration,
     as_posed: bool,
     count: int,
+    held: bool = False,
 ) -> Modes:
-    """The first modes of a scene in a configuration, loaded or as posed."""
+    """The first modes of a scene in a configuration, loaded or as posed; held: a free base does not move."""
     model = scene_model(scene, rigid, flexible, target, as_posed)
-    shapes = normal_modes(model)
+    base: Literal["fixed", "held", "free"] = "fixed" if model.is_grounded else "held" if held else "free"
+    shapes = normal_modes(model, model.base_constraints if base == "held" else None)
     return Modes(
-        scene.header.name, target, tuple(mode_table(model, shapes, count)), int(shapes.is_free.sum()),
+        scene.header.name, target, base, tuple(mode_table(model, shapes, count)), int(shapes.is_free.sum()),
         model.unbalanced, scene.structural_damping, model, shapes,
     )  # fmt: skip
 

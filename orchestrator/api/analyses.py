@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble, choose_fidelity
 from ..run.progress import Progress
@@ -53,20 +53,30 @@ def modes(
     rigid: Names = (),
     flexible: Names = (),
     as_posed: bool = False,
+    base: Literal["as_built", "held"] = "as_built",
     count: int = 15,
 ) -> Modes:
     """Natural frequencies, damping and effective masses of a scene in a configuration.
 
     configuration: "stowed", "deployed", or "current", where a run begins; angles: of single lines in it. latched:
     names of lines, "all" or "none"; by default all if deployed, else none. as_posed: about the hinge angles
-    themselves, not about the static equilibrium beside them. count: modes beyond the free motions.
+    themselves, not about the static equilibrium beside them. base: "held" keeps a free spacecraft where it is; as
+    built, it swings with the wing, and six free motions come first. count: modes beyond the free motions.
     """
     from ..analysis.modes import find_modes
 
     checked = load(scene).check_one_run()
     target = _configuration(checked, configuration, angles, latched)
+    if base not in ("as_built", "held"):
+        raise SceneError([f"base is {base!r}; it must be as_built or held"])
     return find_modes(
-        checked, listed(rigid), listed(flexible), target, as_posed, _at_least(count, 1, "count")
+        checked,
+        listed(rigid),
+        listed(flexible),
+        target,
+        as_posed,
+        _at_least(count, 1, "count"),
+        held=base == "held",
     )
 
 
@@ -88,7 +98,8 @@ def frequency_response(
 ) -> FrequencyResponse:
     """Response of a scene in a configuration (see `modes`) to vibration of its base.
 
-    excite: x, y, z, rx, ry or rz, the acceleration of the base along or about an axis; along: what is read, as
+    excite: x, y, z, rx, ry or rz, the acceleration of the base along or about an axis, prescribed whatever its mass is
+    and whether it is free (a free one turns about its centre of mass); along: what is read, as
     excited by default. points: BODY.POINT, whose acceleration is wanted; "interface" is the load on the base. low,
     high: Hz. steps: frequencies, beside those around resonances.
     """
@@ -108,7 +119,8 @@ def frequency_response(
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, points, frequencies)
-    return FrequencyResponse(checked.header.name, excite, frequencies, tuple(found))
+    free = not model.is_grounded
+    return FrequencyResponse(checked.header.name, target, free, excite, frequencies, tuple(found))
 
 
 def equilibrium(

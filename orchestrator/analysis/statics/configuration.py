@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, pi
+from math import ceil, degrees, pi
 from typing import Literal
 
 from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
@@ -30,6 +30,14 @@ class Configuration:
 
     angles: Mapping[str, float]
     latched: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, object]:
+        """For JSON."""
+        return {"angles_rad": dict(self.angles), "latched": list(self.latched)}
+
+    def __str__(self) -> str:
+        angles = ", ".join(f"{name} at {degrees(angle):.4g} deg" for name, angle in self.angles.items())
+        return f"{angles or 'no hinge lines'}; latched: {', '.join(self.latched) or 'none'}"
 
 
 def configuration(

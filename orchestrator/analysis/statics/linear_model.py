@@ -64,6 +64,13 @@ class LinearModel:
         return result
 
     @property
+    def mass_on_base(self) -> Vector:
+        """(n, n) mass of all that a base carries, without that of the base itself."""
+        result = self.mass.copy()
+        result[np.ix_(self.base_rows, self.base_rows)] = 0.0
+        return result
+
+    @property
     def origin(self) -> Vector:
         """(3,) point of the base about which it turns: a ground's reference point, a free base's centre of mass."""
         bodies = self.mechanism.bodies
@@ -153,13 +160,14 @@ def damping_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
 
 
 def effective_masses(model: LinearModel, modes: NormalModes) -> tuple[Vector, Vector]:
-    """Effective masses (6, k) under motions of the base, and the rigid masses (6,) they are parts of.
+    """Effective masses (6, k) under motions of the base, and the rigid masses (6,) of what it carries.
 
-    Three translations (kg) and three rotations about the origin (kg m2), world axes; a ground has no mass.
+    Three translations (kg) and three rotations about the origin (kg m2), world axes. Modes of a free base have none, as
+    the whole has no momentum.
     """
     rigid = model.mechanism.rigid_motion(model.origin)
     participation = rigid.T @ model.mass @ modes.shapes
-    return participation**2, np.diag(rigid.T @ model.mass @ rigid)
+    return participation**2, np.diag(rigid.T @ model.mass_on_base @ rigid)
 
 
 def kinetic_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:

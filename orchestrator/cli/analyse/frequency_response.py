@@ -85,8 +85,7 @@ def command(
         click.echo(json.dumps(found.as_dict()))
         return
     _print(found)
-    if plot is not None:
-        click.echo(plot)
+    click.echo(plot if plot is not None else "--plot FILE draws the curves, --json lists them")
 
 
 def _print(found: FrequencyResponse) -> None:
@@ -95,7 +94,7 @@ def _print(found: FrequencyResponse) -> None:
     from ...analysis.frequency_response import peaks
     from ..tables import terminal
 
-    table = Table(title="largest resonances")
+    table = Table(title=f"largest resonances, base driven in {found.excitation}")
     for heading in ("output", "unit"):
         table.add_column(heading, no_wrap=True)
     for heading in ("frequency, Hz", "magnitude"):
@@ -106,4 +105,11 @@ def _print(found: FrequencyResponse) -> None:
             table.add_row(response.name, response.unit, "none", "")
         for frequency, size in found_peaks:
             table.add_row(response.name, response.unit, f"{frequency:.5g}", f"{size:.5g}")
-    terminal().print(table)
+    console = terminal()
+    console.print(table)
+    console.print(str(found.configuration))
+    if found.base_is_free:
+        console.print(
+            "the base is free in this scene; here it moves as prescribed, whatever its mass, so resonances are "
+            "those of the wing on a base that is held, and rotations are about its centre of mass"
+        )

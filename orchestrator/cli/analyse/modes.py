@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _ROUNDED_UP = (9.995, 99.95)
 """%: from here on two decimals, and one, take more than four characters"""
 
+_BASES = {"fixed": "base fixed", "held": "free base held", "free": "base free"}
+
 _TOLD = 4
 """What damps a mode, in a sentence."""
 
@@ -29,6 +31,10 @@ _TOLD = 4
 @scene_choice
 @configuration_choice
 @as_posed_option
+@click.option(
+    "--base", type=click.Choice(("as-built", "held")), default="as-built", show_default=True,
+    help="A free spacecraft swings with the wing, or is held.",
+)  # fmt: skip
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
 @click.option(
     "--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures of mode shapes."
@@ -41,6 +47,7 @@ def command(
     choice: SceneChoice,
     wanted: ConfigurationChoice,
     as_posed: bool,
+    base: Literal["as-built", "held"],
     count: int,
     plot: Path | None,
     shapes: int,
@@ -49,7 +56,14 @@ def command(
     """Natural frequencies, damping and effective masses of SCENE in a configuration."""
     refuse_idle("--shapes", "--plot")
     scene = choice.load()
-    found = fanfold.modes(scene, **wanted.posed, **choice.fidelities, as_posed=as_posed, count=count)
+    found = fanfold.modes(
+        scene,
+        **wanted.posed,
+        **choice.fidelities,
+        as_posed=as_posed,
+        base="held" if base == "held" else "as_built",
+        count=count,
+    )
     if as_json:
         click.echo(json.dumps(found.as_dict()))
     else:
@@ -65,20 +79,28 @@ def command(
 def _print(found: Modes) -> None:
     from ..tables import plain_table, terminal
 
-    table = plain_table("normal modes; effective masses in % of the rigid ones")
+    masses_told = found.base != "free"
+    told = "; effective masses in % of the rigid ones" if masses_told else ""
+    table = plain_table(f"normal modes, {_BASES[found.base]}{told}")
     table.add_column("mode", justify="right", no_wrap=True)
     table.add_column("freq.,\nHz", justify="right", min_width=7)
     table.add_column("damp.,\n%", justify="right", min_width=6, no_wrap=True)
-    for heading in DIRECTIONS:
+    for heading in DIRECTIONS if masses_told else ():
         table.add_column(heading, justify="right", min_width=4, no_wrap=True)
     table.add_column("moves most, %")
     for mode in found.listed:
-        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions)
+        masses = (_percent(fraction) for fraction in mode.effective_mass_fractions if masses_told)
         frequency = f"{mode.frequency:.5g}" if mode.frequency > 0.0 else f"unstable, {-mode.frequency:.3g}"
         damping = f"{100.0 * mode.damping_ratio:.3g}"
         table.add_row(f"{mode.number}", frequency, damping, *masses, f"{mode.body} {100.0 * mode.share:.0f}")
     console = terminal()
     console.print(table)
+    console.print(str(found.configuration))
+    if not masses_told:
+        console.print(
+            "the whole has no momentum in any of these modes, so none has an effective mass; "
+            "--base held tells those of the wing on a spacecraft that does not move"
+        )
     force, torque = found.unbalanced
     console.print(
         f"{found.free_motions} free motions (0 Hz); "

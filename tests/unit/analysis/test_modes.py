@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import orchestrator as fanfold
 from orchestrator.analysis.modes import mode_table
 from orchestrator.analysis.statics.configuration import configuration, loaded, placed
 from orchestrator.analysis.statics.linear_model import effective_masses, linearise, normal_modes
@@ -143,3 +144,55 @@ def test_table_fits_80_columns():
     assert "\u2026" not in result.stdout
     rows = [line.split() for line in result.stdout.splitlines() if line.split() and line.split()[0].isdigit()]
     assert [row[0] for row in rows if len(row) == 11 and row[10].isdigit()] == [f"{k}" for k in range(1, 13)]
+
+
+FREE = "free = { mass = 40.0, center_of_mass = [-0.5, 0.0, 0.0], inertia = [9.0, 9.0, 9.0] }\n"
+
+
+def on_free_base(folder):
+    """The two rigid panels on spring latches, on ground and on a free spacecraft."""
+    fixed = wing(folder, latches=(LATCH, LATCH))
+    free = folder / "free.toml"
+    free.write_text(
+        edited(fixed.read_text(encoding="utf-8"), ("[base]\n", f"[base]\n{FREE}")), encoding="utf-8"
+    )
+    return fixed, free
+
+
+def test_a_free_base_is_held_or_swings_with_the_wing(tmp_path):
+    """Held it is a ground: frequencies, translational effective masses; free, no mode has momentum."""
+    fixed, free = (fanfold.modes(scene, "deployed", count=4) for scene in on_free_base(tmp_path))
+    held = fanfold.modes(on_free_base(tmp_path)[1], "deployed", base="held", count=4)
+    assert (fixed.base, free.base, held.base) == ("fixed", "free", "held")
+    assert (fixed.free_motions, free.free_motions, held.free_motions) == (0, 6, 0)
+    assert held.frequencies == pytest.approx(fixed.frequencies, rel=1e-9)
+    assert held.damping_ratios == pytest.approx(fixed.damping_ratios, rel=1e-9)
+    for ours, grounds in zip(held.listed, fixed.listed, strict=True):
+        fractions = ours.effective_mass_fractions[:3], grounds.effective_mass_fractions[:3]
+        assert fractions[0] == pytest.approx(fractions[1], abs=1e-9)
+    assert free.frequencies[0] > 1.01 * held.frequencies[0]
+    assert max(max(mode.effective_mass_fractions) for mode in free.listed) < 1e-9
+
+
+def test_the_command_says_which_base(tmp_path):
+    """Interface: a free base's table has no columns of zeros, and says why; the configuration stands below."""
+    _, free = on_free_base(tmp_path)
+    shown = {
+        base: CliRunner()
+        .invoke(main, ["analyse", "modes", str(free), "--configuration", "deployed", "--base", base])
+        .stdout
+        for base in ("as-built", "held")
+    }
+    assert "base free" in shown["as-built"]
+    assert "so none has an effective mass" in " ".join(shown["as-built"].split())
+    assert "rx" not in shown["as-built"]
+    assert "free base held" in shown["held"]
+    assert "rx" in shown["held"]
+    assert all(
+        "root_line at " in text and "latched: root_line, middle_line" in text for text in shown.values()
+    )
+    response = CliRunner().invoke(main, ["analyse", "frequency-response", str(free)]).stdout
+    told = " ".join(response.split())
+    assert "base driven in z" in told
+    assert "the base is free in this scene; here it moves as prescribed" in told
+    assert "--plot FILE draws the curves" in told
