@@ -31,7 +31,7 @@ class HingeLine:
 
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
-    latch nor an end stop keeps there.
+    latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes.
     """
 
     name: str
@@ -41,6 +41,8 @@ class HingeLine:
     kinematic: bool
     rigid: bool = False
     deployed_angle: float | None = None
+    parts: tuple[str, ...] = ()
+    axis: tuple[float, ...] = ()
 
     @property
     def locks_rigid(self) -> bool:

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from components import ComponentError
-from components.contract.frames import add
+from components.contract.frames import add, rotate
 from components.flexible.modal import ModalData
 
 from ..scene.bodies import StartPose, attachments, base_model, body_model, scene_points
 from ..scene.body_tables import Body
 from ..scene.component_connections import WrenchMode, component_values
-from ..scene.locked_groups import Piece, held_bodies, joined_geometry, joined_model, pieces
+from ..scene.locked_groups import Piece, held_bodies, joined, joined_geometry, joined_model, pieces
 from ..scene.loops.closing import start_poses
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
@@ -79,8 +79,16 @@ def assemble(
     connections = _connection_parts(scene, is_flexible, wrench_mode)
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
+    roots = joined(scene)
     hinge_lines = tuple(
-        assembly_line(line, line_latch(scene, line, is_flexible, wrench_mode), is_flexible) for line in lines
+        assembly_line(
+            line,
+            line_latch(scene, line, is_flexible, wrench_mode),
+            is_flexible,
+            (roots[line.inboard], roots[line.outboard]),
+            rotate(poses[line.inboard].orientation, line.axis),
+        )
+        for line in lines
     )
     return Assembly(
         name=header.name,

@@ -80,8 +80,14 @@ def line_latch(
     return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
 
 
-def assembly_line(line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool]) -> AssemblyHingeLine:
-    """What the master and the key figures need to know of a line."""
+def assembly_line(
+    line: HingeLine,
+    latch: LatchSetting,
+    flexible: Mapping[str, bool],
+    parts: tuple[str, str],
+    axis: Vector3,
+) -> AssemblyHingeLine:
+    """What the master and the key figures need to know of a line; axis: in the world, where a run begins."""
     return AssemblyHingeLine(
         line.name,
         tuple(hinge.name for hinge in line.hinges),
@@ -90,6 +96,8 @@ def assembly_line(line: HingeLine, latch: LatchSetting, flexible: Mapping[str, b
         kinematic=latch.kind == "kinematic",
         rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
         deployed_angle=line.deployed_angle if line.latch is None and line.end_stop is None else None,
+        parts=parts,
+        axis=axis,
     )
 
 

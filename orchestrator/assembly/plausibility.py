@@ -10,17 +10,31 @@ import numpy as np
 
 from components.contract.frames import Vector3, dot, norm, subtract
 
+from ..scene.bodies import body_definition
 from ..scene.body_tables import Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.schema import CheckedScene
 
+_ANGLES = 181
+"""Places on a line's way that are looked at."""
+_THICK = 0.2
+"""Thickness of a plate over its shorter side, from which on plate theory does not hold by far."""
+_DENSEST = 22_600.0
+"""kg/m3, of osmium: nothing is denser."""
 _BEYOND_POINTS = 5.0
 """A body's radius of gyration over the distance of its farthest point, where the points still span the body."""
 
 
 def doubts(scene: CheckedScene) -> list[str]:
     """Everything about a scene that is hardly meant, as sentences with their keys."""
-    return [*_unstopped(scene), *_without_friction(scene), *_unlike_travels(scene), *_large_inertias(scene)]
+    return [
+        *_unstopped(scene),
+        *_without_friction(scene),
+        *_held_by_friction(scene),
+        *_unlike_travels(scene),
+        *_large_inertias(scene),
+        *_unlikely_panels(scene),
+    ]
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:
@@ -40,6 +54,26 @@ def _without_friction(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
                 "friction_preload, or friction.coefficient"
+            )
+
+
+def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose friction and harness take more than their motor gives, somewhere on the way."""
+    for line in scene.hinge_lines:
+        if line.motor is None or line.held:
+            continue
+        angles = np.linspace(line.initial_angle, line.deployed_angle, _ANGLES)
+        ends = line.stowed_angle, line.deployed_angle
+        given = np.interp(angles, ends, (line.motor.stowed, line.motor.deployed))
+        taken = np.full(_ANGLES, line.friction_preload)
+        if line.harness is not None:
+            taken += np.interp(angles, line.harness.angle, line.harness.resisting_torque)
+        short = np.flatnonzero(given < taken)
+        if short.size:
+            k = int(short[0])
+            yield (
+                f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
+                f"friction and harness take {taken[k]:.4g} N.m; unless something else drives it, it stops there"
             )
 
 
@@ -119,3 +153,26 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
             f"{key}: its radius of gyration is {gyration:.3g} m, and no point of it is farther than {reach:.3g} m from "
             "its centre of mass; check the units of mass, inertia and points"
         )
+
+
+def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
+    """Panels that are no plates, or denser than any material, by the thickness that their stiffnesses tell."""
+    for body in scene.bodies:
+        panel = None if body.rigid is not None else body_definition(body).panel
+        if panel is None:
+            continue
+        plate, key = panel.plate, f"body.{body.name}"
+        thickness = float(np.sqrt(12.0 * plate.bending[0] / plate.membrane[0]))
+        side = min(plate.length, plate.width)
+        density = plate.areal_mass / thickness
+        like = f"its stiffness is that of a plate of {1e3 * thickness:.3g} mm"
+        if thickness > _THICK * side:
+            yield (
+                f"{key}: {like}, and it is {side:.3g} m wide: plate theory does not hold for it; check the "
+                "units of its thickness or stiffness"
+            )
+        if density > _DENSEST:
+            yield (
+                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
+                "material; check the units of areal_mass and of thickness"
+            )

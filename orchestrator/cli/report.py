@@ -8,6 +8,8 @@ import click
 
 import orchestrator as fanfold
 
+from .types import OutputFile
+
 
 @click.command("report")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
@@ -15,7 +17,7 @@ import orchestrator as fanfold
     "--with", "other", type=click.Path(path_type=Path, exists=True, dir_okay=False),
     help="A second result to set against it.",
 )  # fmt: skip
-@click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="HTML file.")
+@click.option("--output", type=OutputFile(), help="HTML file.")
 @click.option(
     "--frames", "count", type=click.IntRange(min=0, max=300), default=60, show_default=True,
     help="Pictures of the animation; 0 for none.",

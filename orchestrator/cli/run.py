@@ -12,7 +12,7 @@ import orchestrator as fanfold
 
 from .options import SceneChoice, backend_option, scene_choice
 from .progress import progress
-from .types import Number
+from .types import Number, OutputFile
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,7 +32,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
-@click.option("--output", type=click.Path(path_type=Path, dir_okay=False), help="Result file (HDF5).")
+@click.option("--output", type=OutputFile(), help="Result file (HDF5).")
 @click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
 @click.option(
     "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,

@@ -19,6 +19,17 @@ def scene_tables(found: SceneCheck) -> Iterator[Table]:
         ("mass,\nkg", "size,\nm"),
         map(_body, found.bodies),
     )
+    if found.lines:
+        yield from _line_tables(found)
+    if found.loops:
+        numbers = ("radii,\nmm", "travels,\ndeg", "unshared\ncable, mm")
+        yield _table("cable loops", ("loop", "from, to"), numbers, map(_loop, found.loops))
+    if found.connections:
+        yield _table("connections", ("name", "kind"), (), found.connections.items())
+
+
+def _line_tables(found: SceneCheck) -> Iterator[Table]:
+    """Travels of hinge lines, and what drives and ends them."""
     angles = ("start,\ndeg", "deployed,\ndeg", "travel,\ndeg", "friction,\nN.m")
     yield _table(
         "hinge lines and their expected travels", ("line", "from, to"), angles, map(_line, found.lines)
@@ -29,11 +40,6 @@ def scene_tables(found: SceneCheck) -> Iterator[Table]:
         ("motor\nenergy, J",),
         map(_ends, found.lines),
     )
-    if found.loops:
-        numbers = ("radii,\nmm", "travels,\ndeg", "unshared\ncable, mm")
-        yield _table("cable loops", ("loop", "from, to"), numbers, map(_loop, found.loops))
-    if found.connections:
-        yield _table("connections", ("name", "kind"), (), found.connections.items())
 
 
 def _table(title: str, texts: Sequence[str], numbers: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:

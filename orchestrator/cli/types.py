@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from math import isfinite
 from pathlib import Path
@@ -12,6 +13,7 @@ import click
 if TYPE_CHECKING:
     from ..scene.units import Sign
 
+_SEPARATORS = tuple(filter(None, (os.sep, os.altsep)))
 _PICTURES = (".png", ".pdf", ".svg")
 
 
@@ -52,13 +54,23 @@ class Count(click.IntRange):
         return _range(self.min, self.max, self.min_open)
 
 
-class Picture(click.Path):
-    """A file for a picture, whose ending says in which format."""
-
-    name = "picture"
+class OutputFile(click.Path):
+    """A file to write; what ends like a folder is refused, as a file of its name would be made of it."""
 
     def __init__(self) -> None:
         super().__init__(path_type=Path, dir_okay=False)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The path, or a refusal."""
+        if str(value).endswith(_SEPARATORS):
+            self.fail(f"{value!r} is a folder; name a file in it.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Picture(OutputFile):
+    """A file for a picture, whose ending says in which format."""
+
+    name = "picture"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
         """The path, or a refusal where it is a folder or its ending is that of no picture."""

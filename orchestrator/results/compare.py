@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from components.contract.roles import INTERFACE_LOAD, LOAD
 
-from .key_figures import Peak, latch_times, line_latch_torque, peak
+from .key_figures import latch_times, line_latch_torque, peak
 from .result import Result
 from .round_off import noise_floor, without_noise
+from .signal import Peak
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")

@@ -91,6 +91,13 @@ def largest_shares(
     )
 
 
+def least_sure(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]) -> str:
+    """In words the number whose likely error is the largest of what a run promises, over its size."""
+    shares = {key: errors[key].likely / size for key, size in _sizes(numbers, errors) if size}
+    quantity, of = max(shares, key=lambda key: shares[key])
+    return f"the {quantity} of {of}"
+
+
 def _sizes(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
 ) -> Iterator[tuple[Key, float]]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from math import degrees, radians
+from math import degrees
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -20,10 +20,11 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD, PORT_LOAD
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
-from .latch_impulse import latch_impulse
+from .lines.latch_impulse import latch_impulse
+from .lines.straying import Overrun, bent, folded_back, overruns
 from .result import Result
 from .round_off import noise_floor, without_noise
-from .signal import EVENT_WIDTH
+from .signal import EVENT_WIDTH, Peak
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -37,31 +38,8 @@ _NEAR_PEAK = 0.1
 _SURE = 4.0
 """A cubic shows a peak where it rises by more than so many times what it may be off by."""
 
-_FOLDED_BACK = radians(5.0)
-"""Further behind where a line started is where a folded stack has no room."""
-
 _SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degrees(1.0))}
 """Unit and factor of what people read in another unit."""
-
-_GIVES_WAY = radians(1.0)
-"""Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
-
-
-class Peak(NamedTuple):
-    """An extreme value and when it happened (s)."""
-
-    time: float
-    value: float
-
-
-@dataclass(frozen=True, slots=True)
-class Overrun:
-    """A line that nothing kept at its deployed angle: that one, the largest and the last (rad), when it passed (s)."""
-
-    deployed_angle: float
-    passed_at: float
-    largest: float
-    last: float
 
 
 class Number(NamedTuple):
@@ -85,7 +63,8 @@ class Headline:
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch went furthest
-    behind where they started.
+    behind where they started. bent: how far (rad) and when lines turned furthest about other axes than their own, where
+    that is more than any hinge does.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -119,6 +98,7 @@ class Headline:
     warnings: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
+    bent: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     attitude_peaks: tuple[float, ...] = ()
@@ -146,6 +126,12 @@ class Headline:
             yield (
                 f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
                 "nothing there stops it: where bodies would touch, give a contact or a hold_down"
+            )
+        for line, bend in self.bent.items():
+            yield (
+                f"the hinges of {line} bent across their line by up to {degrees(bend.value):.0f} deg, "
+                f"at {bend.time:.4g} s; no hinge does, and their springs are meant for small angles: check "
+                "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it"
             )
         for line in self.peaks_at_end:
             yield (
@@ -229,6 +215,7 @@ def headline(result: Result) -> Headline:
         },
         overruns=overruns(result),
         folded_back=folded_back(result),
+        bent=bent(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={
             line.name: impulse
@@ -262,33 +249,6 @@ def headline(result: Result) -> Headline:
     numbers = [(number.key, number.value) for number in found.numbers()]
     told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result))
     return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
-
-
-def overruns(result: Result) -> dict[str, Overrun]:
-    """Lines, by name, that passed the deployed angle at which nothing keeps them."""
-    found = {}
-    for line in result.hinge_lines:
-        if line.deployed_angle is None or not result.has(line.sensor, "angle"):
-            continue
-        angle = result.signal(line.sensor, "angle")
-        passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
-        if passed.size:
-            at = float(result.time[passed[0]])
-            found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
-    return found
-
-
-def folded_back(result: Result) -> dict[str, Peak]:
-    """How far (rad) lines with a latch, by name, went behind their first angle, where that is more than play."""
-    found = {}
-    for line in result.hinge_lines:
-        if line.latches and result.has(line.sensor, "angle"):
-            angle = result.signal(line.sensor, "angle")
-            lowest = int(np.argmin(angle))
-            behind = float(angle[0] - angle[lowest])
-            if behind > _FOLDED_BACK:
-                found[line.name] = Peak(float(result.time[lowest]), behind)
-    return found
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:

@@ -135,14 +135,17 @@ def hinge_lines(dataset: Any) -> tuple[HingeLine, ...]:  # noqa: ANN401
 
 
 def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
-    line = HingeLine(**{**fields, "hinges": tuple(fields["hinges"])})
-    texts = (line.name, line.sensor, *line.hinges)
+    sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis")}
+    line = HingeLine(**{**fields, **sequences})
+    texts = (line.name, line.sensor, *line.hinges, *line.parts)
     angle = line.deployed_angle
     sound = all(isinstance(one, str) for one in texts) and all(
         isinstance(one, bool) for one in (line.latches, line.kinematic)
     )
     _refuse(
-        not sound or not (angle is None or isinstance(angle, float | int)),
+        not sound
+        or not all(isinstance(one, float | int) for one in line.axis)
+        or not (angle is None or isinstance(angle, float | int)),
         "a hinge line is not as it was written",
     )
     return line

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -19,6 +19,13 @@ EVENT_WIDTH = 2e-7
 """Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
 _BEYOND = 1e-9
 """Of the end time; round-off of summed steps."""
+
+
+class Peak(NamedTuple):
+    """An extreme value and when it happened (s)."""
+
+    time: float
+    value: float
 
 
 @dataclass(frozen=True, eq=False)

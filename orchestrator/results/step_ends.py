@@ -18,7 +18,7 @@ from components.contract.roles import INTERFACE_LOAD
 from ..assembly import HingeLine
 from .estimated_errors import EstimatedError, Key
 from .key_figures import extremes, latch_times, line_latch_torque
-from .latch_impulse import latch_impulse
+from .lines.latch_impulse import latch_impulse
 from .result import Result, Vector
 from .signal import EVENT_WIDTH
 

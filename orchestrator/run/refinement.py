@@ -21,8 +21,10 @@ from ..cosim.master import Settings
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     EstimatedError,
+    Key,
     estimated_errors,
     largest_shares,
+    least_sure,
     unknown_errors,
 )
 from ..scene.schema import TOLERANCES
@@ -61,7 +63,7 @@ def refined(
         and (tolerance := smaller_tolerance(settings.tolerance, error.most, asked)) < settings.tolerance
     ):
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
-        warn(_sentence(assembly.name, error.likely, asked, tolerance))
+        warn(_sentence(assembly.name, outcome, error.likely, asked, tolerance))
         try:
             better = _again(assembly, outcome, finer, until, progress, load)
         except RunError as failure:
@@ -80,9 +82,12 @@ def error_in_tolerances(outcome: Outcome, tolerance: float) -> EstimatedError:
     """The largest error of a number that a run promises, over the tolerance; infinite where none is known."""
     if unknown_errors(outcome.result):
         return EstimatedError(inf, inf)
-    numbers = [(number.key, number.value) for number in outcome.headline.numbers()]
-    found = largest_shares(numbers, estimated_errors(outcome.result))
+    found = largest_shares(_numbers(outcome), estimated_errors(outcome.result))
     return EstimatedError(*(share / tolerance for share in found))
+
+
+def _numbers(outcome: Outcome) -> list[tuple[Key, float]]:
+    return [(number.key, number.value) for number in outcome.headline.numbers()]
 
 
 def smaller_tolerance(tolerance: float, error: float, asked: float | None = None) -> float:
@@ -116,9 +121,10 @@ def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
     return replace(outcome, result=replace(outcome.result, path=target))
 
 
-def _sentence(name: str, error: float, asked: float, tolerance: float) -> str:
+def _sentence(name: str, outcome: Outcome, error: float, asked: float, tolerance: float) -> str:
     said = (
-        f"numbers are likely to be off by {error:.0f} times its tolerance of {asked:g}"
+        f"{least_sure(_numbers(outcome), estimated_errors(outcome.result))} is likely to be off by {error:.0f} times "
+        f"the tolerance of {asked:g}"
         if isfinite(error)
         else "nothing tells how far its numbers are off"
     )

@@ -23,8 +23,9 @@ from .validation import EntryReader
 
 Names = str | Sequence[str] | frozenset[str]
 """Names, or one of them."""
-Hinges = Mapping[str, str | tuple[str, str] | Mapping[str, object]]
-"""Hinges by name: the point that both bodies have, or inboard and outboard point, or all keys of a hinge."""
+Hinges = Mapping[str, str | tuple[str, str] | Mapping[str, object]] | Sequence[Mapping[str, object]]
+"""Hinges by name: the point that both bodies have, or inboard and outboard point, or all keys of a hinge; or the tables
+of a scene file in a list."""
 
 
 class Scene:
@@ -145,8 +146,12 @@ class Scene:
         end_stop.
         Keys of a hinge: kind, translational_stiffness, rotational_stiffness, harness, sensor.
         """
-        listed = [{"name": hinge, **_ends(ends)} for hinge, ends in hinges.items()]
-        entry = {"name": name, "inboard": inboard, "outboard": outboard, **keys, "hinges": listed}
+        tables = (
+            [{"name": hinge, **_ends(ends)} for hinge, ends in hinges.items()]
+            if isinstance(hinges, Mapping)
+            else hinges
+        )
+        entry = {"name": name, "inboard": inboard, "outboard": outboard, **keys, "hinges": tables}
         return self._add("hinge_line", HingeLine, entry)
 
     def ccl(self, name: str, **keys: object) -> str:

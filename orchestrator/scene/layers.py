@@ -179,15 +179,18 @@ def _nested(file: str, setting: str, steps: Sequence[str], value: object, tree: 
     return {step: [{"name": rest[0], **_nested(file, setting, rest[1:], value, entry)}]}
 
 
-def resolved(tree: Tree) -> tuple[Tree, list[str]]:
-    """The tree with every `like` of a body carried out, and what is wrong with those that cannot be."""
+def resolved(tree: Tree) -> tuple[Tree, dict[str, list[str]]]:
+    """The tree with every `like` of a body carried out, and what is wrong with those that cannot be, by body."""
     entries = tree.get("body")
     if not isinstance(entries, list) or not any(isinstance(e, dict) and _LIKE in e for e in entries):
-        return tree, []
+        return tree, {}
     known = {e["name"]: e for e in entries if isinstance(e, dict) and isinstance(e.get("name"), str)}
-    problems: list[str] = []
-    bodies = [_whole(entry, known, problems) if entry in known.values() else entry for entry in entries]
-    return {**tree, "body": bodies}, problems
+    problems: dict[str, list[str]] = {}
+    bodies = [
+        _whole(entry, known, problems.setdefault(entry["name"], [])) if entry in known.values() else entry
+        for entry in entries
+    ]
+    return {**tree, "body": bodies}, {name: found for name, found in problems.items() if found}
 
 
 def _whole(entry: Tree, known: Mapping[str, Tree], problems: list[str]) -> Tree:

@@ -110,7 +110,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     reader = EntryReader(with_presets(whole), added)
-    reader.note([*wrong_arrays, *unlike])
+    reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     known = sorted(_TABLES | _ARRAYS)
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
@@ -125,7 +125,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     placed = _References(reader, base, bodies, lines, loops, dampers, connections, events).check()
     refused = {c.name for c in connections.saying("kind") if reader.note(connection_problems(c))}
     if base is None or not placed:
-        return None, reader.problems
+        return None, _told(reader.problems, unlike)
     # where bodies stand and touch can be told whatever else is wrong
     scene = CheckedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
@@ -137,7 +137,14 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     poses = found.poses
     if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
-    return None if reader.problems else scene, reader.problems
+    return None if reader.problems else scene, _told(reader.problems, unlike)
+
+
+def _told(problems: Sequence[str], unlike: Mapping[str, Sequence[str]]) -> list[str]:
+    """Problems without those of bodies that are like no other, which lack what they would have had from it."""
+    lacking = tuple(f"body.{name}{end}" for name in unlike for end in ".:")
+    own = {problem for found in unlike.values() for problem in found}
+    return [problem for problem in problems if problem in own or not problem.startswith(lacking)]
 
 
 @dataclass(frozen=True, slots=True)

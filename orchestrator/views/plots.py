@@ -16,9 +16,11 @@ from matplotlib.ticker import MaxNLocator
 from components.contract.component import Vector
 from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD, PORT_LOAD
 
-from ..results.key_figures import Peak, extremes, latch_times, line_latch_torque, overruns, peak
+from ..results.key_figures import extremes, latch_times, line_latch_torque, peak
+from ..results.lines.straying import overruns
 from ..results.result import Result, ResultError
 from ..results.round_off import noise_floor
+from ..results.signal import Peak
 from .shapes import shapes
 from .style import COLOURS, STYLE, as_written, draw, finish, new_figure, tell_of_interruption
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import cycle
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from components.contract.component import Vector
+
 from ..analysis.scene_check import SceneCheck, Sketch
 from .space import bounds, draw_bodies, set_view
 from .style import COLOURS, STYLE, WIDTH, empty_figure
@@ -21,6 +23,8 @@ _TRIAD = 0.06
 """Length of the axes of a frame, of the largest extent of a picture."""
 _AXES = ("#C00000", "#007000", "#0000C0")
 _LABEL = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
+_NEAR, _GAP = 0.02, 0.04
+"""Of a body's size: how far two may be from each other that lie in one place, and how far apart they are drawn."""
 _ABOVE = 1000.0
 """Order in depth of what is drawn over all bodies."""
 
@@ -46,21 +50,41 @@ def draw_scene(found: SceneCheck) -> Figure:
         for k, (title, sketch) in enumerate(sketches.items()):
             axes: Any = figure.add_subplot(2, 1, k + 1, projection="3d", proj_type="ortho")
             cell = axes.get_position(original=True)
-            figure.text(0.5, cell.y1, title, ha="center", va="bottom", fontsize=10)
+            folded = any(np.any(moved != sketch.faces[name]) for name, moved in apart(sketch.faces).items())
+            told = f"{title}; bodies that lie in one plane are drawn apart" if folded else title
+            figure.text(0.5, cell.y1, told, ha="center", va="bottom", fontsize=10)
             _draw(axes, sketch, colours)
-        _legend(figure, colours)
+        _legend(figure, colours, list(sketches.values()))
     return figure
 
 
+def apart(faces: Mapping[str, Vector]) -> dict[str, Vector]:
+    """Faces (F, 4, 3) by body, flat bodies in one place moved along their normal, so that all show."""
+    corners = {name: found.reshape(-1, 3) for name, found in faces.items()}
+    ends = {name: np.array([nodes.min(0), nodes.max(0)]) for name, nodes in corners.items()}
+    moved: dict[str, Vector] = {}
+    for k, (name, own) in enumerate(ends.items()):
+        size = np.ptp(own, axis=0)
+        near = _NEAR * float(size.max())
+        before = [one for one in list(ends)[:k] if np.abs(ends[one] - own).max() < near]
+        flat = int(np.argmin(size))
+        thin = before and size[flat] < near
+        moved[name] = faces[name] + (
+            _GAP * len(before) * float(size.max()) * np.eye(3)[flat] if thin else 0.0
+        )
+    return moved
+
+
 def _draw(axes: Any, sketch: Sketch, colours: Mapping[str, str]) -> None:  # noqa: ANN401 - matplotlib has no type of it
-    draw_bodies(axes, sketch.faces, colours)
+    shown = apart(sketch.faces)
+    draw_bodies(axes, shown, colours)
     marked = [
         *sketch.axes.values(),
         *sketch.loops.values(),
         sketch.ports,
         *(at[None] for at, _ in sketch.frames.values()),
     ]
-    low, high = bounds([*(faces.reshape(-1, 3) for faces in sketch.faces.values()), *marked])
+    low, high = bounds([*(faces.reshape(-1, 3) for faces in shown.values()), *marked])
     over: dict[str, Any] = {"zorder": _ABOVE, "clip_on": False}
     if len(sketch.ports):
         axes.plot(*sketch.ports.T, linestyle="none", marker="o", markersize=2.5, color="black", **over)
@@ -79,14 +103,20 @@ def _draw(axes: Any, sketch: Sketch, colours: Mapping[str, str]) -> None:  # noq
     set_view(axes, low, high)
 
 
-def _legend(figure: Figure, colours: Mapping[str, str]) -> None:
+def _legend(figure: Figure, colours: Mapping[str, str], sketches: Sequence[Sketch]) -> None:
+    """What is drawn in any of the sketches, and nothing else."""
     handles: list[Any] = [Patch(facecolor=colour, label=name) for name, colour in colours.items()]
     marks = {
         "hinge line": {"color": "0.25", "linestyle": "-.", "linewidth": 1.6},
         "cable loop": {"color": "black", "linestyle": (0, (4, 2)), "linewidth": 0.9},
         "port": {"color": "black", "linestyle": "none", "marker": "o", "markersize": 2.5},
     }
-    handles += [Line2D([], [], label=name, **look) for name, look in marks.items()]  # type: ignore[arg-type]
+    there = {
+        "hinge line": any(sketch.axes for sketch in sketches),
+        "cable loop": any(sketch.loops for sketch in sketches),
+        "port": any(len(sketch.ports) for sketch in sketches),
+    }
+    handles += [Line2D([], [], label=name, **look) for name, look in marks.items() if there[name]]  # type: ignore[arg-type]
     handles += [
         Line2D([], [], label=f"{name} of a body", color=colour)
         for name, colour in zip("xyz", _AXES, strict=True)

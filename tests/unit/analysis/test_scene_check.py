@@ -1,6 +1,7 @@
 """A scene looked at before its run: what it is made of against the scene's own numbers, problems, the picture."""
 
 import json
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -9,6 +10,8 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from orchestrator.cli.main import main
+from orchestrator.cli.scene_tables import scene_tables
+from orchestrator.views.scene_check import apart, draw_scene
 from tests.unit.scene.scene_cases import SCENES
 
 WING = SCENES / "four_panels_free.toml"
@@ -151,3 +154,25 @@ def test_scenes_in_phases_are_checked_phase_by_phase():
     runs = json.loads(run.output)["runs"]
     assert set(runs) == {"phase1", "phase2"}
     assert [line["held"] for line in runs["phase1"]["lines"]] == [True] * 5 + [False]
+
+
+def test_bodies_of_a_folded_stack_are_drawn_apart(checked):
+    """Tried by a stranger: of panels in one plane the picture showed the last alone; what lies apart stays."""
+    plate = np.array([[[0, 0, 0], [0, 1, 0], [0, 1, 2], [0, 0, 2]]], dtype=float)
+    above, near = plate + np.array([0, 0, 3]), plate + np.array([0.01, 0, 0])
+    found = apart({"first": plate, "other": above, "second": plate, "third": near})
+    assert np.array_equal(found["first"], plate)
+    assert np.array_equal(found["other"], above)
+    places = [found[name][..., 0].mean() for name in ("first", "second", "third")]
+    assert np.diff(places).min() > 0.05
+    assert np.array_equal(found["second"][..., 1:], plate[..., 1:])
+
+
+def test_tables_and_legend_leave_out_what_a_scene_has_not(checked):
+    """Tried by a stranger: no empty tables, no mark that is not drawn."""
+    bare = replace(
+        checked, lines=(), loops=(), stowed=replace(checked.stowed, axes={}, loops={}), deployed=None
+    )
+    assert len(list(scene_tables(checked))) == len(list(scene_tables(bare))) + 3
+    shown = [{text.get_text() for text in draw_scene(one).legends[0].get_texts()} for one in (checked, bare)]
+    assert shown[0] - shown[1] == {"hinge line", "cable loop"}

@@ -6,6 +6,7 @@ import pytest
 
 from orchestrator.assembly.plausibility import doubts, loop_travels
 from orchestrator.scene import find_scene, load_scene
+from tests.references.edits import edited
 from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text
 
 SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
@@ -64,3 +65,53 @@ def test_friction_that_sticks_and_is_none_is_told(tmp_path):
     assert "root_line.presliding: there is no friction that could stick" in sentence
     given = sticks.replace("presliding", "friction_preload = 0.1\npresliding")
     assert not any("presliding" in one for one in doubts(load_text(tmp_path, given)))
+
+
+@pytest.mark.parametrize(
+    ("stowed", "preload", "angle"), [("1.648", "2 N.m", 0.0), ("1.648", "1.348 N.m", 45.0)]
+)
+def test_friction_beyond_the_motor_is_told(stowed, preload, angle):
+    """Closed form: HL1 of AMOS-3 falls from 1.648 to 1.048 N.m over 90 deg, without its harness."""
+    settings = [
+        f"hinge_line.HL1.friction_preload={preload}",
+        'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m"]',
+    ]
+    (sentence,) = doubts(load_scene(find_scene("amos3"), (), settings))
+    told = float(sentence.partition("at ")[2].partition(" deg")[0])
+    assert told == pytest.approx(angle, abs=0.5)  # the places that are looked at
+    assert f"hinge_line.HL1: at {told:g} deg its motor gives" in sentence
+    assert "unless something else drives it, it stops there" in sentence
+
+
+PANEL = """
+[body.panel]
+length = "2 m"
+width = "1.1 m"
+areal_mass = "%s"
+sandwich = { skin = "0.2 mm", core = "%s", youngs_modulus = "70 GPa", poisson_ratio = 0.3 }
+hinge_lines = { inboard = "in" }
+arm = { y = "0.5 m", length = "30 mm", patch = "60 mm" }
+
+"""
+
+
+@pytest.mark.parametrize(
+    ("areal_mass", "core", "words"),
+    [
+        ("3 kg/m2", "20 mm", []),
+        ("3 kg/m2", "20 m", ["plate theory does not hold"]),
+        ("3000 kg/m2", "20 mm", ["denser than any material"]),
+    ],
+)
+def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, core, words):
+    """Closed form: the plate of a sandwich's stiffnesses is sqrt(3) as thick as the distance of its skins."""
+    start = TWO_PANELS.index("[body.rigid]", TWO_PANELS.index('name = "outer"'))
+    rigid = TWO_PANELS[start : TWO_PANELS.index("[[hinge_line]]")]
+    text = edited(
+        TWO_PANELS,
+        (rigid, PANEL % (areal_mass, core)),
+        ('= "left"', '= "in_left"'),
+        ('= "right"', '= "in_right"'),
+    )
+    sentences = [s for s in doubts(load_text(tmp_path, text)) if s.startswith("body.")]
+    assert [word in sentence for word, sentence in zip(words, sentences, strict=True)] == [True] * len(words)

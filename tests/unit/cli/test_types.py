@@ -7,7 +7,7 @@ from math import pi
 import click
 import pytest
 
-from orchestrator.cli.types import Count, Number, Picture, given_quantity
+from orchestrator.cli.types import Count, Number, OutputFile, Picture, given_quantity
 
 
 @pytest.mark.parametrize(
@@ -79,3 +79,11 @@ def test_a_picture_ends_like_one(tmp_path):
         with pytest.raises(click.BadParameter) as refused:
             Picture().convert(str(tmp_path / name), None, None)
         assert sentence in refused.value.message
+
+
+@pytest.mark.parametrize("kind", [OutputFile(), Picture()])
+def test_what_ends_like_a_folder_is_no_file(tmp_path, kind):
+    """Tried by a stranger: `--output adir/` wrote a file of the name adir."""
+    with pytest.raises(click.BadParameter, match="is a folder; name a file in it"):
+        kind.convert(f"{tmp_path}/adir/", None, None)
+    assert kind.convert(f"{tmp_path}/adir/a.png", None, None) == tmp_path / "adir" / "a.png"

@@ -7,11 +7,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy.spatial.transform import Rotation
 
+import orchestrator as fanfold
+from orchestrator.assembly import HingeLine
 from orchestrator.cli.tables import headline_table
 from orchestrator.results.key_figures import extremes, headline, headline_rows, line_latch_torque, peak
+from orchestrator.results.lines.straying import bent
 from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
+from tests.unit.scene.scene_cases import SCENES
 
 
 @pytest.fixture(scope="module")
@@ -179,3 +184,40 @@ def test_what_rises_to_a_plateau_is_not_higher_than_that():
     """Regression: a torque that friction holds at 4 N.m was told as 4.25, from a cubic through the plateau's end."""
     values = np.array([0.0, 1.0, 3.0, 3.9, 4.0, 4.0, 4.0, 4.0, 0.5, -2.0])
     assert extremes(np.arange(10.0), values)[1].value == 4.0
+
+
+@pytest.mark.parametrize("across", [0.0, 0.5, 0.55, 2.0])
+def test_hinges_that_bend_across_their_line_are_told(across):
+    """Closed form: a turn about the line's own axis is none of it; one across it is told from 30 deg on."""
+    axis = Rotation.from_rotvec([0.0, 0.0, 0.7]).apply([0.0, 1.0, 0.0])
+    inboard = Rotation.from_rotvec(np.linspace([0.2, 0.1, 0.0], [0.9, -0.3, 0.4], 3))
+    own = Rotation.from_rotvec(np.outer([0.0, 1.5, 3.0], inboard[0].inv().apply(axis)))
+    bend = Rotation.from_rotvec(np.outer([0.0, across, 0.0], [0.0, 0.0, 1.0]))
+    turns = {"inner": inboard, "outer": inboard * own * bend}
+    own_axis = inboard[0].inv().apply(axis)
+    tilted = np.degrees(np.arccos(np.clip(bend[1].apply(own_axis) @ own_axis, -1.0, 1.0)))
+    line = HingeLine("HL", ("h",), "h", True, False, parts=("inner", "outer"), axis=tuple(axis))
+    result = SimpleNamespace(
+        hinge_lines=(line,),
+        time=np.array([0.0, 1.0, 2.0]),
+        has=lambda name, variable: name in turns and variable == "frame_orientation",
+        signal=lambda name, variable: turns[name].as_quat(scalar_first=True),
+    )
+    found = bent(result)
+    assert (tilted > 30.0) == bool(found)
+    if found:
+        assert found["HL"].time == 1.0
+        assert np.degrees(found["HL"].value) == pytest.approx(tilted, rel=1e-9)
+
+
+def test_a_run_whose_hinges_bend_says_so():
+    """A panel on one hinge without stiffness across it, weighed down: line, angle and time in a sentence."""
+    scene = fanfold.load(SCENES / "two_panels.toml").with_settings(
+        {"joint.cross_stiffness": 0.5, "scene.gravity": [0.0, 3.0, 0.0], "hinge_line.middle_line.held": True}
+    )
+    found = fanfold.simulate(scene, until="1.5 s", tolerance=1e-3, estimate=False, refine=False).headline
+    (sentence,) = [told for told in found.open_ends() if "bent across" in told]
+    assert (
+        f"root_line bent across their line by up to {np.degrees(found.bent['root_line'].value):.0f} deg"
+        in sentence
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from contextlib import contextmanager
 from dataclasses import replace
 from math import inf
@@ -82,6 +83,9 @@ def test_a_run_that_misses_is_repeated(outcome, tmp_path, unknown):
     assert (kept.provenance["tolerance"], headline(kept)) == ("0.001", better.headline)
     (sentence,) = said
     assert f"it is run again at {settings.tolerance:.2g}" in sentence
+    assert unknown or re.search(
+        r": the latch time of \w+ is likely to be off by 60 times the tolerance", sentence
+    )
 
 
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):

@@ -175,3 +175,20 @@ def test_no_table_ends_in_a_traceback(seed):
             inner[key] = value
     with suppress(fanfold.FanfoldError):
         assert body_definition(Body(name="b", panel=table)).points
+
+
+def test_a_circle_is_not_followed_by_what_its_bodies_lack():
+    """Tried by a stranger: what is missing follows from the circle and says nothing."""
+    scene = fanfold.Scene("circle", until="1 s")
+    scene.base(points={"root": (0, 0, 0)})
+    scene.body("first", panel=PANEL)
+    scene.variant(
+        "round", {"body": [{"name": "second", "like": "third"}, {"name": "third", "like": "second"}]}
+    )
+    with pytest.raises(SceneError) as refused:
+        scene.check()
+    told = [
+        problem for problem in refused.value.problems if "body.second" in problem or "body.third" in problem
+    ]
+    assert len(told) == 2
+    assert all("is a circle" in problem for problem in told)

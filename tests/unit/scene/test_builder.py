@@ -205,3 +205,15 @@ def test_a_scene_shows_what_it_is():
     )
     assert repr(fanfold.Scene("bare", until=1.0)) == "<Scene bare: empty>"
     assert fanfold.load(SCENES / "two_panels.toml").hinge_lines == ("root_line", "middle_line")
+
+
+def test_hinges_may_be_the_tables_of_a_scene_file():
+    """Tried by a stranger: a list as scene files have it is the same as hinges by name; anything else is told."""
+    by_name, listed = full(), fanfold.Scene("full", until="2 s")
+    listed.base("craft", points={"root": ORIGIN})
+    keys = {"axis": "-y", "aligned_angle": "90 deg", "inboard": "craft", "outboard": "panel"}
+    entry = {"name": "root_hinge", "inboard": "root", "outboard": "edge"}
+    listed.hinge_line("root_line", hinges=[entry], **keys)
+    assert listed.tree["hinge_line"][0]["hinges"] == by_name.tree["hinge_line"][0]["hinges"]
+    with pytest.raises(SceneError, match=r"hinge_line\.other\.hinges"):
+        listed.hinge_line("other", hinges=["root_hinge"], **keys)

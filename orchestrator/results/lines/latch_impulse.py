@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..assembly import HingeLine
-from .result import Result
+from ...assembly import HingeLine
+from ..result import Result
 
 
 def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | None:

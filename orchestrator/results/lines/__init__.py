@@ -1,0 +1,1 @@
+"""What a result says of its hinge lines alone."""

@@ -1,0 +1,85 @@
+"""How hinge lines strayed in a run: past their deployed angle, behind their start, about other axes than their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..result import Result
+from ..signal import Peak
+
+Vector = NDArray[np.float64]
+
+_FOLDED_BACK = radians(5.0)
+"""Further behind where a line started is where a folded stack has no room."""
+
+_GIVES_WAY = radians(1.0)
+"""Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
+
+_BENT = radians(30.0)
+"""Rotations across a line that are no longer small: their sine is 5 % less."""
+
+
+@dataclass(frozen=True, slots=True)
+class Overrun:
+    """A line that nothing kept at its deployed angle: that one, the largest and the last (rad), when it passed (s)."""
+
+    deployed_angle: float
+    passed_at: float
+    largest: float
+    last: float
+
+
+def overruns(result: Result) -> dict[str, Overrun]:
+    """Lines, by name, that passed the deployed angle at which nothing keeps them."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.deployed_angle is None or not result.has(line.sensor, "angle"):
+            continue
+        angle = result.signal(line.sensor, "angle")
+        passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
+        if passed.size:
+            at = float(result.time[passed[0]])
+            found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+    return found
+
+
+def folded_back(result: Result) -> dict[str, Peak]:
+    """How far (rad) lines with a latch, by name, went behind their first angle, where that is more than play."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.latches and result.has(line.sensor, "angle"):
+            angle = result.signal(line.sensor, "angle")
+            lowest = int(np.argmin(angle))
+            behind = float(angle[0] - angle[lowest])
+            if behind > _FOLDED_BACK:
+                found[line.name] = Peak(float(result.time[lowest]), behind)
+    return found
+
+
+def bent(result: Result) -> dict[str, Peak]:
+    """How far (rad) the axes of a line in both its bodies, by name, parted, where that is more than a hinge does."""
+    found = {}
+    for line in result.hinge_lines:
+        if len(line.axis) == 3 and len(line.parts) == 2:
+            inboard, outboard = (_carried(result, part, np.array(line.axis)) for part in line.parts)
+            apart = np.linalg.norm(inboard - outboard, axis=1)
+            largest = int(np.argmax(apart))
+            bend = 2.0 * float(np.arcsin(min(1.0, 0.5 * apart[largest])))
+            if bend > _BENT:
+                found[line.name] = Peak(float(result.time[largest]), bend)
+    return found
+
+
+def _carried(result: Result, part: str, direction: Vector) -> Vector:
+    """A direction (3,) that a part carries with it from the start on, shape (N, 3); a fixed base keeps it."""
+    if not result.has(part, "frame_orientation"):
+        return np.broadcast_to(direction, (result.time.size, 3))
+    turns = result.signal(part, "frame_orientation")
+    scalar, vector = turns[:, :1], turns[:, 1:]
+    own = direction + 2.0 * np.cross(vector[0], np.cross(vector[0], direction) - scalar[0] * direction)
+    turned: Vector = own + 2.0 * np.cross(vector, np.cross(vector, own) + scalar * own)
+    return turned
