@@ -62,7 +62,9 @@ def model_description3(
     annotation = SubElement(
         SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
     )
-    annotation.text = STEP_DERIVATIVE
+    SubElement(
+        annotation, "StepDerivative", {"description": STEP_DERIVATIVE}
+    )  # some readers refuse bare text
     return xml_bytes(root)
 
 

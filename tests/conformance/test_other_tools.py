@@ -12,7 +12,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
+from fmpy.fmi1 import FMICallException
 
 from components import REGISTRY
 from fmus import native_library
@@ -50,6 +51,22 @@ def start_values(component):
 def path_of(kind, fmi):
     component = SUBJECTS[SUBJECT_OF[kind]]()
     return str(built(component, kind, start=start_values(component), backend="native", fmi=fmi))
+
+
+@pytest.mark.parametrize("kind", ["hinge", "eddy_current_damper", "ccl", "contact"])
+def test_a_quaternion_of_zeros_is_named(kind):
+    """Rule: tools that set all inputs to zero before anything is connected are told which one cannot be."""
+    component = SUBJECTS[SUBJECT_OF[kind]]()
+    name = next(q.name for q in component.input_layout.quantities if q.name.endswith(".orientation"))
+    said: list[bytes] = []
+    with pytest.raises(FMICallException):
+        simulate_fmu(
+            path_of(kind, "2.0"),
+            stop_time=0.01,
+            start_values={f"{name}[{k}]": 0.0 for k in range(1, 5)},
+            logger=lambda environment, instance, status, category, message: said.append(message),
+        )
+    assert f"input {name} is zero; connect it" in b" ".join(said).decode()
 
 
 def simulated(kind, fmi, interface, folder):

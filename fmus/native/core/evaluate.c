@@ -37,12 +37,31 @@ static int inputs_finite(const Instance *instance, Reason *why) {
     return refuse(why, "input %s is %g; it must be a finite number", name, evaluate_inputs(instance)[bad]);
 }
 
+/* Whether no input is a quaternion of zeros, which tools that have nothing to give yet may set. */
+static int orientations_given(const Instance *instance, Reason *why) {
+    static const char ending[] = ".orientation[1]";
+    const double *inputs = evaluate_inputs(instance);
+    char name[200];
+    for (size_t i = 0; i + 4 <= instance->sizes.inputs; i++) {
+        if (inputs[i] != 0.0 || inputs[i + 1] != 0.0 || inputs[i + 2] != 0.0 || inputs[i + 3] != 0.0)
+            continue;
+        layout_scalar_name(instance, (uint32_t)(instance->ends[0] + i), name, sizeof name);
+        size_t length = strlen(name), end = sizeof ending - 1;
+        if (length > end && strcmp(name + length - end, ending) == 0)
+            return refuse(why, "input %.*s is zero; connect it, or leave it at its start value: a quaternion has length 1",
+                          (int)(length - 3), name);
+    }
+    return 1;
+}
+
 /* Whether the values from `first` to before `end`, just computed, are finite: sums of finite inputs overflow. */
 static int values_finite(const Instance *instance, size_t first, size_t end, Reason *why) {
     size_t bad = 0;
     char name[200];
     if (evaluate_all_finite(instance->values + first, end - first, &bad))
         return 1;
+    if (!orientations_given(instance, why))
+        return 0;
     layout_scalar_name(instance, (uint32_t)(first + bad), name, sizeof name);
     return refuse(why, "%s is not finite (%g)", name, instance->values[first + bad]);
 }
@@ -51,6 +70,8 @@ int evaluate_state_finite(const Instance *instance, const double *x, Reason *why
     size_t bad = 0;
     if (evaluate_all_finite(x, instance->states, &bad))
         return 1;
+    if (!orientations_given(instance, why))
+        return 0;
     return refuse(why, "the new state is not finite, first x[%lu] = %g of %lu", (unsigned long)bad, x[bad],
                   (unsigned long)instance->states);
 }
@@ -58,7 +79,7 @@ int evaluate_state_finite(const Instance *instance, const double *x, Reason *why
 int evaluate_initial(Instance *instance, Reason *why) {
     if (instance->has_state)
         return 1;
-    if (!prepare(instance, why) || !inputs_finite(instance, why) ||
+    if (!prepare(instance, why) || !inputs_finite(instance, why) || !orientations_given(instance, why) ||
         !instance->kernel->initial(instance->self, evaluate_inputs(instance), instance->x, why) ||
         !evaluate_state_finite(instance, instance->x, why))
         return 0;
