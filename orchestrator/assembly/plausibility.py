@@ -63,8 +63,7 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
         if line.motor is None or line.held:
             continue
         angles = np.linspace(line.initial_angle, line.deployed_angle, _ANGLES)
-        ends = line.stowed_angle, line.deployed_angle
-        given = np.interp(angles, ends, (line.motor.stowed, line.motor.deployed))
+        given = np.array([line.motor_law.value(angle) for angle in angles.tolist()])
         taken = np.full(_ANGLES, line.friction_preload)
         if line.harness is not None:
             taken += np.interp(angles, line.harness.angle, line.harness.resisting_torque)

@@ -68,12 +68,18 @@ def test_friction_that_sticks_and_is_none_is_told(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("stowed", "preload", "angle"), [("1.648", "2 N.m", 0.0), ("1.648", "1.348 N.m", 45.0)]
+    ("preload", "motor", "angle"),
+    [
+        ("2 N.m", 'motor.stowed="1.648 N.m"', 0.0),
+        ("1.348 N.m", 'motor.stowed="1.648 N.m"', 45.0),
+        ("1 N.m", 'motor={ angle = ["0 deg", "90 deg"], torque = ["2 N.m", "0.5 N.m"] }', 60.0),
+    ],
 )
-def test_friction_beyond_the_motor_is_told(stowed, preload, angle):
-    """Closed form: HL1 of AMOS-3 falls from 1.648 to 1.048 N.m over 90 deg, without its harness."""
+def test_friction_beyond_the_motor_is_told(preload, motor, angle):
+    """Closed form: HL1 of AMOS-3 falls from 1.648 to 1.048 N.m over 90 deg, without its harness; a table."""
     settings = [
         f"hinge_line.HL1.friction_preload={preload}",
+        f"hinge_line.HL1.{motor}",
         'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m"]',
     ]
     (sentence,) = doubts(load_scene(find_scene("amos3"), (), settings))
