@@ -40,6 +40,10 @@ Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
 
 
+_MANY_STEPS = 1e7
+"""More communication steps than a night has time for."""
+
+
 def scenes() -> tuple[str, ...]:
     """Names of the scenes that come with Fanfold."""
     return list_scenes()
@@ -174,12 +178,14 @@ def _step_of_tools(assembly: Assembly) -> float:
     except SceneError as error:
         warn(f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}")
         return STEPS[-1]
-    if found is None:
+    step = found or STEPS[-1]
+    if found is None or assembly.until / step > _MANY_STEPS:
+        stable = f"only up to {step:g} s" if found else f"not even at {step:g} s"
         warn(
-            f"{assembly.name}: no communication step above {STEPS[-1]:g} s is stable where a tool does not iterate; "
-            "use rigid bodies, or model exchange"
+            f"{assembly.name}: tools that do not iterate are stable {stable}, {assembly.until / step:.0e} steps to "
+            "the end; export rigid bodies for them, or use model exchange"
         )
-    return found or STEPS[-1]
+    return step
 
 
 def check(fmu: str | Path, run: bool = True) -> list[Problem]:

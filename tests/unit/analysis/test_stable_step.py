@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import orchestrator as fanfold
+from fmus import native_library
 from orchestrator.analysis.stable_step import growth, largest_stable_step, own_growth
 from orchestrator.analysis.statics.linear_model import linearise
 from orchestrator.analysis.statics.mechanism import Mechanism
@@ -55,3 +58,13 @@ def test_growth_is_that_of_the_recurrence():
     only_damped = replace(model, stiffness=np.zeros_like(model.stiffness))
     assert growth(only_damped, 0.99 / fastest) < 1e-3 * fastest
     assert growth(only_damped, 1.01 / fastest) > 1e-3 * fastest
+
+
+@pytest.mark.skipif(native_library() is None, reason="reduces and exports PythonFMUs for minutes")
+def test_an_export_tells_of_a_step_that_nobody_can_wait_for(tmp_path):
+    """Rule: a flexible panel needs 3e7 steps in other tools, and says so; a rigid one needs 1e5 and is quiet."""
+    with pytest.warns(fanfold.FanfoldWarning, match=r"stable only up to 2e-07 s, 3e\+07 steps"):
+        fanfold.export("workbench", tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fanfold.export("workbench", tmp_path, rigid="all")
