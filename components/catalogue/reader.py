@@ -174,6 +174,7 @@ def _changed(table: Table, arm: HingeArm) -> HingeArm:
         section=None if table.flag("rigid", default=section is None) else section,
         point_mass=table.number("point_mass", "kg", "zero or positive", arm.point_mass),
         patch=table.number("patch", "m", default=arm.patch),
+        z=table.number("z", "m", "any", arm.z),
     )
 
 
@@ -201,11 +202,22 @@ def _arms(table: Table, common: HingeArm) -> list[HingeArm]:
         named = {edge: lines.text(edge, default="") for edge in _EDGES}
         if isnan(common.y):
             table.note("arm.y", "is missing; hinge_lines have their arms at + and - y")
+        offsets = _offsets(table.table("hinge_line_offsets", required=False), common.z)
         for edge, line in named.items():
             for side, sign in _SIDES if line else ():
-                arms.append(replace(common, name=f"{line}_{side}", y=sign * common.y, edge=edge))
+                name = f"{line}_{side}"
+                arms.append(replace(common, name=name, y=sign * common.y, edge=edge, z=offsets[edge]))
         lines.close()
     return arms
+
+
+def _offsets(table: Table | None, common: float) -> dict[_Edge, float]:
+    """Of the hinge lines from the mid-plane, m, by edge."""
+    if table is None:
+        return dict.fromkeys(_EDGES, common)
+    found = {edge: table.number(edge, "m", "any", common) for edge in _EDGES}
+    table.close()
+    return found
 
 
 def _insert(table: Table) -> HingeArm:

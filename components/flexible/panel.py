@@ -139,14 +139,15 @@ class PlateElements:
         """Values (n, 6) of the degrees of freedom when the plate moves with a rigid point at origin (3,)."""
         x, y = (self.places - origin[:2]).T
         zero, one = np.zeros_like(x), np.ones_like(x)
+        z = np.full_like(x, -origin[2])
         by_kind = np.array(
             [
                 np.column_stack([zero, zero, one, y, -x, zero]),
                 np.column_stack([zero, zero, zero, zero, -one, zero]),
                 np.column_stack([zero, zero, zero, one, zero, zero]),
                 np.zeros((x.size, 6)),
-                np.column_stack([one, zero, zero, zero, zero, -y]),
-                np.column_stack([zero, one, zero, zero, zero, x]),
+                np.column_stack([one, zero, zero, zero, z, -y]),
+                np.column_stack([zero, one, zero, -z, zero, x]),
             ]
         )
         result: Vector = by_kind[self.kind, np.arange(x.size)]
@@ -256,8 +257,8 @@ class _Ties:
         self.roots, self.tips = {}, {}
         for arm in panel.arms:
             root, tip = panel.ends(arm)
-            self.tips[arm.name] = np.array([tip, arm.y, 0.0])
-            self.roots[arm.name] = np.array([root, arm.y, 0.0]) if arm.section else self.tips[arm.name]
+            self.tips[arm.name] = np.array([tip, arm.y, arm.z])
+            self.roots[arm.name] = np.array([root, arm.y, arm.z]) if arm.section else self.tips[arm.name]
         count = int(self.free.sum())
         self.root_dofs, self.attachment_dofs = {}, {}
         for arm in panel.arms:

@@ -70,6 +70,8 @@ class HingeArm:
     """side of the square patch, m"""
     x: float | None = None
     """of the middle of an insert inside the plate, m"""
+    z: float = 0.0
+    """of arm and attachment point, off the plate's mid-plane by a rigid bracket on the patch, m"""
 
 
 @dataclass(frozen=True)

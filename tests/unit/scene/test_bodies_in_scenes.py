@@ -8,9 +8,11 @@ import pytest
 
 import orchestrator as fanfold
 from components import catalogue
+from components.contract.frames import rotate
 from orchestrator.scene import SceneError
-from orchestrator.scene.bodies import body_definition, body_model
+from orchestrator.scene.bodies import body_definition, body_model, scene_points
 from orchestrator.scene.body_tables import Body
+from orchestrator.scene.loops.closing import start_poses
 
 PANEL = {
     "length": "1.1 m",
@@ -192,3 +194,40 @@ def test_a_circle_is_not_followed_by_what_its_bodies_lack():
     ]
     assert len(told) == 2
     assert all("is a circle" in problem for problem in told)
+
+
+def test_hinge_lines_off_the_mid_plane_give_a_stowed_stack_its_thickness():
+    """Geometry: folded about an axis 15 mm off both mid-planes these are 30 mm apart, deployed in one plane."""
+    scene = fanfold.Scene("stack", until="1 s")
+    base = scene.base(points={"left": (0, 0.4, 0), "right": (0, -0.4, 0)})
+    panel = {
+        "length": "1 m", "width": "1 m", "areal_mass": "3 kg/m2", "arm": {"y": "0.4 m", "length": "40 mm"},
+        "sandwich": {"skin": "0.2 mm", "core": "20 mm", "youngs_modulus": "70 GPa", "poisson_ratio": 0.3},
+    }  # fmt: skip
+    inner = {
+        "hinge_lines": {"inboard": "hl1", "outboard": "hl2"},
+        "hinge_line_offsets": {"outboard": "15 mm"},
+    }
+    outer = {"hinge_lines": {"inboard": "hl2"}, "hinge_line_offsets": {"inboard": "15 mm"}}
+    bodies = [scene.body(name, panel=panel | more) for name, more in (("panel1", inner), ("panel2", outer))]
+    for name, body, to, ends in (
+        ("HL1", base, bodies[0], ("left", "hl1_left")),
+        ("HL2", bodies[0], bodies[1], ("hl2_left", "hl2_left")),
+    ):
+        scene.hinge_line(
+            name,
+            body,
+            to,
+            axis="+y",
+            aligned_angle="180 deg",
+            stowed_angle="0 deg",
+            hinges={f"{name}_1": ends},
+        )
+    for angle, apart in ((0.0, 0.03), (np.pi, 0.0)):
+        found = scene.with_settings({"hinge_line.HL2.start_angle": f"{np.degrees(angle)} deg"}).check()
+        poses = start_poses(found, scene_points(found))
+        one, other = (poses[name] for name in bodies)
+        normal = rotate(one.orientation, (0.0, 0.0, 1.0))
+        assert abs(np.dot(np.subtract(other.position, one.position), normal)) == pytest.approx(
+            apart, abs=1e-12
+        )

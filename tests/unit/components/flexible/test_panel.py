@@ -8,6 +8,7 @@ from scipy.sparse.linalg import eigsh
 from skfem.helpers import dd, ddot
 
 from components.contract.component import ComponentError
+from components.flexible.beam_frame import BeamSection
 from components.flexible.panel import PlateElements, panel_model
 from components.flexible.plate import HingeArm, Panel, Plate, sandwich_stiffness
 
@@ -131,12 +132,13 @@ def test_translations_on_a_grid_are_those_of_its_points():
     np.testing.assert_array_equal(plate.translations(x, y).toarray(), expected.toarray())
 
 
-def test_insert_patch_is_rigid():
+@pytest.mark.parametrize("z", [0.0, 0.03])
+def test_insert_patch_is_rigid(z):
     """Geometry: any motion of a fitting with a rigid arm moves the plate under its patch as a rigid body."""
-    arms = (HingeArm("a", 0.0, "outboard", point_mass=0.1, patch=0.2, length=0.1),)
+    arms = (HingeArm("a", 0.0, "outboard", point_mass=0.1, patch=0.2, length=0.1, z=z),)
     model = panel_model(Panel(UNIT, arms, {"on": (0.95, 0.05)}, plate_start=0.0, element_size=0.2))
     tip = model.point_positions["a"]
-    np.testing.assert_allclose(tip, [1.1, 0.0, 0.0])
+    np.testing.assert_allclose(tip, [1.1, 0.0, z])
     values = np.zeros(model.stiffness.shape[0])
     motion = np.array([1.0, 2.0, 3.0, 0.4, 0.5, 0.6])
     values[model.attachment_dofs["a"]] = motion
@@ -157,3 +159,20 @@ def test_sandwich_formula():
     assert bending[0] == pytest.approx(15700.0, rel=1e-3)
     assert bending[3] == pytest.approx(165.0, rel=2e-3)
     assert membrane[0] == pytest.approx(98e6, rel=2e-3)
+
+
+def test_arms_off_the_mid_plane_bend_nothing_in_rigid_motion():
+    """Rigid motions have no strain, but for round-off of the stiffest element, and points move with them."""
+    section = BeamSection(6.7e6, 141.0, 30.17, 740.0)
+    arms = tuple(
+        HingeArm(f"{edge}_arm", 0.2, edge, section=section, point_mass=0.05, patch=0.2, length=0.1, z=z)
+        for edge, z in (("inboard", 0.03), ("outboard", -0.02))
+    )
+    model = panel_model(Panel(UNIT, arms, plate_start=0.1, element_size=0.2))
+    np.testing.assert_allclose(model.point_positions["outboard_arm"], [1.2, 0.2, -0.02])
+    assert np.abs(model.stiffness @ model.rigid_motions).max() < 1e-14 * np.abs(model.stiffness).max()
+    for name, place in model.point_positions.items():
+        x, y, z = place
+        expected = [[1, 0, 0, 0, z, -y], [0, 1, 0, -z, 0, x], [0, 0, 1, y, -x, 0]]
+        moved = (model.point_motions[name] @ model.rigid_motions)[:3]
+        np.testing.assert_allclose(moved, expected, atol=1e-12)
