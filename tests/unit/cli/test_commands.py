@@ -9,12 +9,13 @@ import subprocess
 import sys
 import time
 import tomllib
+from inspect import signature
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from components import REGISTRY
+from components import LAGGED, REGISTRY
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
@@ -72,6 +73,23 @@ def test_list_names_scenes_and_components():
     output = fanfold("list").output
     assert "amos3" in output
     assert all(kind in output for kind in REGISTRY)
+
+
+@pytest.mark.parametrize("kind", sorted(REGISTRY))
+def test_list_tells_all_of_a_component(kind):
+    """Completeness: every key of structure and parameters, every port and every recorded signal, with its meaning."""
+    told, component = fanfold("list", kind).output, REGISTRY[kind].example()
+    words = " ".join(told.split())
+    recorded = [q for q in component.observation_layout.quantities if not q.name.endswith(LAGGED)]
+    for quantity in (*component.parameter_layout.quantities, *component.own_inputs, *recorded):
+        assert quantity.name in told
+        assert quantity.description.split()[0] in words
+    assert all(port.name in words for port in component.ports)
+    assert all(key in told for key in signature(REGISTRY[kind]).parameters)
+
+
+def test_list_of_what_is_no_component():
+    assert "there is no component 'damper'; components are" in " ".join(refused("list", "damper").split())
 
 
 def test_run_shows_numbers_and_writes_the_result():
