@@ -26,6 +26,8 @@ from . import Condition, Event, HingeLine, Part, Setting
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
 _SCALAR = re.compile(r"(\w+)(?:\[(\d+)\])?")
+_OF_A_MOTOR_SPRING = ("motor_stiffness", "motor_wind_up", "motor_constant_torque")
+"""Parameters of a hinge that do nothing where its motor is a table."""
 _OF_THE_MASTER = (END_WEIGHT.name, QUASI_STATIC.name)
 
 
@@ -160,6 +162,8 @@ def _tunable(name: str, component: Component, kind: str) -> Quantity:
     """The parameter of a name; ValueError where there is none that can be set in mid-run."""
     known = {q.name: q for q in component.parameter_layout.quantities}
     tunable = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
+    if name in _OF_A_MOTOR_SPRING and component.structure.get("motor_angle"):
+        raise ValueError("has no effect, as the motor is a table; give it by its torques stowed and deployed")
     if name in tunable:
         return known[name]
     if name in known:

@@ -107,6 +107,11 @@ BAD = {
         "time = 1\nset = { inner = { initial_position = [0, 0, 0] } }",
         "event.a.set.inner.initial_position: cannot be set in mid-run; of a body, these can: gravity, damping_scale",
     ),
+    "a motor that is a table": (
+        "time = 1\nset = { root = { motor_stiffness = 0 } }\n[[hinge_line]]\nname = 'root_line'\n"
+        "motor = { angle = ['0 deg', '90 deg'], torque = [1.6, 1.0] }",
+        "event.a.set.root.motor_stiffness: has no effect, as the motor is a table",
+    ),
     "the master's": (
         "time = 1\nset = { root = { end_weight = 1 } }",
         "event.a.set.root.end_weight: cannot be set in mid-run",
