@@ -62,4 +62,4 @@ def command(
         from fmpy import read_model_description
 
         step = float(read_model_description(str(paths[0])).defaultExperiment.stepSize)
-        click.echo(f"stable up to communication steps of {step:g} s in tools that do not iterate", err=True)
+        click.echo(f"advised communication step: {step:g} s, for tools that do not iterate", err=True)
