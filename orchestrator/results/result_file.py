@@ -10,7 +10,8 @@
 
 Rows are collected in memory and written once a second, however long a step takes, and when they fill a chunk. The
 file takes its name when it can be read, and a lock keeps other runs from it. The file format is the one of HDF5 1.8:
-it has no mark "open for writing" that would keep other tools from an interrupted run.
+it has no mark "open for writing" that would keep other tools from an interrupted run. Room is reserved before HDF5
+is given what needs it: one that meets a full disk or a quota halfway leaves a file that nobody can read.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ import h5py
 import numpy as np
 
 from components.cache.locks import is_held
+from components.cache.room import reserve
 
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
@@ -43,6 +45,11 @@ _SECONDS = 1.0
 _TEXT = h5py.string_dtype("utf-8")
 _EVENT_BYTES = 255
 _EVENT_TEXT = h5py.string_dtype("utf-8", _EVENT_BYTES)
+_NODE = 8192
+"""Bytes that the index of a dataset grows by at the most with a chunk: its nodes have 64 children, and split in two."""
+_EVENT_ROOM = 3 * (16 * _EVENT_BYTES + _NODE)
+_ATTRIBUTE_ROOM = 65536
+"""Bytes for what closes a run: statistics and the mark that it is complete."""
 Place = tuple[int, int]
 """A moment of a run in its result: rows and events before it."""
 
@@ -119,6 +126,8 @@ class ResultWriter:
         self._filled = 0
         self._events: list[Event] = []
         self._events_written = 0
+        self._reserved = 0
+        self._kept: float | None = None
         self._lock, self._closing = Lock(), Signal()
         self._clock = Thread(target=self._flush_by_time, daemon=True)
         self._failure: ResultError | None = None
@@ -145,6 +154,7 @@ class ResultWriter:
             dataset.resize(rows, 0)
             found = dataset[self._start :]
             self._buffer[: self._filled, column.where] = found.reshape(self._filled, -1)
+        self._kept = float(self._file["time"][-1]) if rows else None
         for dataset in self._file["events"].values():
             dataset.resize(events, 0)
         self._events_written = events
@@ -241,6 +251,7 @@ class ResultWriter:
         if _identity(self.path) != self._identity:
             raise ResultError(f"{self.path}: the result was removed or replaced while the run was writing it")
         try:
+            self._reserve()
             self._write_rows(self._columns)
             self._append_events("component", [_event_text(event[1]) for event in self._events])
             self._append_events("event", [_event_text(event[2]) for event in self._events])
@@ -249,11 +260,26 @@ class ResultWriter:
             self._append_events("time", [event[0] for event in self._events])
             self._file.flush()
         except HDF5_ERRORS as error:
-            raise ResultError(f"{self.path}: the result cannot be written ({reason(error)})") from None
+            kept = "nothing yet" if self._kept is None else f"what was up to t = {self._kept:.6g} s"
+            raise ResultError(
+                f"{self.path}: the result cannot be written ({reason(error)}); it holds {kept}"
+            ) from None
+        self._kept = float(self._times[self._filled - 1]) if self._filled else self._kept
         self._events_written += len(self._events)
         self._events = []
         if self._filled == _ROWS:
             self._start, self._filled = self._start + _ROWS, 0
+
+    def _reserve(self) -> None:
+        """Room for a chunk of every column where rows begin one, and for events; OSError where there is none."""
+        begins = self._filled > 0 and self._start >= self._reserved
+        if begins or self._events:
+            chunk = self._buffer.nbytes + _NODE * (len(self._columns) + 1) if begins else 0
+            chunks_of_events = len(self._events) // 16 + 2
+            size = self._file.id.get_filesize() + chunk + chunks_of_events * _EVENT_ROOM + _ATTRIBUTE_ROOM
+            reserve(self._file.id.get_vfd_handle(), size)
+        if begins:
+            self._reserved = self._start + _ROWS
 
     def _write_rows(self, columns: Sequence[Column]) -> None:
         if self._filled:
@@ -279,7 +305,10 @@ class ResultWriter:
             self._file.attrs.modify("complete", complete)
         finally:
             with suppress(*HDF5_ERRORS):  # a full disk was told of by the flush before
+                size = self._file.id.get_filesize()
                 self._file.close()
+                if _identity(self.path) == self._identity:
+                    os.truncate(self.path, size)  # what was reserved in vain
         if complete:
             with suppress(*HDF5_ERRORS):  # without room for both it stays as it is
                 compact(self.path)

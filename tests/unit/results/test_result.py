@@ -246,6 +246,52 @@ def test_result_that_there_is_no_room_to_compress_stays(tmp_path, monkeypatch):
     assert [found.name for found in tmp_path.iterdir()] == ["run.h5"]
 
 
+@pytest.fixture
+def size_limit():
+    """Sets how many bytes a file may have, as quotas do, until the test ends."""
+    resource = pytest.importorskip("resource")
+    usual, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (usual, hard))
+
+
+@pytest.mark.parametrize("room", [-1, 560_000, 700_000, 900_000, 1_100_000])
+def test_file_that_may_grow_no_further_keeps_its_rows(tmp_path, size_limit, room):
+    """Independent path: the rows that were handed over; a quota is met at any point of a chunk."""
+    path, names = tmp_path / "run.h5", tuple("abcdefgh")
+    groups = [SignalGroup(f"c{k}", names, ("1",) * 8, (1,) * 8, ("",) * 8) for k in range(3)]
+    writer = ResultWriter(path, groups, {}, {}, ())
+    size_limit(path.stat().st_size + room)
+    writer.event(0.0, "hl1", "latch-up")
+
+    def fill():
+        with writer:
+            for k in range(20_000):
+                writer.append(float(k), [np.full(8, float(k + g)) for g in range(3)])
+
+    with pytest.raises(ResultError) as caught:
+        fill()
+    assert f"{path}: the result cannot be written (File too large); it holds " in str(caught.value)
+    if room < 0:
+        assert str(caught.value).endswith("it holds nothing yet")
+        return
+    result = Result.open(path)
+    assert str(caught.value).endswith(f"it holds what was up to t = {result.time[-1]:.6g} s")
+    assert not result.complete
+    assert result.events == [(0.0, "hl1", "latch-up")]
+    np.testing.assert_array_equal(result.time, np.arange(result.time.size))
+    for g in range(3):
+        for name in names:
+            np.testing.assert_array_equal(result.signal(f"c{g}", name), result.time + g)
+
+
+def test_nothing_of_what_is_reserved_stays(tmp_path):
+    path = write(tmp_path / "run.h5")
+    with h5py.File(path) as file:
+        assert path.stat().st_size == file.id.get_filesize()
+        assert file.id.get_freespace() < path.stat().st_size / 2
+
+
 def test_appending_is_cheap(tmp_path):
     groups = [SignalGroup(f"c{k}", tuple("abcdefgh"), ("1",) * 8, (1,) * 8, ("",) * 8) for k in range(12)]
     values = [np.zeros(8) for _ in groups]
