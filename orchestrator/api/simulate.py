@@ -82,6 +82,8 @@ def simulate(
     isolate: bool = False,
     estimate: bool = True,
     refine: bool = True,
+    record: Quantity = "all",
+    signals: Names = (),
     progress: bool | Progress | None = None,
 ) -> Result:
     """Deploy a scene and return what happened, in memory or in the file that `save` names.
@@ -92,7 +94,10 @@ def simulate(
     need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
     gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. isolate: every
     FMU in a process of its own. estimate: tell the errors of headline numbers, for half the cost of the run. refine:
-    where these are likely to miss the tolerance, run again at a smaller one. progress: a bar, by default in notebooks.
+    where these are likely to miss the tolerance, run again at a smaller one. record: which rows the result keeps,
+    "all" or one in so much time (s) beside those of events and peaks, so that headline numbers stay the same. signals:
+    which it keeps beside what headline numbers need, by COMPONENT or COMPONENT.VARIABLE, as patterns such as "hl1_*".
+    progress: a bar, by default in notebooks.
 
     What is not as it should be is told as a FanfoldWarning, and in the result's `warnings`. SceneError or RunError
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
@@ -110,6 +115,8 @@ def simulate(
         checkpoint=in_si(checkpoint, "s", "checkpoint"),
         refine=refine,
         isolate=isolate,
+        record=None if record == "all" else in_si(record, "s", "record"),
+        signals=listed(signals),
     )
     found = run_simulation(
         loaded.check_one_run(),

@@ -10,9 +10,9 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, scene_choice
+from .options import SceneChoice, backend_option, ordered_names, scene_choice
 from .progress import progress
-from .types import Number, OutputFile
+from .types import Number, OutputFile, Spacing
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -59,6 +59,15 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     "--refine/--no-refine", "refine", default=True, show_default=True,
     help="Where estimated errors are likely to miss the tolerance, run again at a smaller one.",
 )  # fmt: skip
+@click.option(
+    "--record", type=Spacing(), default="all", show_default=True, metavar="all|SECONDS",
+    help="Rows that the result keeps: all, or one in so many seconds beside those of events and peaks.",
+)  # fmt: skip
+@click.option(
+    "--signals", default="", callback=ordered_names, metavar="PATTERNS",
+    help="Signals that the result keeps beside those of headline numbers, with commas between, such as "
+    "'hl1_*,panel1.frame_*'; by default all.",
+)  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
@@ -73,6 +82,8 @@ def command(
     with_verify: bool,
     with_estimate: bool,
     refine: bool,
+    record: float | None,
+    signals: tuple[str, ...],
     as_json: bool,
     backend: Backend | None,
 ) -> None:
@@ -104,6 +115,8 @@ def command(
             isolate=isolate,
             estimate=with_estimate,
             refine=refine,
+            record="all" if record is None else record,
+            signals=signals,
             progress=progress,
         )
         verified = result.verify(progress) if with_verify else None

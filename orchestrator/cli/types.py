@@ -45,6 +45,19 @@ class Number(click.FloatRange):
         return _range(self.min, self.max, self.min_open)
 
 
+class Spacing(Number):
+    """Seconds between rows, None where "all" are meant."""
+
+    name = "spacing in seconds"
+
+    def __init__(self) -> None:
+        super().__init__(min=0.0, min_open=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """The number, None, or click's own refusal."""
+        return None if value == "all" else super().convert(value, param, ctx)
+
+
 class Count(click.IntRange):
     """A whole number in a range."""
 

@@ -73,15 +73,20 @@ def energy_ledger(result: Result) -> EnergyLedger | None:
     if result.has(_SCENE, NUMERICAL_DISSIPATION.name):
         numerical = float(result.signal(_SCENE, NUMERICAL_DISSIPATION.name)[-1])
     return EnergyLedger(
-        exchanged=_largest_exchange(result),
+        exchanged=float(max(energy.max() for energy in _exchange(result))),
         numerical=numerical,
         residual=float(np.max(np.abs(result.signal(_SCENE, "energy_residual")))),
         tolerance=tolerance_asked(result),
     )
 
 
-def _largest_exchange(result: Result) -> float:
-    """Largest sum of gains since the start, or kinetic energy if that is more (J)."""
+def rows_of_exchange(result: Result) -> list[int]:
+    """Rows at which most was exchanged, and most in motion."""
+    return [int(np.argmax(energy)) for energy in _exchange(result)]
+
+
+def _exchange(result: Result) -> tuple[Vector, Vector]:
+    """Sum of gains since the start, and kinetic energy (J), each of shape (N,)."""
     exchanged: Vector = np.zeros(result.time.size)
     moving: Vector = np.zeros(result.time.size)
     for variable, sign in _GAINS.items():
@@ -92,7 +97,7 @@ def _largest_exchange(result: Result) -> float:
             exchanged += np.maximum(sign * (energy - energy[0]), 0.0)
             if variable == KINETIC_ENERGY.name:
                 moving += energy
-    return float(max(exchanged.max(), moving.max()))
+    return exchanged, moving
 
 
 def tolerance_asked(result: Result) -> float | None:

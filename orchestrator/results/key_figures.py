@@ -321,9 +321,13 @@ def line_latch_torque(result: Result, line: HingeLine) -> Vector:
 
 def peak(result: Result, values: Vector) -> Peak:
     """Value of largest magnitude of a signal of the result, with its sign."""
-    start = float(result.time[0])  # an event as well: unless preloaded, all loads jump there
-    low, high = extremes(result.time, values, [start, *(time for time, _, _ in result.events)])
+    low, high = extremes(result.time, values, jumps(result))
     return high if abs(high.value) >= abs(low.value) else low
+
+
+def jumps(result: Result) -> list[float]:
+    """Times (s) of events; the start is one as well: unless preloaded, all loads jump there."""
+    return [float(result.time[0]), *(time for time, _, _ in result.events)]
 
 
 def extremes(time: Vector, values: Vector, events: Sequence[float] = ()) -> tuple[Peak, Peak]:
@@ -336,12 +340,15 @@ def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
     """The highest of all samples and of the cubics through the samples around every high one."""
     k = int(np.argmax(values))
     best = Peak(float(time[k]), float(values[k]))
-    threshold = best.value - _NEAR_PEAK * (best.value - float(np.min(values)))
+    near = (peak for s, top in tops(time, values, events) for peak in _interpolated(time[s], values[s], top))
+    return max((best, *near), key=lambda found: found.value)
+
+
+def tops(time: Vector, values: Vector, events: Sequence[float]) -> Iterator[tuple[slice, int]]:
+    """Samples near which a signal may be highest: a smooth stretch, and where in it."""
+    threshold = float(np.max(values)) - _NEAR_PEAK * float(np.ptp(values))
     for segment in _smooth_segments(time, events):
-        t, v = time[segment], values[segment]
-        for top in _local_maxima(v, threshold):
-            best = max(best, *_interpolated(t, v, top), key=lambda found: found.value)
-    return best
+        yield from ((segment, top) for top in _local_maxima(values[segment], threshold))
 
 
 def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:

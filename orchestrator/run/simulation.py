@@ -22,6 +22,7 @@ from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .progress import Progress, followed, silent
+from .recording import Recording
 from .refinement import refined
 from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
@@ -38,7 +39,8 @@ class Options:
     rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
     constant communication step size, s. order: of the coupling. checkpoint: simulated time between checkpoints, s.
     refine: repeat a run that is likely to miss its tolerance at a smaller one. isolate: every FMU in a process of its
-    own. RunError for what cannot be.
+    own. record: time between rows that the result keeps beside those of events and peaks, s; all rows without.
+    signals: patterns of those to keep beside what headline numbers need. RunError for what cannot be.
     """
 
     rigid: Collection[str] = ()
@@ -52,6 +54,8 @@ class Options:
     checkpoint: float | None = None
     refine: bool = True
     isolate: bool = False
+    record: float | None = None
+    signals: Collection[str] = ()
 
     def __post_init__(self) -> None:
         low, high = TOLERANCES
@@ -73,13 +77,9 @@ class Options:
             raise RunError(f"there is no back end {self.backend!r}; back ends are native and python")
         if self.backend == "native" and native_library() is None:
             raise RunError("no native library was built; install Fanfold again where there is a C compiler")
-        if self.checkpoint is not None:
-            self._refuse_checkpoint(self.checkpoint)
-
-    def _refuse_checkpoint(self, every: float) -> None:
-        if not 0.0 < every < float("inf"):
-            raise RunError(f"the time between checkpoints is {every:g} s; it must be positive and finite")
-        if self.master != "implicit":
+        _refuse_spacing("recorded rows", self.record)
+        _refuse_spacing("checkpoints", self.checkpoint)
+        if self.checkpoint is not None and self.master != "implicit":
             raise RunError("only runs of the implicit master have checkpoints; leave one of both out")
 
     def assemble(self, scene: CheckedScene) -> Assembly:
@@ -98,8 +98,8 @@ class Options:
 
     def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
         """What a checkpoint tells of a run, as JSON holds it."""
-        bodies = {"rigid": sorted(self.rigid), "flexible": sorted(self.flexible)}
-        options = {one.name: getattr(self, one.name) for one in fields(self)} | bodies
+        names = {name: sorted(getattr(self, name)) for name in ("rigid", "flexible", "signals")}
+        options = {one.name: getattr(self, one.name) for one in fields(self)} | names
         return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
 
@@ -162,6 +162,8 @@ def simulate(
     )
     for sentence in chain.from_iterable(told):
         warn(sentence)
+    kept = Recording(options.record, options.signals).applied(outcome.result, warn)
+    outcome = replace(outcome, result=kept)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
 
@@ -178,6 +180,11 @@ def resume(result: Path, progress: Progress = silent, warn: Warn = lambda senten
             f"{checkpoint_file(result)}: the checkpoint is damaged and cannot be read ({error})"
         ) from None
     return simulate(scene, options, result, estimate=estimate, progress=progress, warn=warn, start=start)
+
+
+def _refuse_spacing(what: str, seconds: float | None) -> None:
+    if seconds is not None and not 0.0 < seconds < float("inf"):
+        raise RunError(f"the time between {what} is {seconds:g} s; it must be positive and finite")
 
 
 def python_sentence(backend: Backend | None) -> str:
