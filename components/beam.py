@@ -28,11 +28,11 @@ from .contract.frames import multiply, normalized, rotation_matrix, skew, sum_of
 from .contract.ports import WRENCH_SIZE
 
 _MOST_ITERATIONS = 25
-_TOLERANCE = 1e-15
+_TOLERANCE = 1e-14
 """Of displacements, of the beam's length, and of rotations (rad): what the next correction would be."""
 _ROUNDING, _STANDSTILL = 1e-8, 0.5
 """Corrections below it that shrink no more are round-off, which slender beams magnify."""
-_FAR = 1e-3
+_FAR = 1e-2
 """Corrections above it take factors where they lead, as those of their start may lead astray."""
 _SLOW = 0.1
 """Share of the one before to which a correction shrinks at the least, or factors are renewed."""
@@ -216,12 +216,13 @@ class Beam(Component):
         travel = moving * nodes.velocity
         turn = moving * np.einsum("nij,nj->ni", nodes.directors, nodes.rate)
         factors, before, done = None, np.inf, False
-        for _ in range(_MOST_ITERATIONS):
+        for iteration in range(_MOST_ITERATIONS):
             trial = self._trial(c, start, travel, turn)
             if done:
                 return trial
             if factors is None:
-                factors = self._factors(start, trial)
+                # the first follow from the start and the step's size alone, so that the kernel can keep them
+                factors = self._factors(start, trial, with_ports=iteration > 0)
             correction = factors.solve(-self._residual(start, trial))
             travel = travel + correction[:, :3]
             turn = turn + np.einsum("nij,nj->ni", _cayley_rates(turn), correction[:, 3:])
@@ -287,8 +288,11 @@ class Beam(Component):
         result: Vector = gain - trial.loads
         return result
 
-    def _factors(self, start: _Step, trial: _Trial) -> Factors:
-        """Factors of the derivative of the residual by displacements and rotation vectors at the end of the step."""
+    def _factors(self, start: _Step, trial: _Trial, with_ports: bool) -> Factors:
+        """Factors of the derivative of the residual by displacements and rotation vectors at the end of the step.
+
+        with_ports: whether the arms of the ports' forces turn as well.
+        """
         static = start.strains is None
         old, before = self._before(start, trial.poses, trial.strains)
         stiffness = self.elements.stiffnesses(before, trial.strains, start.damping)
@@ -296,6 +300,8 @@ class Beam(Component):
         pairs = -(2.0 if static else 1.0) * self.elements.tangent(old, trial.poses, trial.stress, stiffness)
         nodes = np.zeros((len(trial.turn), 6, 6))
         self._add_inertia(nodes, pairs, start, trial)
+        if not with_ports:
+            return Factors(nodes, pairs)
         arms, force = self._world_arms(trial.poses.directors), start.wrench[:, :3]
         turned = arms[:, :, None] * force[:, None, :] - (arms * force).sum(1)[:, None, None] * _IDENTITY
         np.add.at(nodes[:, 3:, 3:], self._at, -(1.0 if static else 0.5) * turned)

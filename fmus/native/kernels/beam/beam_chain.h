@@ -4,9 +4,10 @@
 #define FANFOLD_BEAM_CHAIN_H
 
 #include "beam_model.h"
+#include "body_products.h"
 
 /* Factorises a block in place, rows exchanged as the pivots say. A pivot of zero leaves numbers that are not finite. */
-static void factorise_block(double a[BLOCK], unsigned char pivots[NODE]) {
+static inline void factorise_block(double a[BLOCK], unsigned char pivots[NODE]) {
     for (int j = 0; j < NODE; j++) {
         int best = j;
         for (int i = j + 1; i < NODE; i++)
@@ -47,7 +48,7 @@ static inline void solve_block(const double a[BLOCK], const unsigned char pivots
 }
 
 /* Factorises in place; `next` becomes what eliminates the next node from each. */
-static void factorise_chain(Factors *f, size_t nodes) {
+FANFOLD_VECTORISED static void factorise_chain(Factors *f, size_t nodes) {
     for (size_t n = 0; n < nodes; n++) {
         double *own = f->nodes + BLOCK * n;
         if (n > 0) {
@@ -64,7 +65,7 @@ static void factorise_chain(Factors *f, size_t nodes) {
 }
 
 /* Solves in place for one right side, six numbers a node. */
-static void solve_chain(const Factors *f, size_t nodes, double *b) {
+FANFOLD_VECTORISED static void solve_chain(const Factors *f, size_t nodes, double *b) {
     for (size_t n = 0; n < nodes; n++, b += NODE) {
         if (n > 0) {
             const double *back = f->back + BLOCK * (n - 1);

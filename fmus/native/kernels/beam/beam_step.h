@@ -7,9 +7,9 @@
 #include "beam_elements.h"
 
 #define MOST_ITERATIONS 25
-#define TOLERANCE 1e-15
+#define TOLERANCE 1e-14
 #define ROUNDING 1e-8
-#define FAR 1e-3
+#define FAR 1e-2
 #define SLOW 0.1
 #define STANDSTILL 0.5
 #define LARGEST_TURN 2.0
@@ -76,7 +76,7 @@ static void predict(Beam *beam, const Step *step) {
 }
 
 /* Poses and strains after the present travel and turn; 0 where they are beyond what a step may do. */
-static int place(Beam *beam, const Step *step, Reason *why) {
+FANFOLD_VECTORISED static int place(Beam *beam, const Step *step, Reason *why) {
     const double *q = step->x + place_of_orientation(beam);
     for (size_t n = 0; n < beam->nodes; n++) {
         const double *turn = beam->turn + 3 * n;
@@ -124,7 +124,7 @@ static inline void mean_arm(const Beam *beam, const Step *step, size_t port, dou
 }
 
 /* Loads on all nodes, six numbers each. */
-static void load_nodes(Beam *beam, const Step *step) {
+FANFOLD_VECTORISED static void load_nodes(Beam *beam, const Step *step) {
     const Shape *start = before(beam, step);
     for (size_t n = 0; n < beam->nodes; n++)
         for (int i = 0; i < 3; i++) {
@@ -223,7 +223,7 @@ static void add_arm(const Beam *beam, const Step *step, size_t port, double *blo
 }
 
 /* Factors of the derivative of the residual by the unknowns where the iteration stands. */
-static void factorise(Beam *beam, const Step *step, Factors *f, int with_ports) {
+FANFOLD_VECTORISED static void factorise(Beam *beam, const Step *step, Factors *f, int with_ports) {
     const Shape *start = before(beam, step), *end = &beam->end;
     const size_t nodes = beam->nodes, elements = nodes - 1;
     memset(f->nodes, 0, BLOCK * nodes * sizeof(double));
