@@ -53,6 +53,12 @@ def times(file: Any) -> Vector:  # noqa: ANN401
     return found
 
 
+def ends_alike(file: Any, expected: Vector) -> bool:  # noqa: ANN401
+    """Whether a file has the last of these times (N,) in its place, as it has unless another was written there."""
+    found = file["time"]
+    return bool(len(found) >= expected.size and found[expected.size - 1] == expected[-1])
+
+
 def signal(dataset: Any, variable: str, rows: int) -> Vector:  # noqa: ANN401
     """Values of a signal at so many rows, (N,) or (N, size)."""
     _refuse(np.ndim(dataset) not in (1, 2), f"{variable} has {np.ndim(dataset)} dimensions")

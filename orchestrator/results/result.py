@@ -143,6 +143,11 @@ class Result:
             return self._signals[component, variable]
         try:
             with _open_file(self.path) as file:
+                if not parts.ends_alike(file, self.time):
+                    raise ResultError(
+                        f"{self.name}: another result has taken the place of this one since it was opened; "
+                        "open it again"
+                    )
                 values = parts.signal(file["signals"][component][variable], variable, self.time.size)
         except HDF5_ERRORS as error:
             raise ResultError(

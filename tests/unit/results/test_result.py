@@ -389,3 +389,18 @@ def test_result_that_is_taken_away_is_told_of(tmp_path):
     assert "removed or replaced while the run was writing it" in message(writer.flush)
     assert "removed or replaced while the run was writing it" in message(writer.close)
     assert not folder.exists()
+
+
+@pytest.mark.parametrize("rows", [50, 5000])
+def test_a_result_replaced_since_it_was_opened_is_told(tmp_path, rows):
+    """Tried by a stranger: a reader met the rows of another run, and said that its result was damaged."""
+    opened = Result.open(reference.write(tmp_path / "run.h5"))
+    other = reference.write(tmp_path / "other.h5")
+    with h5py.File(other, "r+") as file:
+        stretched = np.linspace(0.0, 3.0, rows)
+        for dataset in [file["time"], *(d for group in file["signals"].values() for d in group.values())]:
+            dataset.resize(rows, 0)
+        file["time"][:] = stretched
+    os.replace(other, opened.path)
+    with pytest.raises(ResultError, match="another result has taken the place of this one"):
+        opened.signal("base", "interface_force")
