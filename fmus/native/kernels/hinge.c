@@ -67,7 +67,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     Grip grip = hinge->base.endpoint ? present_grip(x, u) : commanded_grip(x, u);
     double angle = now.coordinates[HINGE_ANGLE], rate = now.rates[HINGE_ANGLE];
     if (hinge->base.endpoint) {
-        move_along(hinge, x, angle, &grip);
+        move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], angle, &grip);
     } else {
         for (int i = 0; i < COORDINATE_COUNT; i++)
             now.rates[i] = x[memory_place(i) + (hinge->base.paired ? END_RATE : MEAN_RATE)];
@@ -124,7 +124,7 @@ static void hinge_event(void *self, const double *x, const double *u, int due, d
     }
     latch_if_reached(hinge, &grip, due || now.coordinates[HINGE_ANGLE] >= hinge->base.p[P_LATCH_ANGLE]);
     store_grip(&grip, x_next);
-    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
+    move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], now.coordinates[HINGE_ANGLE], &grip);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) x_next[X_POWER + i] = loads.heat[i];
 }

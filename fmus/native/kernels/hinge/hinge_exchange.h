@@ -14,7 +14,7 @@ int NAME(hinge_rates)(void *self, const real *raw, const real *x, const real *u,
     (void)raw, (void)why;
     Motion now = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     Grip grip = present_grip(x, u);
-    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
+    move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], now.coordinates[HINGE_ANGLE], &grip);
     Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
     for (int i = 0; i < HEAT_CAUSES; i++) rates[i] = loads.heat[i];
     return 1;
@@ -42,7 +42,7 @@ static void hinge_update(void *self, const double *x, const double *u, int at_ev
     memcpy(x_next, x, STATES * sizeof *x);
     store_motion(&now, x_next);
     Grip present = present_grip(x, u);
-    move_along(hinge, x, now.coordinates[HINGE_ANGLE], &present);
+    move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], now.coordinates[HINGE_ANGLE], &present);
     if (!present.failed)
         x_next[X_PRESLIDING] = endpoint_loads(hinge, &present, now.coordinates, now.rates).friction.deflection;
     if (!at_event) return;

@@ -101,9 +101,9 @@ static inline Grip present_grip(const real *x, const real *u) {
     return (Grip){value_of(x[X_LATCHED]), holding, x[X_LATCHED_ANGLE], x[X_HOLD_ANGLE], x[X_PRESLIDING], failed};
 }
 
-/* Moves friction that sticks with the hinge from a state to an angle. */
-static inline void move_along(const Hinge *hinge, const real *x, real angle, Grip *grip) {
-    if (hinge->base.p[P_PRESLIDING_STIFFNESS] != 0.0) grip->presliding += angle - x[X_COORDINATES + HINGE_ANGLE];
+/* Moves friction that sticks with the hinge from one angle to another. */
+static inline void move_along(const Hinge *hinge, real from, real to, Grip *grip) {
+    if (hinge->base.p[P_PRESLIDING_STIFFNESS] != 0.0) grip->presliding += to - from;
 }
 
 /* Whether the latch engages by itself and has not yet. */

@@ -71,7 +71,7 @@ static inline void store_loads(const Hinge *hinge, const double *x, const Grip *
 static inline void endpoint_step(const Hinge *hinge, const double *x, Grip *grip, const Motion *new, double h,
                                  real *x_next) {
     latch_if_reached(hinge, grip, value_of(new->coordinates[HINGE_ANGLE]) >= hinge->base.p[P_LATCH_ANGLE]);
-    move_along(hinge, x, new->coordinates[HINGE_ANGLE], grip);
+    move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], new->coordinates[HINGE_ANGLE], grip);
     Loads loads = endpoint_loads(hinge, grip, new->coordinates, new->rates);
     grip->presliding = loads.friction.deflection;
     for (int i = 0; i < HEAT_CAUSES; i++) {
@@ -165,7 +165,7 @@ void NAME(hinge_outputs)(void *self, const real *x, const real *u, real *y) {
     if (hinge->base.endpoint) {
         Motion now = hinge_motion(hinge, u, angle);
         Grip grip = present_grip(x, u);
-        move_along(hinge, x, now.coordinates[HINGE_ANGLE], &grip);
+        move_along(hinge, x[X_COORDINATES + HINGE_ANGLE], now.coordinates[HINGE_ANGLE], &grip);
         Loads loads = endpoint_loads(hinge, &grip, now.coordinates, now.rates);
         store_pair(quaternion_rotate(now.frame, loads.force), quaternion_rotate(now.frame, loads.torque), now.gap, y);
         angle = now.coordinates[HINGE_ANGLE];
