@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from orchestrator.assembly import Part
+from components.beam import Beam
+from components.beam_parts.variables import Section
+from components.contract.frames import quaternion_of_axes
+from orchestrator.assembly import Link, Part
+from orchestrator.cosim.master import Settings
 from tests.references.coupled import base, between, completed
 from tests.references.native_fmus import needs_native
 from tests.unit.components.beam.beam_cases import STEEL_LINK, straight
@@ -46,3 +50,38 @@ def test_a_link_swings_like_a_rod():
     stored = kinetic + run.signal("link", "potential_energy") + run.signal("joint", "potential_energy")
     total = stored + run.signal("joint", "dissipated_energy") + run.signal("joint", "numerical_dissipation")
     assert np.abs(total - total[0]).max() < 1e-6 * kinetic.max()
+
+
+def bend_of_45_degrees(elements: int) -> Beam:
+    """An eighth of a circle of radius 100 about (100, 0, 0) from the origin along y, section 1 x 1, E 1e7."""
+    nodes = []
+    for angle in np.linspace(0.0, np.pi / 4.0, elements + 1).tolist():
+        s, c = float(np.sin(angle)), float(np.cos(angle))
+        turn = quaternion_of_axes((s, c, 0.0), (-c, s, 0.0), (0.0, 0.0, 1.0))
+        nodes.append({"position": (100.0 * (1.0 - c), 100.0 * s, 0.0), "orientation": turn})
+    bending, shear = 8.33333e5, 4.16667e6
+    section = Section(1e7, shear, shear, bending, bending, bending, 1.0, 0.2, 0.1, 0.1)
+    return Beam(nodes, section._asdict(), [{"name": "root", "node": 0}, {"name": "tip", "node": elements}])
+
+
+@needs_native
+def test_a_clamped_curved_beam_bends_and_twists_as_published():
+    """Published: 45 degree bend of Bathe and Bolourchi with 600 N across its plane, 16 elements.
+
+    GXBeam has (-13.577, -23.545, 53.458) with a shear stiffness of 5e6 N in place of 4.16667e6, which is 0.02 of it.
+    The load comes in 40 s, and strong damping brings the beam to rest.
+    """
+    beam = bend_of_45_degrees(16)
+    force = [{"profile": "step5", "start": 0.0, "duration": 40.0, "change": 600.0}]
+    clamp = {"translational_stiffness": (1e9,) * 3, "rotational_stiffness": (1e10,) * 3}
+    parts = [
+        base(clamp=(0, 0, 0)),
+        Part("beam", beam.kind, dict(beam.structure), {"stiffness_damping": 4.0}),
+        Part("clamp", "hinge", {}, clamp),
+        Part("load", "load", {"force": force}, {}),
+    ]
+    links = [*between("clamp", "base.clamp", "beam.root"), Link(("beam", "tip"), ("load", "body"))]
+    run = completed(90.0, parts, links, native=True, settings=Settings(fixed_step=0.1))
+    tip = run.signal("beam", "node_position")[:, -3:]
+    assert np.abs(tip[-1] - tip[-30]).max() < 1e-3
+    assert tip[-1] - tip[0] == pytest.approx((-13.577, -23.545, 53.458), abs=0.03)
