@@ -33,11 +33,11 @@ if TYPE_CHECKING:
     from .api.documents import compare as compare
     from .api.documents import plot_comparison as plot_comparison
     from .api.documents import report as report
+    from .api.export import export as export
     from .api.pictures import plot as plot
     from .api.result import Result as Result
     from .api.simulate import check as check
     from .api.simulate import check_scene as check_scene
-    from .api.simulate import export as export
     from .api.simulate import load as load
     from .api.simulate import resume as resume
     from .api.simulate import scenes as scenes
@@ -69,7 +69,7 @@ _HOMES = {
     "FanfoldWarning": "orchestrator.api.warnings",
     "check": "orchestrator.api.simulate",
     "check_scene": "orchestrator.api.simulate",
-    "export": "orchestrator.api.simulate",
+    "export": "orchestrator.api.export",
     "load": "orchestrator.api.simulate",
     "resume": "orchestrator.api.simulate",
     "scenes": "orchestrator.api.simulate",

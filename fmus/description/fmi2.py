@@ -37,14 +37,15 @@ DATE_FORMAT = "%Y-%m-%dT%H:%M:%SZ"
 
 
 class Experiment(NamedTuple):
-    """What a tool runs by default: end time and communication step size (s)."""
+    """What a tool runs by default: end time and communication step size (s), None for none that is advised."""
 
     stop_time: float = 1.0
-    step_size: float = 1e-3
+    step_size: float | None = 1e-3
 
     def attributes(self) -> dict[str, str]:
         """Attributes of DefaultExperiment."""
-        return {"startTime": "0", "stopTime": f"{self.stop_time:.17g}", "stepSize": f"{self.step_size:.17g}"}
+        step = {} if self.step_size is None else {"stepSize": f"{self.step_size:.17g}"}
+        return {"startTime": "0", "stopTime": f"{self.stop_time:.17g}", **step}
 
 
 STEP_DERIVATIVE = (

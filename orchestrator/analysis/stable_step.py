@@ -2,8 +2,8 @@
 
 Between two communication points bodies move exactly under wrenches that connections returned for the point before
 the first, as where a master lets all FMUs step side by side and exchanges values afterwards (Jacobi); a master that
-lets connections answer in between bears a little more. The linear model decides, where lines are free and where
-they are latched.
+lets connections answer in between bears a little more. The linear model where a run begins decides, with lines
+free and with lines latched; friction is no part of it. Growth is taken to be monotone in the step.
 """
 
 from __future__ import annotations

@@ -6,22 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fmus import Backend, Experiment, FmiVersion
+from fmus import Backend
 
-from ..assembly import Assembly
-from ..assembly.assemble import assemble
 from ..cosim.ports import Order
-from ..run import run
-from ..run.preload import started_at_rest
 from ..run.progress import Progress
 from ..run.run import MasterKind
-from ..run.simulation import Options, python_sentence
+from ..run.simulation import Options
 from ..run.simulation import resume as resume_simulation
 from ..run.simulation import simulate as run_simulation
-from ..run.system_structure import write_ssp
 from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
-from ..scene.component_connections import WrenchMode
 from ..scene.layers import Setting
 from ..scene.table import SceneError
 from ..scene.units import Sign, to_si
@@ -38,10 +32,6 @@ SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
-
-
-_MANY_STEPS = 1e7
-"""More communication steps than a night has time for."""
 
 
 def scenes() -> tuple[str, ...]:
@@ -137,62 +127,6 @@ def resume(result: str | Path, *, progress: bool | Progress | None = None) -> Re
     """
     found = resume_simulation(Path(result), progress=chosen(progress), warn=warn)
     return Result.of(found.outcome.result, found)
-
-
-def export(
-    scene: SceneLike,
-    folder: str | Path,
-    *,
-    rigid: Names = (),
-    flexible: Names = (),
-    wrench_mode: WrenchMode = "endpoint",
-    fmi: FmiVersion = "2.0",
-    sources: bool = False,
-    backend: Backend | None = None,
-    ssp: str | Path | None = None,
-) -> list[Path]:
-    """Write every component of a scene as an FMU into a folder, and return the paths.
-
-    Of a scene with preload, bodies start in static equilibrium, which other tools do not search for. The default
-    experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable.
-    wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
-    sources: add the C sources, to be compiled on other platforms. ssp: a file that takes all FMUs of FMI 2.0 with
-    end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
-    """
-    checked = load(scene).check_one_run()
-    if ssp is not None and (fmi != "2.0" or wrench_mode != "endpoint"):
-        raise SceneError(
-            ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
-        )
-    if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
-        warn(sentence)
-    fidelities = listed(rigid), listed(flexible)
-    assembly = assemble(checked, *fidelities, wrench_mode)
-    if assembly.preload:
-        assembly = started_at_rest(assembly, assemble(checked, *fidelities, "mean"))
-    step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
-    experiment = Experiment(assembly.until, step)
-    paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)
-    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
-
-
-def _step_of_tools(assembly: Assembly) -> float:
-    """The communication step size (s) that exported FMUs advise; a FanfoldWarning tells where there is none."""
-    from ..analysis.stable_step import STEPS, largest_stable_step
-
-    try:
-        found = largest_stable_step(assembly)
-    except SceneError as error:
-        warn(f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}")
-        return STEPS[-1]
-    step = found or STEPS[-1]
-    if found is None or assembly.until / step > _MANY_STEPS:
-        stable = f"only up to {step:g} s" if found else f"not even at {step:g} s"
-        warn(
-            f"{assembly.name}: tools that do not iterate are stable {stable}, {assembly.until / step:.0e} steps to "
-            "the end; export rigid bodies for them, or use model exchange"
-        )
-    return step
 
 
 def check(fmu: str | Path, run: bool = True) -> list[Problem]:

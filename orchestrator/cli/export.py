@@ -61,5 +61,7 @@ def command(
     if wrench_mode == "endpoint":
         from fmpy import read_model_description
 
-        step = float(read_model_description(str(paths[0])).defaultExperiment.stepSize)
-        click.echo(f"advised communication step: {step:g} s, for tools that do not iterate", err=True)
+        if step := read_model_description(str(paths[0])).defaultExperiment.stepSize:
+            click.echo(
+                f"advised communication step: {float(step):g} s, for tools that do not iterate", err=True
+            )

@@ -7,6 +7,7 @@ the annotation, others are told.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -29,24 +30,30 @@ class SystemStructureError(FanfoldError):
     """A sentence for the user: why no SSP file can be written."""
 
 
+def check_ssp(path: Path) -> None:
+    """SystemStructureError without the library for the format, or for a name that does not end in .ssp."""
+    if path.suffix != ".ssp":
+        raise SystemStructureError(f"{path}: an SSP file is meant; let its name end in .ssp")
+    if find_spec("pyssp_standard") is None:
+        raise SystemStructureError(
+            "writing SSP files needs pyssp_standard; install it with: pip install 'fanfold[ssp]'"
+        )
+
+
 def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: Experiment) -> Path:
     """Write the SSP file of an assembly from its FMUs, made with end-point wrenches, and return its path.
 
-    SystemStructureError without the library for the format, or for a name that does not end in .ssp.
+    Errors of `check_ssp`.
     """
-    if path.suffix != ".ssp":
-        raise SystemStructureError(f"{path}: an SSP file is meant; let its name end in .ssp")
-    try:
-        from pyssp_standard.ssd import DefaultExperiment, System
-        from pyssp_standard.ssp import SSP
-    except ImportError:
-        raise SystemStructureError(
-            "writing SSP files needs pyssp_standard; install it with: pip install 'fanfold[ssp]'"
-        ) from None
+    check_ssp(path)
+    from pyssp_standard.ssd import DefaultExperiment, System
+    from pyssp_standard.ssp import SSP
+
     system = System(name=assembly.name.replace("-", "_").replace(".", "_"))
     system.elements = [_component(assembly, fmu) for fmu in fmus]
     system.connections = [c for link in assembly.links for c in _connections(link)]
-    system.annotations.add_annotation(_step_annotation(experiment.step_size))
+    if experiment.step_size is not None:
+        system.annotations.add_annotation(_step_annotation(experiment.step_size))
     run = DefaultExperiment()
     run.start_time, run.stop_time = 0.0, experiment.stop_time
     with TemporaryDirectory() as folder:

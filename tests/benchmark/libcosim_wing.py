@@ -14,7 +14,7 @@ from argparse import ArgumentParser
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, gettempdir
 from time import perf_counter
 from typing import Literal, NamedTuple, get_args
 
@@ -240,7 +240,7 @@ def main() -> None:
     parser.add_argument("scene", nargs="?", default="amos3")
     parser.add_argument("--until", type=float, default=12.0)
     parser.add_argument("--backend", choices=("native", "python"), default="native")
-    parser.add_argument("--plot", type=Path, default=Path("libcosim_wing.png"))
+    parser.add_argument("--plot", type=Path, default=Path(gettempdir()) / "libcosim_wing.png")
     chosen = parser.parse_args()
     found: dict[str, list[Point]] = {}
     for fidelity in get_args(Fidelity):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from components import REGISTRY, Instance
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.master import Settings
@@ -56,15 +57,12 @@ def test_without_it_the_wing_starts_with_a_jolt(assemblies):
 
 def test_ports_of_connections_start_where_bodies_are(assemblies):
     """Rule: what a tool sees before it connects anything is the equilibrium as well."""
-    *_, of_tools = assemblies
-    outputs = {}
-    for part in of_tools.parts:
-        if part.kind == "body":
-            outputs[part.name] = part.start["initial_position"]
-    assert outputs
-    yoke_hinge = next(part for part in of_tools.parts if part.name == "hl1_hinge")
-    searched = next(part for part in assemblies[0].parts if part.name == "hl1_hinge")
-    moved = np.abs(
-        np.subtract(yoke_hinge.start["outboard.position"], searched.start["outboard.position"])
-    ).max()
-    assert moved > 1e-7
+    searching, _, of_tools = assemblies
+    parts = {part.name: part for part in of_tools.parts}
+    for link in of_tools.links:
+        (name, port), (connection, side) = link.body, link.connection
+        body = Instance(REGISTRY[parts[name].kind](**parts[name].structure), parts[name].start)
+        at = body.component.output_layout[f"{port}.position"]
+        assert parts[connection].start[f"{side}.position"] == pytest.approx(body.outputs()[at], abs=1e-14)
+    unsearched = next(part for part in searching.parts if part.name == "hl1_hinge").start["outboard.position"]
+    assert np.abs(np.subtract(parts["hl1_hinge"].start["outboard.position"], unsearched)).max() > 1e-7

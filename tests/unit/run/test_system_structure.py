@@ -71,6 +71,7 @@ def test_connectors_are_variables_of_the_fmus(written, tmp_path):
     ("name", "options"),
     [("wing.zip", {}), ("wing.ssp", {"fmi": "3.0"}), ("wing.ssp", {"wrench_mode": "mean"})],
 )
-def test_what_cannot_be_one_is_refused(name, options, tmp_path):
+def test_what_cannot_be_one_is_refused_before_anything_is_written(name, options, tmp_path):
     with pytest.raises(fanfold.FanfoldError, match="SSP file"):
         fanfold.export("workbench", tmp_path, rigid="all", ssp=tmp_path / name, **options)
+    assert list(tmp_path.iterdir()) == []

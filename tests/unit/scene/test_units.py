@@ -39,8 +39,9 @@ def test_every_unit_accepts_itself_and_refuses_others(unit):
 
 
 def test_units_are_those_of_the_components():
-    """Completeness: a scene can give every parameter of every component with its unit."""
-    used = {q.unit for kind in REGISTRY.values() for q in kind.example().parameter_layout.quantities}
+    """Completeness: a scene can give every parameter with its unit, but for modal coordinates, which exports find."""
+    every = (q for kind in REGISTRY.values() for q in kind.example().parameter_layout.quantities)
+    used = {q.unit for q in every if q.name != "initial_modal_coordinate"}
     assert used <= set(UNITS)
 
 

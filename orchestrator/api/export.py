@@ -1,0 +1,87 @@
+"""Scenes as FMUs for other tools."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fmus import Backend, Experiment, FmiVersion
+
+from ..assembly import Assembly
+from ..assembly.assemble import assemble
+from ..run import run
+from ..run.preload import started_at_rest
+from ..run.simulation import python_sentence
+from ..run.system_structure import check_ssp, write_ssp
+from ..scene.builder import Names, listed
+from ..scene.component_connections import WrenchMode
+from ..scene.table import SceneError
+from .simulate import SceneLike, load
+from .warnings import warn
+
+_MANY_STEPS = 1e7
+"""More communication steps than a night has time for."""
+
+
+def export(
+    scene: SceneLike,
+    folder: str | Path,
+    *,
+    rigid: Names = (),
+    flexible: Names = (),
+    wrench_mode: WrenchMode = "endpoint",
+    fmi: FmiVersion = "2.0",
+    sources: bool = False,
+    backend: Backend | None = None,
+    ssp: str | Path | None = None,
+) -> list[Path]:
+    """Write every component of a scene as an FMU into a folder, and return the paths.
+
+    Of a scene with preload, bodies start in static equilibrium, which other tools do not search for. The default
+    experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable, if there
+    is one. Events of a scene are its master's and no part of FMUs; a FanfoldWarning tells so.
+    wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
+    sources: add the C sources, to be compiled on other platforms. ssp: a file that takes all FMUs of FMI 2.0 with
+    end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
+    """
+    checked = load(scene).check_one_run()
+    if ssp is not None:
+        if fmi != "2.0" or wrench_mode != "endpoint":
+            raise SceneError(
+                ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
+            )
+        check_ssp(Path(ssp))
+    if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
+        warn(sentence)
+    fidelities = listed(rigid), listed(flexible)
+    assembly = assemble(checked, *fidelities, wrench_mode)
+    if assembly.preload:
+        assembly = started_at_rest(assembly, assemble(checked, *fidelities, "mean"))
+    if checked.events:
+        names = ", ".join(event.name for event in checked.events)
+        warn(f"{assembly.name}: events are no part of FMUs, so nothing makes these happen: {names}")
+    step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
+    experiment = Experiment(assembly.until, step)
+    paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)
+    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+
+
+def _step_of_tools(assembly: Assembly) -> float | None:
+    """The step (s) that exported FMUs advise; a FanfoldWarning tells where there is none or nobody can wait for it."""
+    from ..analysis.stable_step import STEPS, largest_stable_step
+
+    try:
+        found = largest_stable_step(assembly)
+    except SceneError as error:
+        warn(f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}")
+        return None
+    if found is None or assembly.until / found > _MANY_STEPS:
+        stable = (
+            f"only up to {found:g} s, {assembly.until / found:.0e} steps to the end"
+            if found
+            else f"not even at {STEPS[-1]:g} s"
+        )
+        warn(
+            f"{assembly.name}: tools that do not iterate are stable {stable}; export rigid bodies for them, or use "
+            "model exchange"
+        )
+    return found
