@@ -28,6 +28,8 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-trapping-math",
     "-fcx-limited-range",  # complex numbers carry derivatives here and are never infinite by design
+    "-Werror=incompatible-pointer-types",  # a plain state is no state that carries a derivative
+    "-Werror=implicit-function-declaration",
 )
 
 
