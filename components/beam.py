@@ -24,7 +24,7 @@ from .beam_parts.banded import Factors
 from .beam_parts.elements import Elements, Poses, Strains
 from .beam_parts.variables import Section, observations, parameters, states
 from .contract.component import Component, ComponentError, Port, Vector
-from .contract.frames import multiply, normalized, rotation_matrix, skew, sum_of_moments
+from .contract.frames import Quaternion, multiply, normalized, rotation_matrix, skew, sum_of_moments
 from .contract.ports import WRENCH_SIZE
 
 _MOST_ITERATIONS = 25
@@ -135,15 +135,13 @@ class Beam(Component):
         self._at = np.zeros(len(ports), dtype=np.int64)
         self._arms, self._turns = np.zeros((len(ports), 3)), np.zeros((len(ports), 4))
         for k, port in enumerate(ports):
-            node = port["node"]
-            if not (isinstance(node, int) and 0 <= node < count):
-                raise ComponentError(
-                    f"port {port['name']}: there is no node {node!r}; nodes are 0 to {count - 1}"
-                )
+            node, whose = port.get("node"), f"port {port.get('name')}"
+            if isinstance(node, bool) or not (isinstance(node, int) and 0 <= node < count):
+                raise ComponentError(f"{whose}: there is no node {node!r}; nodes are 0 to {count - 1}")
             w, x, y, z = self._orientations[node].tolist()
             self._at[k] = node
-            self._arms[k] = np.asarray(port.get("offset", (0.0, 0.0, 0.0)), dtype=float) @ directors[node]
-            self._turns[k] = normalized(multiply((w, -x, -y, -z), port.get("orientation", _UNTURNED)))
+            self._arms[k] = _numbers(port, whose, "offset", 3, (0.0, 0.0, 0.0)) @ directors[node]
+            self._turns[k] = normalized(multiply((w, -x, -y, -z), _quaternion(port, whose)))
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -395,15 +393,34 @@ def _placed(nodes: Sequence[Mapping[str, Any]]) -> tuple[Vector, Vector]:
     """Positions (n, 3) and unit quaternions (n, 4) of the nodes; ComponentError where they make no beam."""
     if len(nodes) < 2:
         raise ComponentError(f"a beam needs two nodes or more, not {len(nodes)}")
-    positions = np.array([node["position"] for node in nodes], dtype=float).reshape(-1, 3)
-    turns = [node.get("orientation", _UNTURNED) for node in nodes]
+    positions = np.array([_numbers(node, f"node {k}", "position", 3) for k, node in enumerate(nodes)])
+    turns = [_quaternion(node, f"node {k}") for k, node in enumerate(nodes)]
     spans = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     # written so that what is not a number is found as well
     if not spans.min() > 0.0:
         raise ComponentError(
             f"nodes {int(np.argmin(spans))} and {int(np.argmin(spans)) + 1} lie at one place"
         )
-    return positions, np.array([normalized((w, x, y, z)) for w, x, y, z in turns])
+    return positions, np.array(turns)
+
+
+def _numbers(
+    table: Mapping[str, Any], whose: str, key: str, count: int, default: Sequence[float] | None = None
+) -> Vector:
+    """So many numbers of a table; ComponentError where they are not."""
+    given = table.get(key, default)
+    found = np.asarray(given, dtype=float) if given is not None else np.zeros(0)
+    if found.shape != (count,) or not np.isfinite(found).all():
+        raise ComponentError(f"{whose}: {key} is {given!r}; give {count} numbers")
+    return found
+
+
+def _quaternion(table: Mapping[str, Any], whose: str) -> Quaternion:
+    """The unit quaternion of a table's orientation."""
+    w, x, y, z = _numbers(table, whose, "orientation", 4, _UNTURNED).tolist()
+    if not any((w, x, y, z)):
+        raise ComponentError(f"{whose}: orientation is zero; a quaternion has length 1")
+    return normalized((w, x, y, z))
 
 
 def _consistent(masses: Vector) -> Vector:

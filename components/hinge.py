@@ -22,7 +22,9 @@ from .contract.record import Record
 from .hinge_parts.friction import FORCE_SMOOTHING, starting_deflection
 from .hinge_parts.loads import (
     NO_LOAD,
+    driving_energy,
     endpoint_loads,
+    held_energy,
     impulse_loads,
     instant_loads,
     lagged_loads,
@@ -74,7 +76,8 @@ class Hinge(Connection[Parameters, State, Commands]):
     lock). wrench_mode: "mean" or "endpoint"; in endpoint mode a kinematic latch acts as a spring latch,
     because an explicit host cannot solve for a lock.
 
-    From a failure on there is no load of any kind; what was stored, a harness's as its potential tells, is heat.
+    From a failure on there is no load of any kind. What bushing, latch, friction and hold stored is heat; motor and
+    harness keep what they have, as nothing turns them any more.
     """
 
     kind, own_outputs = "hinge", OUTPUTS
@@ -231,7 +234,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         if s.failed:
             return s
         if commands.failure_command > 0.5:
-            return s._replace(failed=1.0, failure_angle=s.angle, failure_heat=stored_energy(c, s))
+            return s._replace(failed=1.0, failure_angle=s.angle, failure_heat=held_energy(c, s))
         return s.commanded(commands)
 
     @staticmethod
@@ -355,7 +358,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             latch_energy=s.latch_heat,
             damping_energy=s.damping_heat,
             failure_energy=s.failure_heat,
-            potential_energy=0.0,
+            potential_energy=driving_energy(c, s.failure_angle),
             dissipated_energy=sum(s.heat) + s.failure_heat,
             numerical_dissipation=s.numerical,
         )

@@ -157,10 +157,19 @@ def instant_loads(c: Constants, s: State, held: Held) -> Loads:
 
 def stored_energy(c: Constants, s: State) -> float:
     """Energy in bushing, motor, harness, latch, friction that sticks and hold."""
+    return held_energy(c, s) + driving_energy(c, s.angle)
+
+
+def driving_energy(c: Constants, angle: float) -> float:
+    """Energy of motor and harness, zero at an arbitrary angle of tables and of a constant torque."""
+    return c.motor.potential(angle) + c.harness.potential(angle)
+
+
+def held_energy(c: Constants, s: State) -> float:
+    """Energy in bushing, latch, friction that sticks and hold, which is lost where the joint fails; not negative."""
     q = list(s.coordinates)
     q[3] -= c.p.aligned_angle
     energy = sum(0.5 * k * v * v for k, v in zip(c.stiffness, q, strict=True))
-    energy += c.motor.potential(s.angle) + c.harness.potential(s.angle)
     if s.latched and c.latches:
         energy += c.latch.potential(s.angle - s.latched_angle) - c.latch.potential(0.0)
     energy += 0.5 * c.p.presliding_stiffness * s.presliding * s.presliding

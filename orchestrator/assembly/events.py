@@ -28,6 +28,9 @@ RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 _SCALAR = re.compile(r"(\w+)(?:\[(\d+)\])?")
 _OF_A_MOTOR_SPRING = ("motor_stiffness", "motor_wind_up", "motor_constant_torque")
 """Parameters of a hinge that do nothing where its motor is a table."""
+_OF_A_LATCH_SPRING = ("latch_stiffness", "latch_damping")
+_MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": "motor_stiffness"}
+"""Parameters by which a motor drives, and the other one."""
 _OF_THE_MASTER = (END_WEIGHT.name, QUASI_STATIC.name)
 
 
@@ -38,7 +41,7 @@ def assembly_events(
     reader = _EventReader(parts, lines)
     events = tuple(reader.event(table) for table in scene.events)
     if reader.problems:
-        raise SceneError([f"{scene.file}: event.{problem}" for problem in reader.problems])
+        raise SceneError([f"{scene.file}: event.{problem}" for problem in dict.fromkeys(reader.problems)])
     return events
 
 
@@ -111,6 +114,7 @@ class _EventReader:
                     continue
                 quantity = _tunable(name, component, part.kind)
                 value = in_range(quantity, given, value_of(quantity, given))
+                _check_motor(part, name, value)
             except (ComponentError, ValueError) as error:
                 self.problems.append(f"{key}.{name}: {error}")
                 continue
@@ -158,12 +162,20 @@ def _scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Q
     return quantities[base], int(number or 1) - 1
 
 
+def _check_motor(part: Part, name: str, value: object) -> None:
+    """ValueError where a torque of a motor is taken away that it does not have."""
+    if name in _MOTORS and not value and not part.start.get(name):
+        raise ValueError(f"is nothing already; what drives this hinge is {_MOTORS[name]}, if anything does")
+
+
 def _tunable(name: str, component: Component, kind: str) -> Quantity:
     """The parameter of a name; ValueError where there is none that can be set in mid-run."""
     known = {q.name: q for q in component.parameter_layout.quantities}
     tunable = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
     if name in _OF_A_MOTOR_SPRING and component.structure.get("motor_angle"):
         raise ValueError("has no effect, as the motor is a table; give it by its torques stowed and deployed")
+    if name in _OF_A_LATCH_SPRING and component.structure.get("latch", "spring") != "spring":
+        raise ValueError(f"has no effect, as the latch is {component.structure['latch']}")
     if name in tunable:
         return known[name]
     if name in known:

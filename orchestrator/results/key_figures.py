@@ -457,4 +457,10 @@ def _motor_energy(result: Result, until: float) -> float:
     springs = result.recording("motor_energy")
     others = [name for name in result.recording(SUPPLIED_ENERGY.name) if name not in (*springs, "scene")]
     given = [(name, "motor_energy") for name in springs] + [(name, SUPPLIED_ENERGY.name) for name in others]
-    return float(sum(np.interp(until, result.time, result.signal(*one)) for one in given))
+    return float(sum(_given(result.time, result.signal(*one), until) for one in given))
+
+
+def _given(time: Vector, energy: Vector, until: float) -> float:
+    """What an energy (J) gained by moving up to a time; it jumps where an event sets a parameter that tells it."""
+    gained = np.where(np.diff(time) > EVENT_WIDTH, np.diff(energy), 0.0)
+    return float(np.interp(until, time, energy[0] + np.concatenate([[0.0], np.cumsum(gained)])))

@@ -50,7 +50,12 @@ def connection_problems(connection: Connection) -> Iterator[str]:
     except ComponentError as error:
         yield f"{key}.structure: {error}"
         return
-    except (TypeError, ValueError, LookupError) as error:  # what constructors do with values of another kind
+    except (
+        TypeError,
+        ValueError,
+        LookupError,
+        ArithmeticError,
+    ) as error:  # what constructors do with values of another kind
         yield f"{key}.structure: {connection.kind} cannot be made of {connection.structure}: {error}"
         return
     sides = {port.name: port.side for port in component.ports}

@@ -7,6 +7,7 @@ from itertools import pairwise
 from math import degrees, pi
 from typing import Annotated, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from components.numerics.laws import Law, Linear
@@ -35,6 +36,8 @@ from .units import (
 _ROUNDED = 1.001
 """Stiffnesses that are given to three or four digits may miss their series by this factor."""
 _ANGLE_ROUND_OFF = 1e-9
+_SAMPLES = 16
+"""Of a law between two points of its table; a curve through them errs by 0.6 % of the step between both."""
 LONGEST_TO_STOP = 4.0 * pi / 3.0
 """rad; a pad that turns past its plane once more would meet it from behind."""
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
@@ -147,7 +150,10 @@ class Harness(Table):
 
 
 class TorqueLoop(NamedTuple):
-    """Torque (N.m, positive opening) over angles (rad): the mean of both ways, and half of their difference."""
+    """Torque (N.m, positive opening) over angles (rad): the mean of both ways, and half of their difference.
+
+    Where both ways differ, each is its own table's law, sampled so densely that what opens by mean less half is it.
+    """
 
     angle: tuple[float, ...]
     mean: tuple[float, ...]
@@ -155,10 +161,23 @@ class TorqueLoop(NamedTuple):
 
     @classmethod
     def of(cls, angle: Sequence[float], opening: Sequence[float], closing: Sequence[float]) -> Self:
-        """From the torques of both ways; those of closing may be none, which is the same."""
-        pairs = list(zip(opening, closing or opening, strict=True))
+        """From the torques of both ways, closing nowhere below opening; none for closing is the same.
+
+        Beyond the table opening goes on by its law, and the difference stays.
+        """
+        if not closing or tuple(closing) == tuple(opening):
+            return cls(tuple(angle), tuple(opening), (0.0,) * len(angle))
+        laws = [TorqueTable(angle, torque) for torque in (opening, closing)]
+        first, last = angle[0], angle[-1]
+        beyond = (
+            np.array((0.5, 1.0, 2.0)) / _SAMPLES**2 * (last - first)
+        )  # on a line, which goes on beyond them
+        inside = [np.linspace(a, b, _SAMPLES, endpoint=False) for a, b in pairwise(angle)]
+        points = np.concatenate([first - beyond[::-1], *inside, [last], last + beyond]).tolist()
+        clamped = np.clip(points, first, last).tolist()
+        half = [max(0.0, 0.5 * (laws[1].value(s) - laws[0].value(s))) for s in clamped]
         return cls(
-            tuple(angle), tuple(0.5 * (a + b) for a, b in pairs), tuple(0.5 * abs(b - a) for a, b in pairs)
+            tuple(points), tuple(laws[0].value(s) + h for s, h in zip(points, half, strict=True)), tuple(half)
         )
 
     def shared(self, count: int) -> Self:

@@ -54,7 +54,7 @@ static void observe_failed(const Hinge *hinge, const double *x, double *z) {
     for (int i = Z_MOTOR_TORQUE; i <= Z_BENDING_MOMENT; i++) z[i] = 0.0;
     z[Z_MOTOR_ENERGY] = motor_energy(hinge, failing[X_FAILURE_ANGLE]);
     z[Z_FAILURE_ENERGY] = failing[X_FAILURE_HEAT];
-    z[Z_POTENTIAL_ENERGY] = 0.0;
+    z[Z_POTENTIAL_ENERGY] = driving_energy(hinge, failing[X_FAILURE_ANGLE]);
     z[Z_DISSIPATED_ENERGY] = x[X_FRICTION_HEAT] + x[X_LATCH_HEAT] + x[X_DAMPING_HEAT] + failing[X_FAILURE_HEAT];
 }
 

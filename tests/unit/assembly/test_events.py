@@ -112,6 +112,14 @@ BAD = {
         "motor = { angle = ['0 deg', '90 deg'], torque = [1.6, 1.0] }",
         "event.a.set.root.motor_stiffness: has no effect, as the motor is a table",
     ),
+    "a motor that is none": (
+        "time = 1\nset = { root = { motor_constant_torque = 0 } }",
+        "event.a.set.root.motor_constant_torque: is nothing already; what drives this hinge is motor_stiffness",
+    ),
+    "a latch that is none": (
+        "time = 1\nset = { root = { latch_stiffness = 5 } }",
+        "event.a.set.root.latch_stiffness: has no effect, as the latch is none",
+    ),
     "the master's": (
         "time = 1\nset = { root = { end_weight = 1 } }",
         "event.a.set.root.end_weight: cannot be set in mid-run",
@@ -149,6 +157,6 @@ def test_mistakes_are_sentences(name, tmp_path):
     text, expected = BAD[name]
     with pytest.raises(SceneError) as caught:
         assemble(load_scene(scene_with(tmp_path, text)), rigid={"all"})
-    assert any(
-        problem.startswith("wing.toml: ") and expected in problem for problem in caught.value.problems
-    ), caught.value.problems
+    problems = caught.value.problems
+    assert any(problem.startswith("wing.toml: ") and expected in problem for problem in problems), problems
+    assert len(set(problems)) == len(problems)

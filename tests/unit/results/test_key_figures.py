@@ -12,7 +12,14 @@ from scipy.spatial.transform import Rotation
 import orchestrator as fanfold
 from orchestrator.assembly import HingeLine
 from orchestrator.cli.tables import headline_table
-from orchestrator.results.key_figures import extremes, headline, headline_rows, line_latch_torque, peak
+from orchestrator.results.key_figures import (
+    _given,
+    extremes,
+    headline,
+    headline_rows,
+    line_latch_torque,
+    peak,
+)
 from orchestrator.results.lines.straying import bent
 from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
@@ -221,3 +228,11 @@ def test_a_run_whose_hinges_bend_says_so():
         f"root_line bent across their line by up to {np.degrees(found.bent['root_line'].value):.0f} deg"
         in sentence
     )
+
+
+def test_motor_energy_is_what_was_given_whatever_an_event_sets():
+    """Regression: 1.8 J given before a motor failed were told as none. Between rows of one instant nothing moves."""
+    time = np.array([0.0, 1.0, 2.0, 2.0 + 1e-7, 3.0, 4.0])
+    energy = np.array([0.0, 1.0, 1.8, 0.0, 0.0, 0.0])
+    assert _given(time, energy, 4.0) == pytest.approx(1.8)
+    assert _given(time, energy, 1.5) == pytest.approx(1.4)

@@ -155,14 +155,18 @@ static inline Loads instant_loads(const Hinge *hinge, const Grip *grip, const re
     };
 }
 
-/* Energy in bushing, motor, harness, latch, friction that sticks and hold. */
-static inline real stored_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
+/* Energy of motor and harness, zero at an arbitrary angle of tables and of a constant torque. */
+static inline real driving_energy(const Hinge *hinge, real angle) {
+    return law_potential(&hinge->motor, angle) + law_potential(&hinge->harness, angle);
+}
+
+/* Energy in bushing, latch, friction that sticks and hold, which is lost where the joint fails; not negative. */
+static inline real held_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
     real angle = coordinates[HINGE_ANGLE], energy = 0.0;
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         real deflection = i == HINGE_ANGLE ? coordinates[i] - hinge->base.p[P_ALIGNED_ANGLE] : coordinates[i];
         energy += 0.5 * hinge->stiffness[i] * deflection * deflection;
     }
-    energy += law_potential(&hinge->motor, angle) + law_potential(&hinge->harness, angle);
     if (latch_acts(hinge, grip))
         energy += law_potential(&hinge->latch, angle - grip->latched_angle) - law_potential(&hinge->latch, 0.0);
     energy += 0.5 * hinge->base.p[P_PRESLIDING_STIFFNESS] * grip->presliding * grip->presliding;
@@ -171,6 +175,11 @@ static inline real stored_energy(const Hinge *hinge, const Grip *grip, const rea
         energy += 0.5 * hinge->base.p[P_HOLD_STIFFNESS] * held * held;
     }
     return energy;
+}
+
+/* Energy of the whole joint. */
+static inline real stored_energy(const Hinge *hinge, const Grip *grip, const real *coordinates) {
+    return held_energy(hinge, grip, coordinates) + driving_energy(hinge, coordinates[HINGE_ANGLE]);
 }
 
 /* Loads of one instant from coordinates and rates. */

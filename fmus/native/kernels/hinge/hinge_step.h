@@ -30,7 +30,7 @@ static inline void store_failure(const Hinge *hinge, const double *x, const doub
     for (int i = 0; i < COORDINATE_COUNT; i++) place[i] = coordinates[i];
     x_next[X_FAILED] = 1.0;
     x_next[X_FAILURE_ANGLE] = coordinates[HINGE_ANGLE];
-    x_next[X_FAILURE_HEAT] = stored_energy(hinge, &grip, place);
+    x_next[X_FAILURE_HEAT] = held_energy(hinge, &grip, place);
 }
 
 /* What the coordinates remember of the step. */

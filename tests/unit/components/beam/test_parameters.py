@@ -1,5 +1,7 @@
 """What a beam is given: sentences for what no beam can be or do, curved beams without stress, ports on arms."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -76,3 +78,25 @@ def test_sections_that_no_beam_has(change, words):
 def test_nodes_that_make_no_beam(places, node, words):
     with pytest.raises(ComponentError, match=words):
         Beam([{"position": p} for p in places], slender(1.0)._asdict(), [{"name": "tip", "node": node}])
+
+
+@pytest.mark.parametrize(
+    ("nodes", "port", "words"),
+    [
+        ([{"position": (0, 0)}] * 3, {}, "node 0: position is (0, 0); give 3 numbers"),
+        ([{}, {"position": (1, 0, 0)}], {}, "node 0: position is None; give 3 numbers"),
+        (
+            [{"position": (0, 0, 0), "orientation": (0, 0, 0, 0)}, {"position": (1, 0, 0)}],
+            {},
+            "orientation is zero",
+        ),
+        (None, {"offset": (0, 0)}, "port tip: offset is (0, 0); give 3 numbers"),
+        (None, {"orientation": (0, 0, 0, 0)}, "port tip: orientation is zero"),
+        (None, {"node": True}, "port tip: there is no node True"),
+    ],
+)
+def test_nodes_and_ports_of_another_shape(nodes, port, words):
+    """Bad input: a sentence each, nothing reshaped."""
+    straight = [{"position": (0, 0, 0)}, {"position": (1, 0, 0)}]
+    with pytest.raises(ComponentError, match=re.escape(words)):
+        Beam(nodes or straight, slender(1.0)._asdict(), [{"name": "tip", "node": 0, **port}])
