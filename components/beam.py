@@ -409,7 +409,10 @@ def _numbers(
 ) -> Vector:
     """So many numbers of a table; ComponentError where they are not."""
     given = table.get(key, default)
-    found = np.asarray(given, dtype=float) if given is not None else np.zeros(0)
+    try:
+        found = np.asarray(given, dtype=float) if given is not None else np.zeros(0)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
     if found.shape != (count,) or not np.isfinite(found).all():
         raise ComponentError(f"{whose}: {key} is {given!r}; give {count} numbers")
     return found

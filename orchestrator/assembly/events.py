@@ -28,7 +28,8 @@ RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 _SCALAR = re.compile(r"(\w+)(?:\[(\d+)\])?")
 _OF_A_MOTOR_SPRING = ("motor_stiffness", "motor_wind_up", "motor_constant_torque")
 """Parameters of a hinge that do nothing where its motor is a table."""
-_OF_A_LATCH_SPRING = ("latch_stiffness", "latch_damping")
+_ACT_IN_LATCHES = {"latch_stiffness": ("spring",), "latch_damping": ("spring", "table")}
+"""Kinds of latches that parameters of them act in."""
 _MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": "motor_stiffness"}
 """Parameters by which a motor drives, and the other one."""
 _OF_THE_MASTER = (END_WEIGHT.name, QUASI_STATIC.name)
@@ -174,8 +175,9 @@ def _tunable(name: str, component: Component, kind: str) -> Quantity:
     tunable = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
     if name in _OF_A_MOTOR_SPRING and component.structure.get("motor_angle"):
         raise ValueError("has no effect, as the motor is a table; give it by its torques stowed and deployed")
-    if name in _OF_A_LATCH_SPRING and component.structure.get("latch", "spring") != "spring":
-        raise ValueError(f"has no effect, as the latch is {component.structure['latch']}")
+    latch = component.structure.get("latch", "spring")
+    if latch not in _ACT_IN_LATCHES.get(name, (latch,)):
+        raise ValueError(f"has no effect, as the latch is {latch}")
     if name in tunable:
         return known[name]
     if name in known:

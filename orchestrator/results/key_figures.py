@@ -21,7 +21,7 @@ from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .lines.latch_impulse import latch_impulse
-from .lines.straying import Overrun, bent, folded_back, overruns
+from .lines.straying import Overrun, bent, folded_back, is_released, overruns
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH, Peak
@@ -212,6 +212,7 @@ def headline(result: Result) -> Headline:
             line.name: float(result.signal(line.sensor, "angle")[-1])
             for line in result.hinge_lines
             if line.latches and line.name not in times and result.has(line.sensor, "angle")
+            if not is_released(result, line)
         },
         overruns=overruns(result),
         folded_back=folded_back(result),

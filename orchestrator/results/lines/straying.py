@@ -8,8 +8,9 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
+from ...assembly import HingeLine
 from ..result import Result
-from ..signal import Peak
+from ..signal import EVENT_WIDTH, Peak
 
 Vector = NDArray[np.float64]
 
@@ -33,11 +34,28 @@ class Overrun:
     last: float
 
 
+def rows_joined(result: Result, line: HingeLine) -> slice:
+    """Rows at which a line still joins its bodies: those before the event that released the last of its hinges."""
+    times = [
+        max((t for t, _, text in result.events if f"{hinge} released" in text.split(", ")), default=np.inf)
+        for hinge in line.hinges
+    ]
+    last = float(max(times, default=np.inf))
+    return slice(0, max(1, int(np.searchsorted(result.time, last - EVENT_WIDTH))))
+
+
+def is_released(result: Result, line: HingeLine) -> bool:
+    """Whether no hinge of a line is left at the end."""
+    return bool(rows_joined(result, line).stop < result.time.size)
+
+
 def overruns(result: Result) -> dict[str, Overrun]:
-    """Lines, by name, that passed the deployed angle at which nothing keeps them."""
+    """Lines, by name, that passed the deployed angle at which nothing keeps them, but for those released later."""
     found = {}
     for line in result.hinge_lines:
         if line.deployed_angle is None or not result.has(line.sensor, "angle"):
+            continue
+        if is_released(result, line):
             continue
         angle = result.signal(line.sensor, "angle")
         passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
@@ -52,7 +70,7 @@ def folded_back(result: Result) -> dict[str, Peak]:
     found = {}
     for line in result.hinge_lines:
         if line.latches and result.has(line.sensor, "angle"):
-            angle = result.signal(line.sensor, "angle")
+            angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
             lowest = int(np.argmin(angle))
             behind = float(angle[0] - angle[lowest])
             if behind > _FOLDED_BACK:
@@ -66,7 +84,7 @@ def bent(result: Result) -> dict[str, Peak]:
     for line in result.hinge_lines:
         if len(line.axis) == 3 and len(line.parts) == 2:
             inboard, outboard = (_carried(result, part, np.array(line.axis)) for part in line.parts)
-            apart = np.linalg.norm(inboard - outboard, axis=1)
+            apart = np.linalg.norm(inboard - outboard, axis=1)[rows_joined(result, line)]
             largest = int(np.argmax(apart))
             bend = 2.0 * float(np.arcsin(min(1.0, 0.5 * apart[largest])))
             if bend > _BENT:

@@ -205,6 +205,7 @@ def test_hinges_that_bend_across_their_line_are_told(across):
     tilted = np.degrees(np.arccos(np.clip(bend[1].apply(own_axis) @ own_axis, -1.0, 1.0)))
     line = HingeLine("HL", ("h",), "h", True, False, parts=("inner", "outer"), axis=tuple(axis))
     result = SimpleNamespace(
+        events=[],
         hinge_lines=(line,),
         time=np.array([0.0, 1.0, 2.0]),
         has=lambda name, variable: name in turns and variable == "frame_orientation",
