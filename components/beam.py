@@ -34,8 +34,9 @@ _ROUNDING, _STANDSTILL = 1e-8, 0.5
 """Corrections below it that shrink no more are round-off, which slender beams magnify."""
 _FAR = 1e-2
 """Corrections above it take factors where they lead, as those of their start may lead astray."""
-_SLOW = 0.1
-"""Share of the one before to which a correction shrinks at the least, or factors are renewed."""
+_CHEAPER = 14
+"""Corrections like the last that must not be enough for factors to be renewed: these cost as much as five, and
+corrections shrink by turns much and little, so that more are seldom needed."""
 _LARGEST_TURN = 2.0
 """Rotation vector of Cayley of a turn by 90 degrees, the most a section may turn in a step."""
 _IDENTITY = np.eye(3)
@@ -231,7 +232,7 @@ class Beam(Component):
             done = change * min(shrinks, 1.0) <= _TOLERANCE or (
                 change <= _ROUNDING and shrinks > _STANDSTILL and before < np.inf
             )
-            if change > _FAR or (shrinks > _SLOW and before < np.inf):
+            if change > _FAR or (change * shrinks**_CHEAPER > _TOLERANCE and before < np.inf):
                 factors = None
             before = change
         raise ComponentError(

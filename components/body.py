@@ -29,7 +29,9 @@ from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
 from .body_parts.interface import Interface
 from .body_parts.load import Load
+from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
+from .body_parts.second_order import correct_step, static_deflection
 from .body_parts.variables import observations, parameters, states
 from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
 from .contract.frames import (
@@ -52,6 +54,7 @@ _R, _Q, _P, _L, _W, _D = (
 _ETA = _AT.size
 _MAX_ITERATIONS = 40
 _ANGLE_TOLERANCE = 1e-13
+_MODAL_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
 
 
@@ -118,8 +121,8 @@ class Body(Component):
         data = ModalData.from_arrays(modal)
         self.data = data
         self.modes = data.frequency.size
-        self._check(data)
-        self._inertia = InertiaCoupling(data, inertia_coupling)
+        check_mass(data)
+        self.inertia = InertiaCoupling(data, inertia_coupling)
         self._placed = BodyPorts(data, ports)
         self.arms = self._placed.arms
         self._interface: Interface | None = None
@@ -128,6 +131,11 @@ class Body(Component):
             "ports": [dict(p) for p in ports],
             "inertia_coupling": inertia_coupling,
         }
+        if data.second_order_modes and inertia_coupling != "full":
+            raise ComponentError(
+                f"inertia_coupling is {inertia_coupling!r}; a body with second-order modes needs 'full', as its spin"
+                " stiffens it by the inertia that they change"
+            )
         if is_base:
             if self.modes:
                 raise ComponentError("is_base is for rigid bodies; this one has modes")
@@ -148,24 +156,8 @@ class Body(Component):
         # turns about its axis a thousand times harder than straight
         self.constant_mobility = self.modes == 0
         self.translation, self.rotation = self._placed.translation, self._placed.rotation
+        self.second_order = self._placed.second_order
         self._moments = self.state_layout["moments"]
-
-    @staticmethod
-    def _check(data: ModalData) -> None:
-        if not data.mass > 0.0:
-            raise ComponentError(f"mass is {data.mass:g} kg; it must be positive")
-        principal = np.linalg.eigvalsh(data.inertia)
-        if not principal[0] > 0.0:
-            raise ComponentError(
-                f"a principal moment of inertia is {principal[0]:g} kg.m2; it must be positive"
-            )
-        if principal[2] > principal[0] + principal[1] + 1e-9 * principal[2]:
-            a, b, c = (f"{v:g}" for v in principal)
-            raise ComponentError(
-                f"principal moments of inertia {a}, {b}, {c} kg.m2 violate the triangle inequality {a} + {b} >= {c}"
-            )
-        if not np.all(data.frequency > 0.0):
-            raise ComponentError("every mode must have a positive frequency; remove the rigid modes first")
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
@@ -205,7 +197,7 @@ class Body(Component):
         x[_Q] = q
         x[_P] = self.data.mass * velocity
         x[_W] = a.T @ angular_velocity
-        x[_L] = a @ symmetric_product(self._inertia.at(eta).inertia, x[_W])
+        x[_L] = a @ symmetric_product(self.inertia.at(eta).inertia, x[_W])
         x[_ETA : _ETA + self.modes] = eta
         return x
 
@@ -256,7 +248,7 @@ class Body(Component):
         y[:, 3:] = rate_moment
         if self.modes:
             change, placed = (turned.eta - self._modal(x)[0]) / 6.0, self._placed
-            moved, changed = (placed.displacements(e) for e in (turned.modal_moment, change))
+            moved, changed = (placed.velocities(turned.eta_mean, e) for e in (turned.modal_moment, change))
             y[:, :3] += 0.5 * moved @ (a0 + a1).T + changed @ (a1 - a0).T
             twist, twisted = (placed.twists(turned.eta_mean, e) for e in (turned.modal_moment, change))
             y[:, 3:] += twist @ a_mid.T + twisted @ (a1 - a0).T
@@ -266,7 +258,7 @@ class Body(Component):
         """Mean angular velocity, iterated on the moments of the forces at both ends."""
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         world_arms = self.arms @ a0.T
-        momentum, start, omega, inverse = x[_L], x[_W], x[_W], self._inertia.inverse
+        momentum, start, omega, inverse = x[_L], x[_W], x[_W], self.inertia.inverse
         for _ in range(_MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
@@ -284,7 +276,7 @@ class Body(Component):
 
     def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> _Turned:
         """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
-        prop, inertia = c.propagator(h), self._inertia
+        prop, inertia = c.propagator(h), self.inertia
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         (eta0, pi0), momentum, start = self._modal(x), x[_L], x[_W]
         world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
@@ -298,13 +290,16 @@ class Body(Component):
             eta_mean = 0.5 * (eta0 + eta1)
             mid, trapezoid = inertia.mean(before, after, eta_mean), 0.5 * (start + end)
             drag = trapezoid @ mid.b
-            force, slope = self._placed.modal_forces(a0, a_mid, a1, eta_mean, load)
+            wrenches = self._placed.wrenches(a0, a_mid, a1, eta_mean, load)
+            force, slope = (self._placed.modal_force(wrench, eta_mean) for wrench in wrenches)
             turning = inertia.solve(mid, moment_slope @ a_mid - mid.b @ slope)
             force = force + inertia.forces(mid, start, end, (h / 6.0) * turning, rate_mean)
             slope = slope - turning @ mid.b
-            rate0, travel = pi0 - drag, prop.c1 * slope
-            eta1 = prop.a11 * eta0 + prop.a12 * rate0 + prop.b1 * force + travel
-            rate1 = prop.a21 * eta0 + prop.a22 * rate0 + prop.b2 * force + prop.c2 * slope
+            rate0, last = pi0 - drag, eta1
+            if self.data.second_order_modes:
+                residual = prop.end(eta0, rate0, force, slope)[0] - last
+                correct_step(self._placed, prop, wrenches, residual, force, slope)
+            eta1, rate1 = prop.end(eta0, rate0, force, slope)
             rate_mean = 0.5 * (rate0 + rate1) - (h / 6.0) * slope
             after, arms = inertia.at(eta1), self.arms + self._placed.displacements(eta1)
             moment, moment_slope = load.moments(world_arms, arms @ a1.T)
@@ -312,8 +307,10 @@ class Body(Component):
             end = inertia.solve(after, spin - after.b @ (rate1 + drag))
             updated = 0.5 * (start + end) - (h / 6.0) * turning
             change, omega = float(abs(updated - omega).max()), updated
-            if h * change < _ANGLE_TOLERANCE:
+            if h * change < _ANGLE_TOLERANCE and self._settled(eta0, last, eta1):
                 break
+        else:
+            self._refuse_unsettled(h)
         modal_moment = prop.moment(eta0, rate0, force, slope)
         growth = after.b - before.b
         torque = spin - momentum @ a0 - symmetric_product(after.inertia - before.inertia, trapezoid)
@@ -332,6 +329,20 @@ class Body(Component):
             eta_mean,
         )
 
+    def _refuse_unsettled(self, h: float) -> None:
+        if self.data.second_order_modes:
+            raise ComponentError(
+                f"a step of {h:g} s finds neither turn nor deflection in {_MAX_ITERATIONS} iterations;"
+                " take smaller steps or loads"
+            )
+
+    def _settled(self, start: Vector, last: Vector, end: Vector) -> bool:
+        """Whether the iteration has found the modal coordinates; loads do not depend on them without second order."""
+        if not self.data.second_order_modes:
+            return True
+        scale = max(float(abs(start).max()), float(abs(end).max()))
+        return float(abs(end - last).max()) <= _MODAL_TOLERANCE * scale
+
     def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
 
@@ -345,18 +356,17 @@ class Body(Component):
         q0 = tuple(x[_Q].tolist())
         q1, a1, arms = q0, rotation_matrix(q0), self.arms
         result = np.zeros_like(x)
+        eta = x[_ETA : _ETA + m] if self.data.second_order_modes else np.zeros(m)
         for _ in range(3):
             if m:
-                eta = (
-                    self._placed.modal_force(a1, a1, result[_ETA : _ETA + m], force, torque) / c.frequency**2
-                )
-                result[_ETA : _ETA + m] = eta
+                eta = static_deflection(self._placed, 1.0 / c.frequency**2, a1, eta, wrench)
                 arms = self.arms + self._placed.displacements(eta)
             moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
-            turn = h * h * (self._inertia.inverse @ (moment @ a1))
+            turn = h * h * (self.inertia.inverse @ (moment @ a1))
             q1 = normalized(multiply(q0, exponential(tuple(turn.tolist()))))
             a1 = rotation_matrix(q1)
         result[_Q] = q1
+        result[_ETA : _ETA + m] = eta
         result[_R] = x[_R] + h * h * (force.sum(0) / self.data.mass + c.gravity)
         result[_D] = x[_D]
         return result
@@ -376,10 +386,10 @@ class Body(Component):
         rate_of_turn = np.broadcast_to(omega, arms.shape)
         if self.modes:
             eta, pi = self._modal(x)
-            rate = self._inertia.modal_rate(omega, eta, pi)
+            rate = self.inertia.modal_rate(omega, eta, pi)
             deflection = self._placed.displacements(eta)
             arms = arms + deflection
-            velocity = arms @ spin.T + self._placed.displacements(rate)
+            velocity = arms @ spin.T + self._placed.velocities(eta, rate)
             turns = self._placed.turns(eta)
             rate_of_turn = omega + self._placed.twists(eta, rate)
         y[:, 0:3] = x[_R] + arms @ a.T
@@ -392,7 +402,7 @@ class Body(Component):
         """Pose of the construction frame, momenta, energies and modal coordinates."""
         a = rotation_matrix(tuple(x[_Q].tolist()))
         eta, pi = self._modal(x)
-        rate = self._inertia.modal_rate(x[_W], eta, pi)
+        rate = self.inertia.modal_rate(x[_W], eta, pi)
         kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
         energies = np.array((kinetic, strain - self.data.mass * float(c.gravity @ x[_R])))
@@ -407,7 +417,7 @@ class Body(Component):
         result = x.copy()
         result[_Q] = q = normalized(tuple(x[_Q].tolist()))
         momentum = x[_L] @ rotation_matrix(q)
-        result[_W] = self._inertia.angular_velocity(momentum, *self._modal(x))
+        result[_W] = self.inertia.angular_velocity(momentum, *self._modal(x))
         return result
 
     def rates(self, c: _Constants, x: Vector, u: Vector) -> Vector:
@@ -423,10 +433,10 @@ class Body(Component):
         wrench = u[: 6 * len(self.arms)].reshape(-1, 6)
         force, torque = wrench[:, :3], wrench[:, 3:]
         arms = (self.arms + self._placed.displacements(eta)) @ a.T
-        rate = self._inertia.modal_rate(omega, eta, pi)
+        rate = self.inertia.modal_rate(omega, eta, pi)
         friction = 2.0 * c.damping_ratio * c.frequency * rate
-        load = self._placed.modal_force(a, a, eta, force, torque)
-        load = load + self._inertia.forces(self._inertia.at(eta), omega, omega, np.zeros(3), rate)
+        load = self._placed.modal_force(self._placed.conjugate(a, a, eta, force, torque), eta)
+        load = load + self.inertia.forces(self.inertia.at(eta), omega, omega, np.zeros(3), rate)
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
         return np.concatenate(
             (
@@ -451,13 +461,15 @@ class Body(Component):
             "translation": self.translation,
             "rotation": self.rotation,
             "port_orientation": self._placed.orientation,
+            "second_order_modes": self.data.second_order_modes,
+            "second_order": self._placed.second_order,
             "is_base": self._interface is not None,
-            **self._inertia.native_data(),
+            **self.inertia.native_data(),
         }
 
     @classmethod
     def example(cls) -> Body:
-        """A flexible body with four modes of a made-up point-mass grid, one port with an offset."""
+        """A flexible body with four modes of a made-up grid, three of second order, and one port with an offset."""
         data = example_modal_data()
         return cls(
             modal=data.to_arrays(),

@@ -50,6 +50,10 @@ class FixedBase(Component):
         poses = np.concatenate((self._positions, self._orientations, at_rest), axis=1)
         self._y = np.concatenate((poses.ravel(), np.zeros(WRENCH_SIZE * len(ports))))
 
+    def reference(self) -> Vector:
+        """Point (3, m, world) that loads are about."""
+        return np.array(self.structure["reference"], dtype=float)
+
     def prepare(self, p: Vector) -> None:
         """Nothing to prepare."""
 
@@ -76,7 +80,11 @@ class FixedBase(Component):
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/fixed_base.c` reads."""
-        return {"positions": self._positions, "arms": self._arms, "orientations": self._orientations}
+        return {
+            "base_positions": self._positions,
+            "base_arms": self._arms,
+            "base_orientations": self._orientations,
+        }
 
     @classmethod
     def example(cls) -> FixedBase:

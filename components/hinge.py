@@ -207,7 +207,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             loads = mean_loads(c, old, moved, motions, stiff, h)
             if c.paired:
                 turn = motions[3]
-                lasting = self._loads(c, old, stiff, h)
+                lasting = self._loads(c, old, stiff, loads.driving, h)
                 sliding = old.sliding.after((turn.end - turn.start) / h, 3.0 * turn.moment / h, h)
         wrench, slopes = passage.wrench(loads.force, loads.torque), NO_PAIR
         if c.paired:
@@ -262,13 +262,15 @@ class Hinge(Connection[Parameters, State, Commands]):
         return tuple(remembered(m, rate) for m, rate in zip(motions, rates, strict=True))
 
     @staticmethod
-    def _loads(c: Constants, old: State, loads: StiffLoads, h: float) -> tuple[MidStepSlope, ...]:
+    def _loads(
+        c: Constants, old: State, loads: StiffLoads, driving: tuple[float, float], h: float
+    ) -> tuple[MidStepSlope, ...]:
         """Loads with one step more; that of the latch begins where it engages."""
-        *bushing, latch = old.loads
+        *bushing, latch, rest = old.loads
         if old.latched and c.latches:
             latch = latch.after(loads.latch.force, loads.latch.slope, h)
         added = zip(bushing, loads.bushing, strict=True)
-        return (*(b.after(load.force, load.slope, h) for b, load in added), latch)
+        return (*(b.after(load.force, load.slope, h) for b, load in added), latch, rest.after(*driving, h))
 
     def _endpoint_step(self, c: Constants, old: State, moved: State, h: float) -> State:
         """Follow the angle, latch where it is reached, and add up heat by the trapezoidal rule."""
@@ -338,6 +340,8 @@ class Hinge(Connection[Parameters, State, Commands]):
             axial_force=along,
             radial_force=hypot(*across),
             bending_moment=hypot(*bending),
+            hinge_force=rotate(self._axis_frame, loads.force),
+            hinge_torque=rotate(self._axis_frame, loads.torque),
             motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(now.angle),
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,
@@ -347,12 +351,12 @@ class Hinge(Connection[Parameters, State, Commands]):
             dissipated_energy=sum(s.heat),
             numerical_dissipation=s.numerical,
         )
-        return found if self.endpoint else MeanObservations(found, *lagged_loads(now))
+        return found if self.endpoint else MeanObservations(found, *lagged_loads(now, self._axis_frame))
 
     def _record_failed(self, c: Constants, s: State, now: State) -> Observations | MeanObservations:
         """The motion, no loads, and the energies as they were at the failure."""
         found = Observations(
-            *(now.angle, now.rate, *(0.0,) * 7),
+            *(now.angle, now.rate, *(0.0,) * 7, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
             motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(s.failure_angle),
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,
@@ -362,7 +366,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             dissipated_energy=sum(s.heat) + s.failure_heat,
             numerical_dissipation=s.numerical,
         )
-        return found if self.endpoint else MeanObservations(found, *lagged_loads(s))
+        return found if self.endpoint else MeanObservations(found, *lagged_loads(s, self._axis_frame))
 
     def powers(self, c: Constants, s: State, u: Inputs[Commands]) -> Sequence[float]:
         """Heat (W) of friction, latch and damping."""

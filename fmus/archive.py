@@ -74,7 +74,12 @@ def content_digest(path: Path) -> str:
             if member.filename != _DESCRIPTION
         }
         description = archive.read(_DESCRIPTION)
-    return digest_of({**digests, _DESCRIPTION: _GENERATED.sub(b"", description)})
+    return digest_of({**digests, _DESCRIPTION: undated(description)})
+
+
+def undated(description: bytes) -> bytes:
+    """A model description without the time at which it was generated."""
+    return _GENERATED.sub(b"", description)
 
 
 def _member_digest(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> bytes:

@@ -84,6 +84,33 @@ class InertiaCoupling:
         products = self._tensors @ eta
         return self._of(products[6 * m :].reshape(3, m), products[: 6 * m].reshape(6, m), eta)
 
+    def matrix(self, eta: Vector) -> Vector:
+        """J (3, 3) at modal coordinates, body axes."""
+        found = self.at(eta)
+        return _full(found.inertia) + found.b @ found.b.T
+
+    def slopes(self, eta: Vector) -> Vector:
+        """Derivatives of J by the modal coordinates (3, 3, M)."""
+        quadratic = self.at(eta).quadratic
+        return _full(-self._slope - 2.0 * quadratic if self.varies else quadratic)
+
+    def curvature(self, omega: Vector) -> Vector:
+        """Of -omega^T J omega / 2, second derivatives by the modal coordinates (M, M); omega in body axes."""
+        m = self._modes
+        if not self.full:
+            return np.zeros((m, m))
+        product = np.outer(omega, omega).ravel()[[0, 4, 8, 1, 2, 5]] * (1.0, 1.0, 1.0, 2.0, 2.0, 2.0)
+        found: Vector = np.tensordot(product, self._tensors[: 6 * m].reshape(6, m, m), 1)
+        return found
+
+    def drag_rates(self, omega: Vector) -> Vector:
+        """Derivatives of B^T omega by the modal coordinates (M, M), antisymmetric; omega in body axes."""
+        m = self._modes
+        found: Vector = (
+            np.tensordot(omega, self._gyroscopic.reshape(3, m, m), 1) if self.full else np.zeros((m, m))
+        )
+        return found
+
     def mean(self, start: Coupling, end: Coupling, eta: Vector) -> Coupling:
         """Coupling at the mean of the modal coordinates of two others."""
         if not self.full:
@@ -128,9 +155,14 @@ class InertiaCoupling:
         return self.solve(coupling, momentum - coupling.b @ pi)
 
 
+def _full(entries: Vector) -> Vector:
+    """Symmetric matrices (3, 3, ...) by their six entries (6, ...)."""
+    return entries[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3, *entries.shape[1:])
+
+
 def symmetric_product(entries: Vector, v: Vector) -> Vector:
     """A symmetric 3x3 matrix given by its six entries times a vector (3,)."""
-    found: Vector = entries[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3) @ v
+    found: Vector = _full(entries) @ v
     return found
 
 

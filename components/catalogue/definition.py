@@ -30,12 +30,14 @@ from ..flexible.modal import ModalData
 from ..flexible.plate import Panel
 from ..flexible.reduction import craig_bampton
 from ..flexible.stress import FaceSheets
+from ..imported.body import ImportedBody
+from .beam import BeamBody
 from .frame import Frame
 
 PointMasses: TypeAlias = tuple[tuple[str, float], ...]
 """Point masses in kg at named points of a body."""
 
-_SOURCES = ("contract", "flexible", "catalogue")
+_SOURCES = ("contract", "flexible", "beam_parts", "imported", "catalogue")
 """Folders of all that turns definitions into bodies."""
 _LIBRARIES = ("numpy", "scipy", "scikit-fem")
 _SYMMETRIC = 1e-11
@@ -58,7 +60,10 @@ class RigidTwin:
 
 @dataclass(frozen=True)
 class BodyDefinition:
-    """A panel, a frame, or both welded where an arm of the panel and a joint of the frame have one name."""
+    """A panel, a frame, both welded where an arm of the panel and a joint of the frame have one name, a beam, or files.
+
+    What the tables panel, frame, beam and import of a body say.
+    """
 
     panel: Panel | None
     frame: Frame | None
@@ -67,6 +72,8 @@ class BodyDefinition:
     masses: PointMasses = ()
     twin: RigidTwin = RigidTwin()
     face_sheets: FaceSheets | None = None
+    beam: BeamBody | None = None
+    imported: ImportedBody | None = None
 
     @property
     def points(self) -> tuple[str, ...]:
@@ -80,6 +87,10 @@ class BodyDefinition:
         )
 
         self._check(masses)
+        if self.beam is not None:
+            return with_masses(self.beam.model(self.points), (*self.masses, *masses))
+        if self.imported is not None:
+            return with_masses(self.imported.model(), (*self.masses, *masses))
         arms = () if self.panel is None else self.panel.arms
         models = [] if self.panel is None else [panel_model(self.panel)]
         if self.frame is not None:
@@ -87,15 +98,27 @@ class BodyDefinition:
             models.append(self.frame.model([name for name, _ in self.frame.joints if name in met]))
         return with_masses(reduce(joined, models), (*self.masses, *masses))
 
-    def flexible(self, fixed_interface_modes: int = 10, masses: PointMasses = ()) -> ModalData:
-        """Craig-Bampton body: so many fixed-interface modes and six a attachment point, less the rigid motions."""
+    def flexible(
+        self, fixed_interface_modes: int = 10, masses: PointMasses = (), second_order_modes: int = 0
+    ) -> ModalData:
+        """Craig-Bampton body: so many fixed-interface modes and six a attachment point, less the rigid motions.
+
+        second_order_modes: so many of the lowest displace it to second order too.
+        """
         self._check(masses)
 
         def reduced() -> ModalData:
             model = self.finite_elements(masses)
-            return craig_bampton(model, self.attachment_points, fixed_interface_modes, self.nodes)
+            count = fixed_interface_modes
+            if self.imported is not None:
+                count = self.imported.modes(count)
+                if second_order_modes:
+                    raise ComponentError(
+                        "second_order_modes: matrices tell nothing of strains to second order; leave it out"
+                    )
+            return craig_bampton(model, self.attachment_points, count, self.nodes, second_order_modes)
 
-        return _cached(reduced, self, fixed_interface_modes, masses)
+        return _cached(reduced, self, fixed_interface_modes, masses, second_order_modes)
 
     def rigid(self, masses: PointMasses = ()) -> ModalData:
         """Rigid twin: the points of the flexible body, and its mass properties or those of its data sheet."""
@@ -153,7 +176,8 @@ def _square(arm: Vector) -> Vector:
 
 def rigid_body(model: FiniteElementModel, points: Sequence[str]) -> ModalData:
     """Rigid body with the mass properties of finite elements; what symmetry forbids is zero and not round-off."""
-    size = np.ptp(model.positions, axis=0).max()
+    places = model.positions if len(model.positions) else np.array(list(model.point_positions.values()))
+    size = np.ptp(places, axis=0).max()
     center, inertia = model.center_of_mass, model.inertia
     return ModalData.rigid(
         model.mass,

@@ -1,6 +1,7 @@
 """A table -> the definition of a body: plate, hinge arms, inserts, beams, attached masses, the rigid twin.
 
-The keys are those of the catalogue's data sheets and of `[body.panel]`, `[body.frame]` in scene files.
+The keys are those of the catalogue's data sheets and of `[body.panel]`, `[body.frame]`, `[body.beam]`,
+`[body.import]` in scene files.
 """
 
 from __future__ import annotations
@@ -14,8 +15,10 @@ from ..flexible.beam_frame import BeamSection, tube_section
 from ..flexible.laminate import Layer, laminate_stiffness
 from ..flexible.plate import HingeArm, Panel, Plate, sandwich_stiffness
 from ..flexible.stress import FaceSheets
+from .beam_reader import read_beam, read_material
 from .definition import BodyDefinition, PointMasses, RigidTwin
 from .frame import Frame, Path, SpreadMass
+from .import_reader import read_import
 from .tables import Convert, Table, TableError, stated
 
 _Edge = Literal["inboard", "outboard"]
@@ -34,19 +37,27 @@ def read_body(raw: Mapping[str, Any], convert: Convert = stated) -> BodyDefiniti
     table = Table(raw, "", convert, problems)
     panel, sheets = _panel(table.table("panel", required=False))
     frame, joints, frame_nodes = _frame(table.table("frame", required=False))
+    beam, stations, beam_nodes = read_beam(table.table("beam", required=False))
+    imported, file_ends, file_nodes = read_import(table.table("import", required=False))
     arms = [arm.name for arm in panel.arms] if panel else []
-    ends = (*joints, *(name for name in arms if frame is None or name not in dict(frame.joints)))
-    nodes = (*(panel.nodes if panel else ()), *frame_nodes)
+    own = (name for name in arms if frame is None or name not in dict(frame.joints))
+    ends = (*joints, *own, *stations, *file_ends)
+    nodes = (*(panel.nodes if panel else ()), *frame_nodes, *beam_nodes, *file_nodes)
     twin, masses = _twin(table.table("rigid_twin", required=False)), _masses(table, (*ends, *nodes))
     table.close()
-    if panel is None and frame is None and not problems:
-        problems.append("give a table panel, a table frame, or both")
+    if panel is None and frame is None and beam is None and imported is None and not problems:
+        problems.append("give a table panel, a table frame, both, a table import, or a table beam")
+    if "beam" in raw and ("panel" in raw or "frame" in raw):
+        problems.append("beam: a beam stands alone; join it to other bodies by fixed connections")
+    if "import" in raw and any(kind in raw for kind in ("panel", "frame", "beam")):
+        problems.append("import: an imported body stands alone; join it to other bodies by fixed connections")
     if not problems:
         problems += [f"panel: {problem}" for problem in (panel.problems() if panel else ())]
+        problems += [f"beam.{problem}" for problem in (beam.problems() if beam else ())]
         problems += _lost(ends, nodes)
     if problems:
         raise TableError(problems)
-    return BodyDefinition(panel, frame, ends, nodes, masses, twin, sheets)
+    return BodyDefinition(panel, frame, ends, nodes, masses, twin, sheets, beam, imported)
 
 
 def _lost(ends: tuple[str, ...], nodes: tuple[str, ...]) -> list[str]:
@@ -103,7 +114,8 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
         if min(values[0], values[1], values[3]) <= 0.0 or values[2] ** 2 >= values[0] * values[1]:
             told = f"is {list(values)} in {name}; 11, 22, 66 and 11 x 22 - 12 x 12 of a plate are positive"
             table.note(kind, told)
-    plate = Plate(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane))
+    prestress = table.number("prestress", "N/m", "zero or positive", 0.0)
+    plate = Plate(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane), prestress)
     return plate, _face_sheets(table, sheets)
 
 
@@ -221,7 +233,17 @@ def _offsets(table: Table | None, common: float) -> dict[_Edge, float]:
 
 
 def _insert(table: Table) -> HingeArm:
-    """A rigid insert inside the plate with an attachment point in its middle."""
+    """A rigid insert inside the plate with an attachment point in the middle of its patch, or that of rectangles."""
+    rectangles = []
+    for entry in table.entries("rectangles"):
+        x, y = entry.numbers("x", "m", 2), entry.numbers("y", "m", 2)
+        entry.close()
+        for axis, (low, high) in (("x", x), ("y", y)):
+            if low >= high:
+                entry.note(axis, f"is {[low, high]}; give the lower end first")
+        rectangles.append(((x[0], x[1]), (y[0], y[1])))
+    if rectangles and "patch" in table:
+        table.note("patch", "is the side of a square; leave it or rectangles out")
     insert = HingeArm(
         table.text("name"),
         table.number("y", "m", "any"),
@@ -229,6 +251,7 @@ def _insert(table: Table) -> HingeArm:
         point_mass=table.number("point_mass", "kg", "zero or positive", 0.0),
         patch=table.number("patch", "m", default=0.03),
         x=table.number("x", "m", "any"),
+        rectangles=tuple(rectangles),
     )
     table.close()
     return insert
@@ -282,10 +305,9 @@ def _section(table: Table) -> BeamSection | None:
         diameter, wall = tube.number("diameter", "m"), tube.number("wall", "m")
         if wall > 0.5 * diameter:
             tube.note("wall", f"is {wall:g} m; a tube of {diameter:g} m has a wall of half of that at most")
-        moduli = tube.number("youngs_modulus", "Pa"), tube.number("shear_modulus", "Pa")
-        density = tube.number("density", "kg/m3")
+        material = read_material(tube)
         tube.close()
-        return tube_section(diameter, wall, *moduli, density) if diameter > wall > 0.0 else _NO_SECTION
+        return tube_section(diameter, wall, *material) if diameter > wall > 0.0 else _NO_SECTION
     if (given := table.table("section", required=False)) is not None:
         mass, radius = given.number("line_mass", "kg/m"), given.number("gyration_radius", "m")
         section = replace(_stiffness(given), line_mass=mass, gyration_radius=radius)

@@ -146,7 +146,7 @@ class Table:
         """The entries of an array of tables."""
         given = self._given(key, required=False) or []
         if not isinstance(given, list) or not all(isinstance(entry, Mapping) for entry in given):
-            self.note(key, f"is {given!r}; it must be an array of tables")
+            self.note(key, f"is {given!r}; it must be an array of tables, [{...}, {...}]")
             return
         for k, entry in enumerate(given):
             name = entry.get("name")
@@ -159,6 +159,51 @@ class Table:
         return (
             {} if table is None else {str(name): table.numbers(str(name), "m", count) for name in table._raw}
         )
+
+    def distances(self, key: str) -> dict[str, float]:
+        """Lengths (m), zero or positive, by name."""
+        table = self.table(key, required=False)
+        names = () if table is None else tuple(map(str, table._raw))
+        return {} if table is None else {name: table.number(name, "m", "zero or positive") for name in names}
+
+    def positions(self, key: str) -> list[tuple[float, ...]]:
+        """A list of positions (3,), m."""
+        given = self._given(key)
+        if not isinstance(given, list) or not all(isinstance(one, list) and len(one) == 3 for one in given):
+            self.note(key, f"is {given!r}; give a list of positions, three values in m each")
+            return []
+        return [tuple(self._converted(key, value, "m", "any") for value in one) for one in given]
+
+    def line(self, key: str) -> str:
+        """A text of any characters, empty where there is none."""
+        given = self._given(key, required=False)
+        if given is not None and not isinstance(given, str):
+            self.note(key, f"is {given!r}; it must be a text")
+            return ""
+        return given or ""
+
+    def whole_numbers(self, key: str) -> tuple[int, ...]:
+        """Whole numbers from 1 on, none twice."""
+        given = self._given(key)
+        if not isinstance(given, list) or not given or not all(map(_is_number, given)):
+            self.note(key, f"is {given!r}; it must be a list of whole numbers from 1 on")
+            return ()
+        if len({*given}) < len(given):
+            self.note(key, f"is {given!r}; give none twice")
+        return tuple(given)
+
+    def numbers_of_names(self, key: str) -> dict[str, int]:
+        """Whole numbers from 1 on by name."""
+        table = self.table(key, required=False)
+        found = {}
+        for name, value in ({} if table is None else table._raw).items():
+            if not _is_number(value):
+                self.note(f"{key}.{name}", f"is {value!r}; it must be a whole number from 1 on")
+            elif not fullmatch(r"[A-Za-z]\w*", name):
+                self.note(f"{key}.{name}", "a name starts with a letter and has only letters, digits and _")
+            else:
+                found[str(name)] = int(value)
+        return found
 
     def one_of(self, *keys: str) -> str:
         """Which of some keys is given; a problem where it is not exactly one."""
@@ -177,13 +222,30 @@ class Table:
                 self.note(str(key), unknown(str(key), sorted({*self._known})))
 
 
+def _is_number(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+
+
 def laid_over(below: Tree, above: Mapping[str, Any]) -> Tree:
-    """A new tree of one table over another: tables merge key by key, everything else replaces what was there."""
+    """A new tree of one table over another: tables merge key by key, arrays of named tables add those of new names.
+
+    Everything else replaces what was there.
+    """
     tree = deepcopy(below)
     for key, value in above.items():
         old = tree.get(key)
         if isinstance(old, dict) and isinstance(value, Mapping):
             tree[key] = laid_over(old, value)
+        elif (named := _by_name(old)) and (over := _by_name(value)):
+            merged = {name: laid_over(named.get(name, {}), entry) for name, entry in over.items()}
+            tree[key] = list((named | merged).values())
         else:
             tree[key] = deepcopy(value)
     return tree
+
+
+def _by_name(value: object) -> dict[str, Tree]:
+    """The entries of an array of named tables; empty where it is none."""
+    if not isinstance(value, list) or not all(isinstance(one, Mapping) and "name" in one for one in value):
+        return {}
+    return {entry["name"]: entry for entry in value}

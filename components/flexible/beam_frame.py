@@ -17,6 +17,7 @@ from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, SparseMatrix
+from .membrane_strain import MembraneStrain
 from .modal import rigid_motion
 
 _STATIONS, _STATION_WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact for the square of a cubic
@@ -134,6 +135,15 @@ def beam_mass_samples(
     return np.array(masses), np.array(positions), np.concatenate(displacements)
 
 
+def beam_slopes(start: Vector, end: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+    """Strain along the axis and slopes along y and z, each (4, 12), at stations of weights (4,) in m."""
+    length = float(np.linalg.norm(end - start))
+    ends = np.kron(np.eye(4), beam_axes(start, end))
+    turns = np.array([_section_motion(length, 0.5 * (1.0 + a))[4:] @ ends for a in _STATIONS])
+    stretch = np.tile((ends[6] - ends[0]) / length, (_STATIONS.size, 1))
+    return stretch, turns[:, 1], -turns[:, 0], 0.5 * length * _STATION_WEIGHTS
+
+
 class _Assembly:
     """Nodes of six degrees of freedom, filled member by member."""
 
@@ -141,6 +151,7 @@ class _Assembly:
         self.nodes = [np.asarray(p, dtype=float) for p in joints.values()]
         self.index = {name: i for i, name in enumerate(joints)}
         self.lines: list[tuple[int, int]] = []
+        self.axial: list[float] = []
         self.elements: list[tuple[int, int, Vector, Vector, Vector, Vector]] = []
 
     def add(self, member: Member) -> None:
@@ -158,6 +169,7 @@ class _Assembly:
             stiffness = beam_stiffness(member.section, a, b)
             samples = beam_mass_samples(member.section, member.extra_line_mass, a, b)
             self.lines.append((i, j))
+            self.axial.append(member.section.axial)
             self.elements.append((i, j, stiffness, *samples))
 
     def scattered(self, blocks: Sequence[Vector]) -> SparseMatrix:
@@ -172,6 +184,14 @@ class _Assembly:
         values = np.concatenate([block.ravel() for block in blocks])
         indices = (np.concatenate(rows), np.concatenate(columns))
         return sparse.csr_array((values, indices), shape=(offset, 6 * len(self.nodes)))
+
+    def strain(self) -> MembraneStrain:
+        """Along the axes of all members."""
+        parts = [beam_slopes(self.nodes[i], self.nodes[j]) for i, j in self.lines]
+        stretch, along_y, along_z = (self.scattered([part[k] for part in parts]) for k in range(3))
+        weights = [axial * part[3] for axial, part in zip(self.axial, parts, strict=True)]
+        stiffness = sparse.csr_array(sparse.diags_array(np.concatenate(weights)))
+        return MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness)
 
     def node_motion(self, node: int, rows: int = 6) -> SparseMatrix:
         """Translation (and rotation) of a node, (rows, n)."""
@@ -211,6 +231,7 @@ def beam_frame(
         masses=np.concatenate(masses),
         positions=np.concatenate(positions),
         displacement=sparse.csr_array(sparse.vstack(displacement)),
+        strain=assembly.strain(),
         rigid_motions=np.concatenate([rigid_motion(p) for p in nodes]),
         point_positions={name: nodes[assembly.index[name]] for name in names},
         point_motions={name: assembly.node_motion(assembly.index[name]) for name in names},

@@ -5,24 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.linalg import SuperLU, splu
 
 from ..contract.component import Vector
+from ..contract.frames import skew
+from .membrane_strain import MembraneStrain
+from .membrane_strain import SparseMatrix as SparseMatrix
 from .modal import inertia_invariants
 
 Rectangle = tuple[tuple[float, float], tuple[float, float]]
-SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
 
 
 @dataclass(frozen=True)
 class FiniteElementModel:
     """Assembled finite elements with n free degrees of freedom and a sampling of their mass.
 
-    The mass matrix is S^T diag(m) S by construction, S being `displacement`.
+    The mass matrix is S^T diag(m) S, S being `displacement`, and what the samples do not stand for.
     """
 
     stiffness: SparseMatrix
@@ -33,6 +35,8 @@ class FiniteElementModel:
     """(Q, 3) of the samples, construction frame, m"""
     displacement: SparseMatrix
     """(3 Q, n) displacement of the samples, row 3 q + axis"""
+    strain: MembraneStrain
+    """along beams and in the planes of plates"""
     rigid_motions: Vector
     """(n, 6) exact translations along and rotations about the construction axes"""
     point_positions: Mapping[str, Vector]
@@ -49,29 +53,71 @@ class FiniteElementModel:
     """(F, 4)"""
     plate: PlateNodes | None = None
     """where stresses can be recovered, if the body is a plate"""
+    further_mass: SparseMatrix | None = None
+    """(n, n) of imported models, whose mass matrix no samples need to make"""
 
     @cached_property
     def mass_matrix(self) -> SparseMatrix:
         """Consistent mass matrix (n, n)."""
         weights = sparse.diags_array(np.repeat(self.masses, 3))
-        return sparse.csr_array(self.displacement.T @ weights @ self.displacement)
+        sampled = self.displacement.T @ weights @ self.displacement
+        return sparse.csr_array(sampled if self.further_mass is None else sampled + self.further_mass)
+
+    @cached_property
+    def _rigid_mass(self) -> Vector:
+        """Mass matrix (6, 6) of the rigid motions."""
+        found: Vector = self.rigid_motions.T @ np.asarray(self.mass_matrix @ self.rigid_motions)
+        return found
 
     @property
     def mass(self) -> float:
         """Total mass, kg."""
+        if self.further_mass is not None:
+            return float(np.trace(self._rigid_mass[:3, :3])) / 3.0
         return float(self.masses.sum())
 
     @property
     def center_of_mass(self) -> Vector:
         """(3,) in the construction frame, m."""
+        if self.further_mass is not None:
+            return _axial(self._rigid_mass[3:, :3]) / self.mass
         center: Vector = self.masses @ self.positions / self.masses.sum()
         return center
 
     @property
     def inertia(self) -> Vector:
         """(3, 3) about the centre of mass, kg m2."""
+        if self.further_mass is not None:
+            cross = skew(self.center_of_mass)
+            return self._rigid_mass[3:, 3:] - self.mass * (cross.T @ cross)
         arms = self.positions - self.center_of_mass
         return inertia_invariants(self.masses, arms, np.zeros((3 * len(arms), 0))).i7
+
+    def without_rigid_motions(self, vectors: Vector) -> Vector:
+        """Vectors (n, k) made mass-orthogonal to the rigid motions, which are known exactly."""
+        rigid = self.rigid_motions.copy()
+        rigid[:, 3:] -= rigid[:, :3] @ skew(self.center_of_mass).T  # rotations about the centre of mass
+        weighted = np.asarray(self.mass_matrix @ rigid)
+        gram = rigid.T @ weighted
+        for _ in range(2):  # the second pass removes what round-off left of the first
+            vectors = vectors - rigid @ np.linalg.solve(gram, weighted.T @ vectors)
+        return vectors
+
+
+def factorize(matrix: SparseMatrix) -> SuperLU:
+    """LU of a symmetric positive definite matrix, whose pivots are its diagonal; others would spoil the ordering."""
+    return splu(
+        sparse.csc_array(matrix),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+
+
+def _axial(matrix: Vector) -> Vector:
+    """Vector (3,) whose `skew` is the skew part of a matrix (3, 3)."""
+    parts = matrix - matrix.T
+    return 0.5 * np.array([parts[2, 1], parts[0, 2], parts[1, 0]])
 
 
 @dataclass(frozen=True)
@@ -84,7 +130,7 @@ class PlateNodes:
     """(F, 4) corners of the elements that deform"""
     resultants: SparseMatrix
     """(6 K, n) row 6 k + component; zero at nodes that no deforming element touches"""
-    inserts: Mapping[str, Rectangle]
+    inserts: tuple[Rectangle, ...]
     """ranges of x and y of the rigid inserts, m"""
 
     def reduced(self, reduce: Callable[[SparseMatrix], SparseMatrix]) -> PlateNodes:
@@ -95,7 +141,7 @@ class PlateNodes:
         """Distance (K,) in the plane from every node to the nearest rigid insert, m; inf without inserts."""
         x, y = self.positions[:, 0], self.positions[:, 1]
         distances = [np.full(len(self.positions), np.inf)]
-        for (x0, x1), (y0, y1) in self.inserts.values():
+        for (x0, x1), (y0, y1) in self.inserts:
             along = np.maximum(np.maximum(x0 - x, x - x1), 0.0)
             distances.append(np.hypot(along, np.maximum(np.maximum(y0 - y, y - y1), 0.0)))
         nearest: Vector = np.min(distances, axis=0)

@@ -8,6 +8,7 @@ from scipy import sparse
 
 from ..contract.component import ComponentError
 from .finite_elements import FiniteElementModel, SparseMatrix
+from .membrane_strain import combined
 
 
 def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteElementModel:
@@ -38,6 +39,7 @@ def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteEleme
         masses=np.concatenate([first.masses, second.masses]),
         positions=np.concatenate([first.positions, second.positions]),
         displacement=_stacked(on_first(first.displacement), on_second(second.displacement)),
+        strain=combined([first.strain.reduced(on_first), second.strain.reduced(on_second)]),
         rigid_motions=rigid_motions,
         point_positions=kept,
         point_motions={name: motions[name] for name in kept},

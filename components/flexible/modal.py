@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from math import isqrt
 from typing import Any, Self
 
 import numpy as np
@@ -65,6 +66,8 @@ class ModalData:
     """(M, 3, 3) I8[j] = sum m skew(s) skew(phi_j), s from the centre of mass"""
     invariant9: Vector
     """(M, M, 3, 3) I9[j, k] = sum m skew(phi_j) skew(phi_k)"""
+    second_order_points: Vector = field(default_factory=lambda: np.zeros((0, 6, 0, 0)))
+    """(N, 6, S, S) translation and rotation of the points by pairs of the S lowest modes, or empty"""
     display_positions: Vector = field(default_factory=lambda: np.zeros((0, 3)))
     """(D, 3) coarse grid for pictures, m"""
     display_shapes: Vector = field(default_factory=lambda: np.zeros((0, 3, 0)))
@@ -163,7 +166,9 @@ class ModalData:
             "point_names": tuple(str(name) for name in arrays["point_names"]),
             "display_faces": np.asarray(arrays["display_faces"], dtype=np.int64).reshape(-1, 4),
         }
-        shapes = _shapes(modes, len(values["point_names"]), np.size(arrays["display_positions"]) // 3)
+        points = len(values["point_names"])
+        second_order = _second_order_modes(np.size(arrays["second_order_points"]), modes, points)
+        shapes = _shapes(modes, second_order, points, np.size(arrays["display_positions"]) // 3)
         for name, shape in shapes.items():
             array = np.asarray(arrays[name], dtype=float)
             if array.size != np.prod(shape):
@@ -171,9 +176,17 @@ class ModalData:
             values[name] = array.reshape(shape)
         return cls(**values)
 
+    @property
+    def second_order_modes(self) -> int:
+        """Number S of the lowest modes that displace the body to second order."""
+        return int(self.second_order_points.shape[3])
+
     def keep_modes(self, keep: ArrayLike) -> Self:
-        """The body with some modes only: a boolean mask (M,) or mode indices from 0."""
+        """The body with some modes only: a boolean mask (M,) or mode indices from 0, ascending."""
         index = np.arange(self.frequency.size)[np.asarray(keep)]
+        pairs = np.ix_(
+            range(len(self.second_order_points)), range(6), *2 * (index[index < self.second_order_modes],)
+        )
         return replace(
             self,
             frequency=self.frequency[index],
@@ -183,6 +196,7 @@ class ModalData:
             invariant5=self.invariant5[np.ix_(index, range(3), index)],
             invariant8=self.invariant8[index],
             invariant9=self.invariant9[np.ix_(index, index)],
+            second_order_points=self.second_order_points[pairs],
             display_shapes=self.display_shapes[:, :, index],
         )
 
@@ -210,7 +224,17 @@ class ModalData:
         return self.with_damping(0.5 * time * self.frequency)
 
 
-def _shapes(modes: int, points: int, display: int) -> dict[str, tuple[int, ...]]:
+def _second_order_modes(size: int, modes: int, points: int) -> int:
+    """How many modes so many numbers of second order belong to."""
+    count = isqrt(size // (6 * points)) if points else 0
+    if count > modes or 6 * points * count**2 != size:
+        raise ComponentError(
+            f"second_order_points has {size} numbers; it must be 6 by every two of some modes a point"
+        )
+    return count
+
+
+def _shapes(modes: int, second_order: int, points: int, display: int) -> dict[str, tuple[int, ...]]:
     """Shapes of the floating-point fields of `ModalData`."""
     m = modes
     return {
@@ -224,6 +248,7 @@ def _shapes(modes: int, points: int, display: int) -> dict[str, tuple[int, ...]]
         "invariant5": (m, 3, m),
         "invariant8": (m, 3, 3),
         "invariant9": (m, m, 3, 3),
+        "second_order_points": (points if second_order else 0, 6, second_order, second_order),
         "display_positions": (display, 3),
         "display_shapes": (display, 3, m),
     }

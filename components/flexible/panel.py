@@ -20,13 +20,15 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
-from .beam_frame import beam_stiffness
+from .beam_frame import beam_slopes, beam_stiffness
 from .finite_elements import FiniteElementModel, PlateNodes, Rectangle, SparseMatrix
+from .membrane_strain import MembraneStrain, combined
 from .modal import rigid_motion
 from .plate import Panel, Plate
 from .plate_resultants import AxisCorners, kron, plate_nodes
 
 _GAUSS_POINTS = 4  # exact for the square of a cubic
+_ROUNDING = 1e-9  # of sums over a mesh
 
 
 class _Axis:
@@ -117,6 +119,26 @@ class PlateElements:
             kron(x.stretching[0], y.stretching[0]), kron(x.bending[0], y.bending[0])
         )
 
+    def strain(self) -> MembraneStrain:
+        """Strains of the mid-plane along x, along y and in shear at all points of integration, in this order."""
+        (hx, gx, _), (hy, gy, _) = self._x.bending, self._y.bending
+        (px, qx), (py, qy) = self._x.stretching, self._y.stretching
+        along_x, along_y = kron(gx, hy), kron(hx, gy)
+        by_x, by_y = kron(qx, py), kron(px, qy)  # of either motion in the plane
+        none, still = sparse.csr_array(along_x.shape), sparse.csr_array(by_x.shape)
+        rows = ((none, by_x, still), (none, still, by_y), (none, by_y, by_x))
+        linear = sparse.csr_array(sparse.vstack([sparse.hstack(row) for row in rows]))
+        in_plane = [sparse.csr_array((along_x.shape[0], 2 * by_x.shape[1]))] * 3
+        slopes = (
+            sparse.csr_array(sparse.hstack([sparse.vstack(turned), sparse.vstack(in_plane)]))
+            for turned in ((along_x, along_y, 2.0 * along_x), (along_x, along_y, along_y))
+        )
+        a11, a22, a12, a66 = self._plate.membrane
+        elasticity = np.array([[a11, a12, 0.0], [a12, a22, 0.0], [0.0, 0.0, a66]])
+        weights = sparse.diags_array(np.kron(self._x.weights, self._y.weights))
+        left, right = slopes
+        return MembraneStrain(linear, ((left, right),), sparse.csr_array(sparse.kron(elasticity, weights)))
+
     def motion(self, x: float, y: float) -> SparseMatrix:
         """Translation and small rotation (6, n) of the plate at a point."""
         (hx, gx), (px, qx) = self._x.at(x)
@@ -131,7 +153,7 @@ class PlateElements:
         (hx, px), (hy, py) = self._x.values(x), self._y.values(y)
         return _interleaved(kron(px, py), kron(hx, hy))
 
-    def nodes(self, inserts: Mapping[str, Rectangle]) -> PlateNodes:
+    def nodes(self, inserts: Sequence[Rectangle]) -> PlateNodes:
         """Mesh nodes and the force and moment resultants there; nothing deforms inside the inserts."""
         return plate_nodes(self._x.corners(), self._y.corners(), self._plate, inserts)
 
@@ -177,12 +199,16 @@ def _bending(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
     d11, d22, d12, d66 = plate.bending
     (x0, x1, x2), (y0, y1, y2) = x.bending, y.bending
     mixed = kron(x.product(x2, x0), y.product(y0, y2))
-    return sparse.csr_array(
+    bent = sparse.csr_array(
         d11 * kron(x.product(x2, x2), y.product(y0, y0))
         + d22 * kron(x.product(x0, x0), y.product(y2, y2))
         + d12 * (mixed + mixed.T)
         + 4.0 * d66 * kron(x.product(x1, x1), y.product(y1, y1))
     )
+    if not plate.prestress:
+        return bent
+    slopes = kron(x.product(x1, x1), y.product(y0, y0)) + kron(x.product(x0, x0), y.product(y1, y1))
+    return sparse.csr_array(bent + plate.prestress * slopes)
 
 
 def _membrane(x: _Axis, y: _Axis, plate: Plate) -> SparseMatrix:
@@ -204,9 +230,10 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         raise ComponentError(problems)
     end = panel.plate_start + panel.plate.length
     half = 0.5 * panel.plate.width
-    patches = {arm.name: panel.patch(arm) for arm in panel.arms}
-    x_breaks = [panel.plate_start, end, *(x for patch in patches.values() for x in patch[0])]
-    y_breaks = [-half, 0.0, half, *(y for patch in patches.values() for y in patch[1])]
+    patches = {arm.name: panel.patches(arm) for arm in panel.arms}
+    rigid = [patch for several in patches.values() for patch in several]
+    x_breaks = [panel.plate_start, end, *(x for patch in rigid for x in patch[0])]
+    y_breaks = [-half, 0.0, half, *(y for patch in rigid for y in patch[1])]
     plate = PlateElements(panel.plate, x_breaks, y_breaks, panel.element_size)
     ties = _Ties(plate, panel, patches)
     shown = np.linspace(panel.plate_start, end, 7), np.linspace(-half, half, 5)
@@ -222,6 +249,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         displacement=sparse.csr_array(
             sparse.vstack([ties.reduce(plate.displacement), *(hubs[arm.name][:3] for arm in heavy)])
         ),
+        strain=ties.strain(),
         rigid_motions=ties.rigid_motions(),
         point_positions=ties.tips | nodes,
         point_motions=hubs | motions,
@@ -229,7 +257,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         display_positions=np.column_stack([display, np.zeros(len(display))]),
         display_displacement=ties.reduce(plate.translations(*shown)),
         display_faces=_faces(7, 5),
-        plate=plate.nodes(patches).reduced(ties.reduce),
+        plate=plate.nodes(rigid).reduced(ties.reduce),
     )
 
 
@@ -249,10 +277,14 @@ class _Ties:
         self,
         plate: PlateElements,
         panel: Panel,
-        patches: Mapping[str, tuple[tuple[float, float], tuple[float, float]]],
+        patches: Mapping[str, Sequence[Rectangle]],
     ) -> None:
         self.plate, self.arms = plate, panel.arms
-        inside = {arm.name: plate.within(*patches[arm.name]) for arm in panel.arms}
+        self.has_tension = panel.plate.prestress > 0.0
+        inside = {
+            name: np.any([plate.within(*patch) for patch in several], axis=0)
+            for name, several in patches.items()
+        }
         self.free = ~np.any([np.zeros(plate.kind.size, dtype=bool), *inside.values()], axis=0)
         self.roots, self.tips = {}, {}
         for arm in panel.arms:
@@ -283,7 +315,7 @@ class _Ties:
         return sparse.csr_array(matrix @ self._transformation)
 
     def stiffness(self) -> SparseMatrix:
-        """Plate and arms."""
+        """Plate and arms; tension gives none to the tilting of the whole."""
         total = sparse.csr_array(self._transformation.T @ self.plate.stiffness @ self._transformation)
         for arm in self.arms:
             if arm.section is not None:
@@ -291,7 +323,20 @@ class _Ties:
                 block = beam_stiffness(arm.section, self.roots[arm.name], self.tips[arm.name])
                 indices = (np.repeat(dofs, 12), np.tile(dofs, 12))
                 total = total + sparse.csr_array((block.ravel(), indices), shape=total.shape)
-        return sparse.csr_array(total)
+        return _without_tilting(total, self.rigid_motions()) if self.has_tension else sparse.csr_array(total)
+
+    def strain(self) -> MembraneStrain:
+        """Of the plate and along the arms that bend."""
+        identity = sparse.eye_array(self.count, format="csr")
+        parts = [self.plate.strain().reduced(self.reduce)]
+        for arm in self.arms:
+            if arm.section is not None:
+                dofs = np.concatenate([self.root_dofs[arm.name], self.attachment_dofs[arm.name]])
+                *rows, weights = beam_slopes(self.roots[arm.name], self.tips[arm.name])
+                stretch, along_y, along_z = (sparse.csr_array(row @ identity[dofs]) for row in rows)
+                stiffness = sparse.csr_array(sparse.diags_array(arm.section.axial * weights))
+                parts.append(MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness))
+        return combined(parts)
 
     def rigid_motions(self) -> Vector:
         """Rigid motions (n, 6) about the construction frame."""
@@ -306,3 +351,16 @@ class _Ties:
         """Motion (6, n) of every attachment point."""
         identity = sparse.eye_array(self.count, format="csr")
         return {name: sparse.csr_array(identity[dofs]) for name, dofs in self.attachment_dofs.items()}
+
+
+def _without_tilting(stiffness: SparseMatrix, rigid_motions: Vector) -> SparseMatrix:
+    """Stiffness of a plate in tension less that against tilting, for what pulls at its border turns along.
+
+    Inside, where the tension is in equilibrium, nothing changes: what is taken away acts on the border alone.
+    """
+    tilts = rigid_motions[:, 3:5]
+    forces = np.asarray(stiffness @ tilts)
+    forces[np.abs(forces) < _ROUNDING * np.abs(forces).max()] = 0.0
+    border = sparse.csr_array(forces)
+    whole: SparseMatrix = border @ sparse.csr_array(np.linalg.inv(tilts.T @ forces)) @ border.T
+    return sparse.csr_array(stiffness - whole)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, product
 from typing import Literal
 
 from .beam_frame import BeamSection
@@ -47,6 +47,8 @@ class Plate:
     """D11, D22, D12, D66, N m"""
     membrane: tuple[float, float, float, float]
     """A11, A22, A12, A66, N/m"""
+    prestress: float = 0.0
+    """tension in every direction of the plane, which adds T/2 (w,x² + w,y²) to the energy, N/m"""
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class HingeArm:
     """Fitting that carries an attachment point: a rigid insert patch at the plate's edge, then a massless arm.
 
     Without a `section` the arm is a rigid link. An insert inside the plate has its own x instead of an edge and an
-    arm; its attachment point is in its middle.
+    arm; its attachment point is there, in the middle of its patch or wherever its rectangles are.
     """
 
     name: str
@@ -72,6 +74,8 @@ class HingeArm:
     """of the middle of an insert inside the plate, m"""
     z: float = 0.0
     """of arm and attachment point, off the plate's mid-plane by a rigid bracket on the patch, m"""
+    rectangles: tuple[Rectangle, ...] = ()
+    """of an insert that is no patch: ranges of x and y that are rigid together, m"""
 
 
 @dataclass(frozen=True)
@@ -95,8 +99,11 @@ class Panel:
         end = self.plate_start + self.plate.length
         return end, end + arm.length
 
-    def patch(self, arm: HingeArm) -> Rectangle:
-        """Ranges of x and y of an arm's rigid insert, m."""
+    def patches(self, arm: HingeArm) -> tuple[Rectangle, ...]:
+        """Ranges of x and y of an arm's rigid insert, m; more than one where it is a union of rectangles."""
+        return arm.rectangles or (self._patch(arm),)
+
+    def _patch(self, arm: HingeArm) -> Rectangle:
         root, half = self.ends(arm)[0], 0.5 * arm.patch
         y = (arm.y - half, arm.y + half)
         if arm.x is not None:
@@ -116,10 +123,10 @@ class Panel:
                 " check length and width, or give a larger element_size"
             )
         for arm in self.arms:
-            if not _within(self.patch(arm), inside):
+            if not all(_within(patch, inside) for patch in self.patches(arm)):
                 yield f"the insert patch of hinge arm {arm.name!r} reaches beyond the plate"
         for one, other in combinations(self.arms, 2):
-            if _overlap(self.patch(one), self.patch(other)):
+            if any(_overlap(*pair) for pair in product(self.patches(one), self.patches(other))):
                 yield f"the insert patches of {one.name!r} and {other.name!r} overlap; make one of them"
         for name, (x, y) in self.nodes.items():
             if not _within(((x, x), (y, y)), inside):

@@ -8,7 +8,7 @@ that meet in a node; those inside rigid inserts are no part of the average.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +31,7 @@ class AxisCorners:
     """the same of the in-plane functions, up to first derivatives"""
 
 
-def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Mapping[str, Rectangle]) -> PlateNodes:
+def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Sequence[Rectangle]) -> PlateNodes:
     """Nodes of a plate on a tensor mesh; degrees of freedom are those of w, then of u, then of v."""
     nx, ny = x.nodes.size - 1, y.nodes.size - 1
     faces = _corner_nodes(nx, ny)[:, [0, 2, 3, 1]]
@@ -42,7 +42,7 @@ def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Mapping[s
         positions=np.column_stack([places, np.zeros(len(places))]),
         faces=faces[deforming],
         resultants=_by_node([sparse.csr_array(average @ r) for r in _at_corners(x, y, plate)], len(places)),
-        inserts=dict(inserts),
+        inserts=tuple(inserts),
     )
 
 
@@ -52,10 +52,10 @@ def _corner_nodes(nx: int, ny: int) -> NDArray[np.int64]:
     return np.column_stack([(i + p) * (ny + 1) + j + q for p in (0, 1) for q in (0, 1)])
 
 
-def _inside(points: Vector, rectangles: Mapping[str, Rectangle]) -> NDArray[np.bool_]:
+def _inside(points: Vector, rectangles: Sequence[Rectangle]) -> NDArray[np.bool_]:
     """Which points (k, 2) lie in one of the rectangles."""
     found = np.zeros(len(points), dtype=bool)
-    for ranges in rectangles.values():
+    for ranges in rectangles:
         low, high = np.transpose(ranges)
         found |= np.all((points > low) & (points < high), axis=1)
     return found

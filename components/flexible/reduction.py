@@ -9,16 +9,17 @@ Mass matrix and invariants come from one sampling of the mass: I3 and I4 vanish 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg, sparse
-from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
+from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 
 from ..contract.component import ComponentError, Vector
-from ..contract.frames import skew
-from .finite_elements import FiniteElementModel, SparseMatrix
+from .finite_elements import FiniteElementModel, SparseMatrix, factorize
 from .modal import ModalData, default_damping, inertia_invariants
+from .second_order import check_second_order, second_order_inertia, second_order_shapes, symmetric
 
 
 def _times(matrix: SparseMatrix, vectors: Vector) -> Vector:
@@ -37,16 +38,6 @@ def _boundary(model: FiniteElementModel, attachment_points: Sequence[str]) -> ND
     return np.concatenate([model.attachment_dofs[name] for name in attachment_points])
 
 
-def _factorize(matrix: SparseMatrix) -> SuperLU:
-    """LU of a symmetric positive definite matrix, whose pivots are its diagonal; others would spoil the ordering."""
-    return splu(
-        sparse.csc_array(matrix),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-
-
 def _lowest_modes(
     stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU, shift: float = 0.0
 ) -> tuple[Vector, Vector]:
@@ -55,7 +46,10 @@ def _lowest_modes(
         raise ComponentError(f"{count} modes asked for; the number must not be negative")
     if count == 0:
         return np.zeros(0), np.zeros((stiffness.shape[0], 0))
-    if count >= stiffness.shape[0]:
+    if count == stiffness.shape[0]:
+        found = linalg.eigh(stiffness.toarray(), mass.toarray())
+        return found[0], found[1]
+    if count > stiffness.shape[0]:
         raise ComponentError(f"{count} modes asked for, but only {stiffness.shape[0]} degrees of freedom")
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
     start = np.random.default_rng(1).standard_normal(stiffness.shape[0])
@@ -71,13 +65,13 @@ def fixed_interface_frequencies(
     interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), _boundary(model, attachment_points))
     stiffness = model.stiffness[interior][:, interior]
     mass = model.mass_matrix[interior][:, interior]
-    return np.sqrt(_lowest_modes(stiffness, mass, count, _factorize(stiffness))[0])
+    return np.sqrt(_lowest_modes(stiffness, mass, count, factorize(stiffness))[0])
 
 
 def free_frequencies(model: FiniteElementModel, count: int) -> Vector:
     """Lowest elastic frequencies (count,) in rad/s of the free body."""
     shift = -(float(2.0 * np.pi) ** 2)  # a rigid body on 1 Hz springs is regular and spoils no mode
-    factor = _factorize(sparse.csr_array(model.stiffness - shift * model.mass_matrix))
+    factor = factorize(sparse.csr_array(model.stiffness - shift * model.mass_matrix))
     values, _ = _lowest_modes(model.stiffness, model.mass_matrix, count + 6, factor, shift)
     return np.sqrt(values[6:])
 
@@ -90,7 +84,9 @@ def craig_bampton_basis(
     interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), boundary)
     stiffness = model.stiffness[interior][:, interior]
     mass = model.mass_matrix[interior][:, interior]
-    factor = _factorize(stiffness)
+    if not interior.size and not number_of_fixed_interface_modes:
+        return np.eye(boundary.size)[np.argsort(boundary)]
+    factor = factorize(stiffness)
     normal = _lowest_modes(stiffness, mass, number_of_fixed_interface_modes, factor)[1]
     constraint = -factor.solve(model.stiffness[interior][:, boundary].toarray())
     basis = np.zeros((model.stiffness.shape[0], normal.shape[1] + boundary.size))
@@ -108,23 +104,12 @@ def orthonormal_modes(
     rigid_coordinates = np.zeros((basis.shape[1], 6))
     rigid_coordinates[-boundary.size :] = model.rigid_motions[boundary]
     complement = np.linalg.qr(rigid_coordinates, mode="complete")[0][:, 6:]
-    elastic = _without_rigid_motions(model, basis @ complement)
+    elastic = model.without_rigid_motions(basis @ complement)
     stiffness = elastic.T @ _times(model.stiffness, elastic)
     mass = elastic.T @ _times(model.mass_matrix, elastic)
     values, vectors = linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T))
-    modes = _without_rigid_motions(model, elastic @ vectors)
+    modes = model.without_rigid_motions(elastic @ vectors)
     return np.sqrt(values), modes * _signs(modes)
-
-
-def _without_rigid_motions(model: FiniteElementModel, vectors: Vector) -> Vector:
-    """Vectors (n, k) made mass-orthogonal to the rigid motions, which are known exactly."""
-    rigid = model.rigid_motions.copy()
-    rigid[:, 3:] -= rigid[:, :3] @ skew(model.center_of_mass).T  # rotations about the centre of mass
-    weighted = _times(model.mass_matrix, rigid)
-    gram = rigid.T @ weighted
-    for _ in range(2):  # the second pass removes what round-off left of the first
-        vectors = vectors - rigid @ np.linalg.solve(gram, weighted.T @ vectors)
-    return vectors
 
 
 def _signs(modes: Vector) -> Vector:
@@ -152,7 +137,7 @@ def inertia_relief(
     fields = np.einsum("q,qj,ik->qijk", model.masses, factors, np.eye(3))  # row 3 q + i, column 3 j + k
     loads = -_times(sparse.csr_array(model.displacement.T), fields.reshape(-1, 12))
     shapes = np.zeros((model.stiffness.shape[0], 12))
-    shapes[interior] = _factorize(model.stiffness[interior][:, interior]).solve(loads[interior])
+    shapes[interior] = factorize(model.stiffness[interior][:, interior]).solve(loads[interior])
     amplitudes = modes.T @ _times(model.stiffness, shapes) / frequency[:, None] ** 2
     return shapes - modes @ amplitudes
 
@@ -162,17 +147,28 @@ def craig_bampton(
     attachment_points: Sequence[str],
     number_of_fixed_interface_modes: int,
     nodes: Sequence[str] = (),
+    second_order_modes: int = 0,
 ) -> ModalData:
-    """Reduced body with default damping; `nodes` are further points a scene may load, without modes."""
+    """Reduced body with default damping; `nodes` are further points a scene may load, without modes.
+
+    second_order_modes: so many of the lowest modes displace the body to second order too, which stiffens it under
+    tension and spin.
+    """
     frequency, modes = orthonormal_modes(model, attachment_points, number_of_fixed_interface_modes)
+    check_second_order(second_order_modes, frequency.size)
     names = (*attachment_points, *nodes)
     motion = np.array([_times(model.point_motions[name], modes) for name in names])
     arms = model.positions - model.center_of_mass
     invariants = inertia_invariants(model.masses, arms, _times(model.displacement, modes))
-    return ModalData(
+    inertia, invariant8 = invariants.i7, invariants.i8
+    if (
+        model.further_mass is not None
+    ):  # exact, and without the moment of momentum that samples alone would have
+        inertia, invariant8 = model.inertia, 0.5 * (invariant8 + invariant8.transpose(0, 2, 1))
+    data = ModalData(
         mass=model.mass,
         center_of_mass=model.center_of_mass,
-        inertia=invariants.i7,
+        inertia=inertia,
         frequency=frequency,
         damping_ratio=default_damping(frequency),
         point_names=names,
@@ -180,9 +176,19 @@ def craig_bampton(
         translation=motion[:, :3],
         rotation=motion[:, 3:],
         invariant5=invariants.i5,
-        invariant8=invariants.i8,
+        invariant8=invariant8,
         invariant9=invariants.i9,
         display_positions=model.display_positions,
         display_shapes=_times(model.display_displacement, modes).reshape(-1, 3, frequency.size),
         display_faces=model.display_faces,
     )
+    return _to_second_order(data, model, modes[:, :second_order_modes]) if second_order_modes else data
+
+
+def _to_second_order(data: ModalData, model: FiniteElementModel, modes: Vector) -> ModalData:
+    """The body with what pairs of its lowest modes (n, S) do, at the points and to the inertia."""
+    count, response = modes.shape[1], second_order_shapes(model, modes)
+    points = [_times(model.point_motions[name], response) for name in data.point_names]
+    invariant9 = data.invariant9.copy()
+    invariant9[:count, :count] += second_order_inertia(model, response, count)
+    return replace(data, invariant9=invariant9, second_order_points=symmetric(np.array(points), count))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
+from ..contract.frames import Quaternion, Vector3, rotate
 from ..numerics.laws import Law, mean_force
 from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
@@ -42,13 +43,14 @@ def mean_loads(
     if old.holding:
         twist -= c.p.hold_stiffness * (new.angle - old.hold_angle)
         numerical += 0.5 * c.p.hold_stiffness * change * change
-    swing = mean_swing(old, new)
+    swing, rest = mean_swing(old, new), twist - elastic[3] - latch.force
     torque = conjugate_torque(twist, (elastic[4], elastic[5]), swing)
     if not c.paired:
         return Loads(force_on_b, torque, latch.force, friction, heat, numerical)
     twist = slope[3] + motor.slope + harness.slope + latch.slope
     slopes = (slope[0], slope[1], slope[2]), conjugate_torque(twist, (slope[4], slope[5]), swing)
-    return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes)
+    driving = rest, motor.slope + harness.slope
+    return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes, driving)
 
 
 def _stiff_load(c: Constants, i: int, motion: StepMotion) -> MeanLoad:
@@ -115,7 +117,7 @@ def held_at(c: Constants, s: State) -> Held:
 
 def recorded(c: Constants, s: State) -> Held:
     """What bushing and latch exert at a communication point of order 4, from what they did over the last steps."""
-    at_end, (*bushing, latch) = held_at(c, s), s.loads
+    at_end, (*bushing, latch, _) = held_at(c, s), s.loads
     by_coordinate = zip(bushing, at_end.bushing, s.memories, strict=True)
     return Held(
         tuple(load.load_now(law, memory.roughness) for load, law, memory in by_coordinate),
@@ -123,10 +125,14 @@ def recorded(c: Constants, s: State) -> Held:
     )
 
 
-def lagged_loads(s: State) -> tuple[float, float, float]:
-    """Latch torque, axial and radial force at the communication point before the last step, of order 4."""
-    x, y, z, *_, latch = (load.before() for load in s.loads)
-    return latch, x, sqrt(y * y + z * z)
+def lagged_loads(s: State, axis_on_port: Quaternion) -> tuple[float, float, float, Vector3, Vector3]:
+    """Latch torque, axial and radial force, and both vectors, at the communication point before the last step.
+
+    Of order 4; vectors are in the axes of the inboard port. How the swing changed in the step is nothing beside 1.
+    """
+    x, y, z, twist, swing_y, swing_z, latch, rest = (load.before() for load in s.loads)
+    torque = conjugate_torque(twist + latch + rest, (swing_y, swing_z), s.swing)
+    return latch, x, sqrt(y * y + z * z), rotate(axis_on_port, (x, y, z)), rotate(axis_on_port, torque)
 
 
 def endpoint_loads(c: Constants, s: State) -> Loads:

@@ -36,7 +36,8 @@ class Constants(NamedTuple):
 class Loads(NamedTuple):
     """Force and torque on B in hinge axes, torque of the latch, friction, heat of three causes, numerical loss.
 
-    The slopes of force and torque are zero of order 2.
+    The slopes of force and torque are zero of order 2. driving: what turns about the hinge line beside bushing and
+    latch, and its slope.
     """
 
     force: Vector3
@@ -47,6 +48,7 @@ class Loads(NamedTuple):
     numerical: float
     force_slope: Vector3 = (0.0, 0.0, 0.0)
     torque_slope: Vector3 = (0.0, 0.0, 0.0)
+    driving: tuple[float, float] = (0.0, 0.0)
 
 
 class StiffLoads(NamedTuple):

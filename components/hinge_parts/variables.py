@@ -14,6 +14,7 @@ from ..contract.roles import (
     DISSIPATION,
     END_WEIGHT,
     FAILURE_COMMAND,
+    HINGE_LOAD,
     HOLD,
     IMPULSE,
     LATCH_COMMAND,
@@ -28,7 +29,7 @@ from ..numerics.mid_step import MidStep, MidStepSlope
 from ..numerics.stiff_coordinate import Memory
 
 Six = tuple[float, float, float, float, float, float]
-NO_LOADS: tuple[MidStepSlope, ...] = (MidStepSlope.starting(0.0),) * 7
+NO_LOADS: tuple[MidStepSlope, ...] = (MidStepSlope.starting(0.0),) * 8
 OUTPUTS = (LATCH_DISTANCE, LATCHED)
 """What a master watches, beside the wrenches on both ports."""
 
@@ -105,8 +106,8 @@ class Commands(NamedTuple):
 class State(NamedTuple):
     """Six coordinates: offset x, y, z, hinge angle, swing y, z (hinge axes).
 
-    Of order 4, `loads` are those of the bushing in the six coordinates and of the latch over the last steps, and
-    `sliding` is the hinge rate, of which `slide` knows means only.
+    Of order 4, `loads` are those of the bushing in the six coordinates, of the latch and of all else about the hinge
+    line over the last steps, and `sliding` is the hinge rate, of which `slide` knows means only.
     """
 
     frame: Annotated[Quaternion, kept("1", "Hinge frame on the inboard port")]
@@ -130,7 +131,7 @@ class State(NamedTuple):
     power: Annotated[Vector3, kept("W", "Of the three heats at the last end-point step")] = (0.0, 0.0, 0.0)
     wrench: Annotated[tuple[float, ...], WRENCH] = NO_PAIR
     slopes: Annotated[tuple[float, ...], SLOPES] = NO_PAIR
-    loads: Annotated[tuple[MidStepSlope, ...], kept("1", "Loads over two steps (N, N.m)").sized(7)] = NO_LOADS
+    loads: Annotated[tuple[MidStepSlope, ...], kept("1", "Loads over two steps (N, N.m)").sized(8)] = NO_LOADS
     sliding: Annotated[MidStepSlope, kept("rad/s", "The same of the rate, with slopes")] = (
         MidStepSlope.starting(0.0)
     )
@@ -183,6 +184,14 @@ class Observations(NamedTuple):
     axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line")]
     radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line")]
     bending_moment: Annotated[float, observed("N.m", "Magnitude of the moment normal to the hinge line")]
+    hinge_force: Annotated[
+        Vector3,
+        observed("N", "Force on the outboard body at the hinge, axes of the inboard body", HINGE_LOAD),
+    ]
+    hinge_torque: Annotated[
+        Vector3,
+        observed("N.m", "Torque on the outboard body about the hinge, axes of the inboard body", HINGE_LOAD),
+    ]
     motor_energy: Annotated[float, observed("J", "Energy released by the motorisation since stowed")]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
     latch_energy: Annotated[
@@ -211,3 +220,5 @@ class MeanObservations(NamedTuple):
     latch_torque_lagged: Annotated[float, _again(observed("N.m", "Latch torque").called("latch_torque"))]
     axial_force_lagged: Annotated[float, _again(observed("N", "Axial force").called("axial_force"))]
     radial_force_lagged: Annotated[float, _again(observed("N", "Radial force").called("radial_force"))]
+    hinge_force_lagged: Annotated[Vector3, _again(observed("N", "Force").called("hinge_force"))]
+    hinge_torque_lagged: Annotated[Vector3, _again(observed("N.m", "Torque").called("hinge_torque"))]

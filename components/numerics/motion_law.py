@@ -100,8 +100,8 @@ class MotionLaw:
 
     def samples(self, start: float, end: float) -> tuple[float, float, float]:
         """Values at the three points of Gauss' rule."""
-        middle, arm = 0.5 * (start + end), 0.5 * _GAUSS * (end - start)
-        return self.value(middle - arm), self.value(middle), self.value(middle + arm)
+        first, middle, last = gauss_times(start, end)
+        return self.value(first), self.value(middle), self.value(last)
 
     def rate_moment(self, start: float, end: float) -> float:
         """First moment of the rate, the integral of P1 l' dt = l1 + l0 - 2 mean(l)."""
@@ -125,6 +125,12 @@ class MotionLaw:
 
 NOTHING = ({"profile": "constant", "value": 0.0},)
 """Terms of a law that is always zero."""
+
+
+def gauss_times(start: float, end: float) -> tuple[float, float, float]:
+    """The three points of Gauss' rule between two times."""
+    middle, arm = 0.5 * (start + end), 0.5 * _GAUSS * (end - start)
+    return middle - arm, middle, middle + arm
 
 
 def gauss_moments(samples: Sequence[float]) -> tuple[float, float]:

@@ -42,6 +42,11 @@ class Propagator:
     stiffness: Vector
     compliance: Vector
 
+    def end(self, eta: Vector, velocity: Vector, force: Vector, slope: Vector) -> tuple[Vector, Vector]:
+        """Coordinates and velocities (M,) at the end of a step."""
+        moved = self.a11 * eta + self.a12 * velocity + self.b1 * force + self.c1 * slope
+        return moved, self.a21 * eta + self.a22 * velocity + self.b2 * force + self.c2 * slope
+
     def dissipated(self, eta: Vector, velocity: Vector, force: Vector, slope: Vector) -> float:
         """Energy (J) turned into heat over the step: the integral of 2 zeta w eta'^2, in closed form."""
         z = eta - self.compliance * force

@@ -11,7 +11,7 @@ from ..contract.component import Quantity, Vector
 from ..contract.frames import sum_of_moments
 from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
-from ..contract.roles import INTERFACE_LOAD, PORT_LOAD, lagged
+from ..contract.roles import INTERFACE_LOAD, LOAD, PORT_LOAD, lagged
 from .mid_step import StepMean, between, extrapolated
 from .scheme import STOPPED
 
@@ -23,16 +23,18 @@ class PortLoads:
 
     The load on a base is what its ports bring: its own inertia and weight are no part of it. Forces and torques are in
     the axes of the base; torques of a port are about its origin, the sum's about the point that the arms, (ports, 3) in
-    the axes of the base, start from.
+    the axes of the base, start from. What moves by a law and is not the spacecraft (`is_base`) tells reactions.
     """
 
-    def __init__(self, names: Sequence[str], arms: Vector) -> None:
+    def __init__(self, names: Sequence[str], arms: Vector, is_base: bool = True) -> None:
         self._arms = arms
         self._numbers = WRENCH_SIZE * len(names)
         self.size = _SIZES + 4 * self._numbers
-        told = [*_load("", INTERFACE_LOAD, "on the base, its axes", "its reference point")]
+        word, whole, part = ("interface", INTERFACE_LOAD, PORT_LOAD) if is_base else ("reaction", LOAD, "")
+        told = [*_load(word, whole, "on the base, its axes", "its reference point")]
         for name in names:
-            told += _load(f"{name}.", PORT_LOAD, f"on the base at port {name}, axes of the base", "the port")
+            where = f"on the base at port {name}, axes of the base"
+            told += _load(f"{name}.{word}", part, where, "the port")
         self.observations = [*told, *map(lagged, told)]
         sizes = kept("s", "Sizes of the last two steps; 0: none, below 0: an impulse")
         loads = kept("N", "Means and slopes of the ports' wrenches over the last step and the one before")
@@ -78,10 +80,10 @@ class PortLoads:
         return np.concatenate((force.sum(0), moment, table.ravel()))
 
 
-def _load(prefix: str, role: str, where: str, about: str) -> list[Quantity]:
-    """Force and torque of one port, or of all where there is no prefix."""
+def _load(name: str, role: str, where: str, about: str) -> list[Quantity]:
+    """Force and torque of one port or of all."""
     found = (
-        observed("N", f"Force {where}", role).called(f"{prefix}interface_force", 3),
-        observed("N.m", f"Torque {where}, about {about}", role).called(f"{prefix}interface_torque", 3),
+        observed("N", f"Force {where}", role).called(f"{name}_force", 3),
+        observed("N.m", f"Torque {where}, about {about}", role).called(f"{name}_torque", 3),
     )
     return [replace(quantity, resized=True) for quantity in found]

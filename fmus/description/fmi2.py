@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Literal, NamedTuple
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
+from lxml.etree import Element, SubElement, _Element, indent, tostring
 from pythonfmu.fmi2slave import Fmi2Slave
 
 from components import Component, ComponentError
@@ -73,10 +73,11 @@ def header(component: Component, name: str, generated: datetime, backend: Backen
     }
 
 
-def xml_bytes(root: Element) -> bytes:
+def xml_bytes(root: _Element) -> bytes:
     """An XML file with this root element."""
     indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, "unicode").encode() + b"\n"
+    text: str = tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()
 
 
 def model_description(
@@ -120,13 +121,13 @@ def model_description(
     return xml_bytes(root)
 
 
-def _add_log_categories(root: Element) -> None:
+def _add_log_categories(root: _Element) -> None:
     categories = SubElement(root, "LogCategories")
     for category, text in Fmi2Slave.log_categories.items():
         SubElement(categories, "Category", {"name": category, "description": text})
 
 
-def _add_annotations(root: Element, component: Component, backend: Backend) -> None:
+def _add_annotations(root: _Element, component: Component, backend: Backend) -> None:
     """What a master may rely on, in words that the standard has no attribute for."""
     said = []
     if backend == "native":
@@ -144,7 +145,7 @@ def _add_annotations(root: Element, component: Component, backend: Backend) -> N
             SubElement(coupling, element, attributes)
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
+def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
     parent = SubElement(root, "ModelVariables")
     for variable in variables:
         attributes, real = variable.attributes(), variable.unit_and_range()
@@ -155,7 +156,7 @@ def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequenc
         SubElement(SubElement(parent, "ScalarVariable", attributes), "Real", real)
 
 
-def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
+def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:
     """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]

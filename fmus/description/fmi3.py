@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from datetime import datetime
-from xml.etree.ElementTree import Element, SubElement
+
+from lxml.etree import Element, SubElement, _Element
 
 from components import Component, Port, port_layout
 
@@ -76,7 +77,7 @@ def _event_capabilities(component: Component, variables: Iterable[Variable]) -> 
     return {"hasEventMode": "true", **({"mightReturnEarlyFromDoStep": "true"} if foresees else {})}
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
+def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:
     parent = SubElement(root, "ModelVariables")
     end = 0
     for variable in variables:
@@ -94,7 +95,7 @@ def _add_variables(root: Element, variables: Sequence[Variable], starts: Sequenc
     SubElement(parent, "Float64", {**time, "causality": "independent", "variability": "continuous"})
 
 
-def _add_structure(root: Element, component: Component, variables: Sequence[Variable]) -> None:
+def _add_structure(root: _Element, component: Component, variables: Sequence[Variable]) -> None:
     """In initialization mode everything calculated depends on all that is known, which no list of dependencies says."""
     structure = SubElement(root, "ModelStructure")
     calculated = [v for v in variables if v.causality == "output"]
@@ -123,7 +124,7 @@ def terminals(component: Component) -> bytes:
     return xml_bytes(root)
 
 
-def _add_terminal(parent: Element, port: Port) -> None:
+def _add_terminal(parent: _Element, port: Port) -> None:
     terminal = SubElement(
         parent,
         "Terminal",

@@ -7,7 +7,8 @@ what the parameters and inputs of initialization mode make of it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from xml.etree.ElementTree import Element, SubElement
+
+from lxml.etree import Element, SubElement, _Element
 
 from components import Component, ContinuousStates
 
@@ -28,7 +29,7 @@ def state_units(component: Component) -> Iterator[str]:
         yield from component.continuous.rate_units
 
 
-def add_model_exchange(root: Element, component: Component, name: str) -> None:
+def add_model_exchange(root: _Element, component: Component, name: str) -> None:
     """Make a complete description for co-simulation one for model exchange too, where the component has that."""
     states = component.continuous
     if states is None:
@@ -44,7 +45,7 @@ def add_model_exchange(root: Element, component: Component, name: str) -> None:
     _add_structure(structure, component, states, first)
 
 
-def _add_variables(parent: Element, states: ContinuousStates, first: int) -> None:
+def _add_variables(parent: _Element, states: ContinuousStates, first: int) -> None:
     """States, then rates, as local variables from the index `first` on."""
     declared = [
         (quantity, unit, name)
@@ -61,7 +62,7 @@ def _add_variables(parent: Element, states: ContinuousStates, first: int) -> Non
         _add_local(parent, f"der({name})", first + len(declared) + i, f"Rate of {name}", real)
 
 
-def _add_local(parent: Element, name: str, index: int, description: str, real: dict[str, str]) -> None:
+def _add_local(parent: _Element, name: str, index: int, description: str, real: dict[str, str]) -> None:
     attributes = {
         "name": name,
         "valueReference": str(index - 1),
@@ -73,7 +74,7 @@ def _add_local(parent: Element, name: str, index: int, description: str, real: d
     SubElement(SubElement(parent, "ScalarVariable", attributes), "Real", real)
 
 
-def _add_structure(structure: Element, component: Component, states: ContinuousStates, first: int) -> None:
+def _add_structure(structure: _Element, component: Component, states: ContinuousStates, first: int) -> None:
     """Rates and ports depend on all states but the quadratures; observations may depend on any."""
     parameters, inputs, outputs, _ = (layout.size for layout in component.layouts)
     n = len(states.places)

@@ -6,7 +6,8 @@ import math
 import re
 from collections.abc import Iterable
 from functools import cache
-from xml.etree.ElementTree import Element, SubElement
+
+from lxml.etree import SubElement, _Element
 
 from components import ComponentError
 
@@ -35,7 +36,7 @@ _FACTOR = re.compile(r"([A-Za-z]+|1)(-?\d+)?")
 _ROOT = re.compile(r"\(\d+/\d+\)(?=[./]|$)")
 
 
-def add_units(root: Element, units: Iterable[str]) -> None:
+def add_units(root: _Element, units: Iterable[str]) -> None:
     """Add the definition of every unit."""
     definitions = SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(units):

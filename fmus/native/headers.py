@@ -109,14 +109,14 @@ def _resized(component: Component) -> Iterator[str]:
     for prefix, end, layout in groups:
         resized = [q for q in layout.quantities if q.resized]
         lagged = [q for q in resized if q.name.endswith(LAGGED) and not component.ports_vary]
-        for place, quantity in enumerate(lagged or resized[:1]):
-            yield (
-                f"#define {prefix}_{_name(quantity)} ({end} + {place})"
-                if place
-                else (f"#define {prefix}_{_name(quantity)} {end}")
-            )
+        place = 0
+        for quantity in lagged or resized[:1]:
+            where = f"({end} + {place})" if place else end
+            yield f"#define {prefix}_{_name(quantity)} {where}"
+            place += quantity.size
     if not component.ports_vary:
-        yield f"#define LAGGED_LOADS {sum(q.resized for q in component.observation_layout.quantities)}"
+        lagged = [q for q in component.observation_layout.quantities if q.resized]
+        yield f"#define LAGGED_LOADS {sum(q.size for q in lagged)}"
 
 
 def _name(quantity: Quantity) -> str:

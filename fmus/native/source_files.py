@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from xml.etree.ElementTree import Element, SubElement
+from lxml.etree import Element, SubElement
 
 from ..description.fmi2 import FmiVersion, xml_bytes
 from . import sources

@@ -17,7 +17,8 @@ static int find_kernel(Instance *instance, Reason *why) {
         return refuse(why, "this binary knows no component %.100s", kind ? kind : "without a kind");
     const char *layout = data_text(&instance->data, "layout");
     if (instance->kernel->layout && (!layout || strcmp(layout, instance->kernel->layout) != 0))
-        return refuse(why, "the data are of another version of %s than this binary; export the FMU anew", kind);
+        return refuse(why, "the data are of another version of %s than this binary; install Fanfold again (pip install), "
+                           "or export the FMU anew", kind);
     return 1;
 }
 

@@ -2,15 +2,16 @@
    components/fixed_base.py */
 
 #include "fixed_base_layout.h"
+#include "base_ports.h"
 #include "frames.h"
 #include "kernel.h"
 #include "port_loads.h"
 
 typedef struct {
     size_t ports;
-    double *positions; /* 3 a port, world axes */
-    double *arms;      /* the same from the reference point */
-    double *orientations; /* 4 a port */
+    const double *positions;    /* 3 a port, world axes */
+    const double *arms;         /* the same from the reference point */
+    const double *orientations; /* 4 a port */
 } FixedBase;
 
 static inline const real *own_inputs(const FixedBase *base, const real *u) { return u + WRENCH_SIZE * base->ports; }
@@ -43,8 +44,6 @@ int NAME(fixed_base_rates)(void *self, const real *raw, const real *x, const rea
 
 #ifndef FANFOLD_COMPLEX
 
-#define MOST_PORTS 1024
-
 int fixed_base_rates_complex(void *self, const double complex *raw, const double complex *x, const double complex *u,
                              double complex *rates, Reason *why);
 
@@ -52,33 +51,10 @@ int fixed_base_step_complex(void *self, const double *x, const double complex *u
                             double complex *x_next, Reason *why);
 void fixed_base_outputs_complex(void *self, const double complex *x, const double complex *u, double complex *y);
 
-/* A copy of an array of the data whose numbers must be finite; NULL and a sentence otherwise. */
-static double *copied(const Data *data, const char *name, size_t count, Memory *memory, Reason *why) {
-    const double *given = data_array(data, name, count, why);
-    if (!given) return NULL;
-    double *copy = allocate(memory, (count + 1) * sizeof(double));
-    if (!copy) refuse(why, "no memory for a base's %s", name);
-    for (size_t i = 0; copy && i < count; i++) {
-        if (!isfinite(given[i])) {
-            refuse(why, "the base's data have a port with %s that are not finite", name);
-            return NULL;
-        }
-        copy[i] = given[i];
-    }
-    return copy;
-}
-
 static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason *why) {
-    size_t count = 0;
-    if (!data_any(data, "positions", &count, why)) return 0;
-    if (count % 3 != 0 || count / 3 > MOST_PORTS)
-        return refuse(why, "the base's data have %lu numbers for positions; it takes 3 a port, %d ports at most",
-                      (unsigned long)count, MOST_PORTS);
-    base->ports = count / 3;
-    base->positions = copied(data, "positions", count, memory, why);
-    base->arms = base->positions ? copied(data, "arms", count, memory, why) : NULL;
-    base->orientations = base->arms ? copied(data, "orientations", 4 * base->ports, memory, why) : NULL;
-    return base->orientations != NULL;
+    if (!read_base_ports(data, memory, &base->ports, &base->arms, &base->orientations, why)) return 0;
+    base->positions = read_table_part(data, memory, "base", "positions", 3 * base->ports, why);
+    return base->positions != NULL;
 }
 
 static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {

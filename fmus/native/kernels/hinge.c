@@ -33,12 +33,24 @@ static void correct(const double *x, Held *held) {
     held->latch = load_with_slopes_now(x + load_place(LATCH_LOAD), held->latch, x[memory_place(HINGE_ANGLE) + ROUGHNESS]);
 }
 
-/* Latch torque, axial and radial force at the communication point before the last step. */
-static void store_lagged_loads(const double *x, double *z) {
-    double y = mid_step_slope_before(x + load_place(1)), across = mid_step_slope_before(x + load_place(2));
-    z[Z_LATCH_TORQUE_LAGGED] = mid_step_slope_before(x + load_place(LATCH_LOAD));
-    z[Z_AXIAL_FORCE_LAGGED] = mid_step_slope_before(x + load_place(0));
-    z[Z_RADIAL_FORCE_LAGGED] = sqrt(y * y + across * across);
+/* A vector of hinge axes in the axes of the inboard port. */
+static void store_on_port(const Hinge *hinge, Vector3 v, double *z) {
+    const double *q = hinge->axis_frame;
+    vector_store(quaternion_rotate((Quaternion){q[0], q[1], q[2], q[3]}, v), z);
+}
+
+/* Latch torque, axial and radial force, and the vectors, at the communication point before the last step. How the swing
+   changed in the step is nothing beside 1. */
+static void store_lagged_loads(const Hinge *hinge, const double *x, double *z) {
+    double before[LOAD_COUNT];
+    for (int i = 0; i < LOAD_COUNT; i++) before[i] = mid_step_slope_before(x + load_place(i));
+    double twist = before[HINGE_ANGLE] + before[LATCH_LOAD] + before[DRIVING_LOAD];
+    Transverse swing = {x[X_COORDINATES + 4], x[X_COORDINATES + 5]};
+    store_on_port(hinge, (Vector3){before[0], before[1], before[2]}, z + Z_HINGE_FORCE_LAGGED);
+    store_on_port(hinge, conjugate_torque(twist, (Transverse){before[4], before[5]}, swing), z + Z_HINGE_TORQUE_LAGGED);
+    z[Z_LATCH_TORQUE_LAGGED] = before[LATCH_LOAD];
+    z[Z_AXIAL_FORCE_LAGGED] = before[0];
+    z[Z_RADIAL_FORCE_LAGGED] = sqrt(before[1] * before[1] + before[2] * before[2]);
 }
 
 /* Energy that the motorisation spring gave from the stowed angle to another. */
@@ -51,7 +63,7 @@ static void observe_failed(const Hinge *hinge, const double *x, double *z) {
     double failing[STATES];
     memcpy(failing, x, sizeof failing);
     store_failure(hinge, x, x + X_COORDINATES, failing);
-    for (int i = Z_MOTOR_TORQUE; i <= Z_BENDING_MOMENT; i++) z[i] = 0.0;
+    for (int i = Z_MOTOR_TORQUE; i < Z_MOTOR_ENERGY; i++) z[i] = 0.0;
     z[Z_MOTOR_ENERGY] = motor_energy(hinge, failing[X_FAILURE_ANGLE]);
     z[Z_FAILURE_ENERGY] = failing[X_FAILURE_HEAT];
     z[Z_POTENTIAL_ENERGY] = driving_energy(hinge, failing[X_FAILURE_ANGLE]);
@@ -77,7 +89,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_ANGULAR_RATE] = rate;
     for (int i = 0; i < HEAT_CAUSES; i++) z[Z_FRICTION_ENERGY + i] = x[X_FRICTION_HEAT + i];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
-    if (!hinge->base.endpoint) store_lagged_loads(x, z);
+    if (!hinge->base.endpoint) store_lagged_loads(hinge, x, z);
     if (grip.failed) {
         observe_failed(hinge, x, z);
         return;
@@ -93,6 +105,8 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_AXIAL_FORCE] = loads.force.x;
     z[Z_RADIAL_FORCE] = sqrt(loads.force.y * loads.force.y + loads.force.z * loads.force.z);
     z[Z_BENDING_MOMENT] = sqrt(loads.torque.y * loads.torque.y + loads.torque.z * loads.torque.z);
+    store_on_port(hinge, loads.force, z + Z_HINGE_FORCE);
+    store_on_port(hinge, loads.torque, z + Z_HINGE_TORQUE);
     z[Z_MOTOR_ENERGY] = motor_energy(hinge, angle);
     z[Z_FAILURE_ENERGY] = 0.0;
     z[Z_POTENTIAL_ENERGY] = stored_energy(hinge, &grip, now.coordinates);

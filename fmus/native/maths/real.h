@@ -14,6 +14,13 @@
 
 #define FANFOLD_INFINITESIMAL 1e-100
 
+/* Into loops that are compiled for several processors, which would call the one for the plainest otherwise. */
+#ifdef __GNUC__
+#define FANFOLD_INLINED static inline __attribute__((always_inline))
+#else
+#define FANFOLD_INLINED static inline
+#endif
+
 /* A complex number of two parts; C99 has no such macro, and a sum with I times b is slow and not exact. */
 static inline double complex complex_of(double a, double b) {
     double parts[2] = {a, b};

@@ -78,7 +78,7 @@ static int allocate_factors(Factors *factors, size_t nodes, Memory *memory) {
     factors->nodes = allocate(memory, BLOCK * nodes * sizeof(double));
     factors->next = allocate(memory, BLOCK * nodes * sizeof(double));
     factors->back = allocate(memory, BLOCK * nodes * sizeof(double));
-    factors->pivots = allocate(memory, NODE * nodes);
+    factors->pivots = allocate(memory, NODE * nodes * sizeof *factors->pivots);
     return factors->nodes && factors->next && factors->back && factors->pivots;
 }
 

@@ -146,39 +146,57 @@ static inline void change_of(const double a[9], const double b[9], const double 
     }
 }
 
-/* Derivatives (6, 6) of the same, and of a viscous part, by (s, k) at the end of the step: one column after the other by
-   the rule of products. damping: of the stiffness, over the size of the step. */
-static inline void stiffness_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double damping,
+/* Derivatives (6, 6) of the same, and of a viscous part, by (s, k) at the end of the step: all six columns at once by the
+   rule of products. damping: of the stiffness, over the size of the step. */
+FANFOLD_INLINED void stiffness_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double damping,
                                 double matrix[36]) {
     const Differences f = differences_of(start, end);
     const Means a = means_of(beam, m, start, end);
-    const double q = a.square, *C = beam->stiffness;
-    for (int column = 0; column < 6; column++) {
-        double unit[6] = {0.0}, force[3], moment[3];
-        unit[column] = 1.0;
-        const double *s = unit, *k = unit + 3;
-        const double y = 2.0 * q * dot3(end->k, k), g = dot3(end->k, s) + dot3(end->s, k);
-        const double w = end->d * g + end->g * f.slope_d * y, c = 0.5 * f.slope_c * y, d = 0.5 * f.slope_d * y;
-        for (int i = 0; i < 3; i++) {
-            force[i] = end->c * s[i] + end->s[i] * f.slope_c * y - q * (end->d * end->g * k[i] + end->k[i] * w);
-            moment[i] = end->c * k[i] + end->k[i] * f.slope_c * y;
-            force[i] *= 0.5 * C[i];
-            moment[i] *= 0.5 * C[3 + i];
+    const double q = a.square, *C = beam->stiffness, *s = end->s, *k = end->k;
+    /* derivatives of y, g = k.s, d g, of means of c and d; of resultants, and of their products with means */
+    const double y[6] = {0.0, 0.0, 0.0, 2.0 * q * k[0], 2.0 * q * k[1], 2.0 * q * k[2]};
+    const double g[6] = {k[0], k[1], k[2], s[0], s[1], s[2]};
+    double w[6], c[6], d[6], force[3][6], moment[3][6], along[6], work[6], bends[6];
+    for (int j = 0; j < 6; j++) {
+        w[j] = end->d * g[j] + end->g * f.slope_d * y[j];
+        c[j] = 0.5 * f.slope_c * y[j];
+        d[j] = 0.5 * f.slope_d * y[j];
+    }
+    for (int i = 0; i < 3; i++) {
+        const double stretch = 0.5 * C[i], bend = 0.5 * C[3 + i];
+        for (int j = 0; j < 6; j++) {
+            force[i][j] = stretch * (s[i] * f.slope_c * y[j] - q * k[i] * w[j]);
+            moment[i][j] = bend * k[i] * f.slope_c * y[j];
         }
-        const double along = 0.5 * dot3(k, a.force) + dot3(a.k, force);
-        const double work = 0.5 * (dot3(s, a.force) + dot3(k, a.moment)) + dot3(a.s, force) + dot3(a.k, moment);
-        const double bent = 2.0 * q * (f.c * a.work - q * a.g * f.d * a.along);
-        const double bends = 2.0 * q * (f.c_by_end * y * a.work + f.c * work -
-                                        q * ((0.5 * g * f.d + a.g * f.d_by_end * y) * a.along + a.g * f.d * along));
-        for (int i = 0; i < 3; i++) {
-            matrix[6 * i + column] = c * a.force[i] + a.c * force[i] -
-                                     q * (d * a.along * a.k[i] + a.d * (along * a.k[i] + 0.5 * a.along * k[i]));
-            matrix[6 * (3 + i) + column] =
-                c * a.moment[i] + a.c * moment[i] + bends * a.k[i] + 0.5 * bent * k[i] -
-                q * (0.5 * w * a.force[i] + a.w * force[i] + d * a.along * a.s[i] +
-                     a.d * (along * a.s[i] + 0.5 * a.along * s[i]));
+        force[i][i] += stretch * end->c;
+        force[i][3 + i] -= stretch * q * end->d * end->g;
+        moment[i][3 + i] += bend * end->c;
+    }
+    for (int j = 0; j < 6; j++) {
+        along[j] = a.k[0] * force[0][j] + a.k[1] * force[1][j] + a.k[2] * force[2][j];
+        work[j] = a.s[0] * force[0][j] + a.s[1] * force[1][j] + a.s[2] * force[2][j] + a.k[0] * moment[0][j] +
+                  a.k[1] * moment[1][j] + a.k[2] * moment[2][j];
+    }
+    for (int i = 0; i < 3; i++) {
+        along[3 + i] += 0.5 * a.force[i];
+        work[i] += 0.5 * a.force[i];
+        work[3 + i] += 0.5 * a.moment[i];
+    }
+    const double bent = 2.0 * q * (f.c * a.work - q * a.g * f.d * a.along);
+    for (int j = 0; j < 6; j++)
+        bends[j] = 2.0 * q * (f.c_by_end * y[j] * a.work + f.c * work[j] -
+                              q * ((0.5 * g[j] * f.d + a.g * f.d_by_end * y[j]) * a.along + a.g * f.d * along[j]));
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 6; j++) {
+            const double turned = d[j] * a.along + a.d * along[j];
+            matrix[6 * i + j] = c[j] * a.force[i] + a.c * force[i][j] - q * turned * a.k[i];
+            matrix[6 * (3 + i) + j] = c[j] * a.moment[i] + a.c * moment[i][j] + bends[j] * a.k[i] -
+                                      q * (0.5 * w[j] * a.force[i] + a.w * force[i][j] + turned * a.s[i]);
         }
-        matrix[7 * column] += damping * C[column];
+        matrix[6 * i + 3 + i] -= 0.5 * q * a.d * a.along;
+        matrix[6 * (3 + i) + 3 + i] += 0.5 * bent + damping * C[3 + i];
+        matrix[6 * (3 + i) + i] -= 0.5 * q * a.d * a.along;
+        matrix[7 * i] += damping * C[i];
     }
 }
 
@@ -219,7 +237,7 @@ static inline void add_loads(const double a[9], const double b[9], const double 
 }
 
 /* Rates of (s, k) by the coordinates of an element, (6, COORDINATES). */
-static inline void motions_of(const double a[9], const double b[9], const double span[3], double length,
+FANFOLD_INLINED void motions_of(const double a[9], const double b[9], const double span[3], double length,
                               double motion[6 * COORDINATES]) {
     const double half = 0.5 / length;
     double first[3][3], second[3][3];
@@ -267,7 +285,7 @@ static inline void add_turned(double *k, int row, int column, double factor, con
 }
 
 /* Adds, to minus the derivative (9, 9) of the loads by the coordinates at the end, the part of fixed stress. */
-static inline void add_geometric(const double a[9], const double b[9], const double span[3], const double a_end[9],
+FANFOLD_INLINED void add_geometric(const double a[9], const double b[9], const double span[3], const double a_end[9],
                                  const double b_end[9], const double stress[6], double *k) {
     const double *now[2] = {a, b}, *later[2] = {a_end, b_end};
     double v[3], w[3], m[9];
@@ -290,19 +308,33 @@ static inline void add_geometric(const double a[9], const double b[9], const dou
     add_turned(k, 6, 6, 0.25, m, 1);
 }
 
-/* k = factor b^T g e + k of the rates b, e (6, 9) and derivatives g (6, 6). */
-static inline void add_material(const double *b, const double *g, const double *e, double factor, double *k) {
+/* k = factor b^T g e + k of the rates b, e (6, 9) and derivatives g (6, 6). k of an element does not change with its
+   span, and with rotations of both nodes by their difference alone: these rows have three numbers, then their negatives. */
+FANFOLD_INLINED void add_material(const double *b, const double *g, const double *e, double factor, double *k) {
     double ge[6 * COORDINATES];
-    for (int i = 0; i < 6; i++)
-        for (int j = 0; j < COORDINATES; j++) {
-            double sum = 0.0;
-            for (int t = 0; t < 6; t++) sum += g[6 * i + t] * e[COORDINATES * t + j];
-            ge[COORDINATES * i + j] = factor * sum;
+    for (int i = 0; i < 6; i++) {
+        double *row = ge + COORDINATES * i;
+        const double *by = g + 6 * i;
+        for (int j = 0; j < COORDINATES; j++)
+            row[j] = factor * (by[0] * e[j] + by[1] * e[COORDINATES + j] + by[2] * e[2 * COORDINATES + j]);
+        for (int j = 3; j < 6; j++) {
+            const double turned = factor * (by[3] * e[3 * COORDINATES + j] + by[4] * e[4 * COORDINATES + j] +
+                                            by[5] * e[5 * COORDINATES + j]);
+            row[j] += turned;
+            row[3 + j] -= turned;
         }
-    for (int i = 0; i < 6; i++)
-        for (int r = 0; r < COORDINATES; r++) {
-            const double own = b[COORDINATES * i + r];
-            for (int j = 0; j < COORDINATES; j++) k[COORDINATES * r + j] += own * ge[COORDINATES * i + j];
+    }
+    for (int r = 0; r < COORDINATES; r++)
+        for (int j = 0; j < COORDINATES; j++)
+            k[COORDINATES * r + j] += b[r] * ge[j] + b[COORDINATES + r] * ge[COORDINATES + j] +
+                                      b[2 * COORDINATES + r] * ge[2 * COORDINATES + j];
+    for (int r = 3; r < 6; r++)
+        for (int j = 0; j < COORDINATES; j++) {
+            const double turned = b[3 * COORDINATES + r] * ge[3 * COORDINATES + j] +
+                                  b[4 * COORDINATES + r] * ge[4 * COORDINATES + j] +
+                                  b[5 * COORDINATES + r] * ge[5 * COORDINATES + j];
+            k[COORDINATES * r + j] += turned;
+            k[COORDINATES * (3 + r) + j] -= turned;
         }
 }
 

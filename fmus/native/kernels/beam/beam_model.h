@@ -32,7 +32,7 @@ typedef struct {
 /* Factors of a chain of blocks: of the nodes, triangular with pivots, and what couples a node to the next and back. */
 typedef struct {
     double *nodes, *next, *back;
-    unsigned char *pivots;
+    unsigned short *pivots;
 } Factors;
 
 /* What a step started from and how its iteration ended; `known` while a step of the same start has the same. */

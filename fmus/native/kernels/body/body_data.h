@@ -41,6 +41,12 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
     if (!is_base) return 0;
     body->is_base = is_base[0] != 0.0;
     if (body->is_base && modes) return refuse(why, "is_base is for rigid bodies; this one has %lu modes", (unsigned long)modes);
+    const double *second_order = finite_array(data, "second_order_modes", 1, why);
+    if (!second_order) return 0;
+    if (!(second_order[0] >= 0.0 && second_order[0] <= (double)modes))
+        return refuse(why, "the body's data have %g modes of second order; it has %lu modes", second_order[0],
+                      (unsigned long)modes);
+    body->second_order = (size_t)second_order[0];
     body->ports = arms / 3;
     body->modes = modes;
     body->padded_modes = padded(modes);
@@ -63,7 +69,8 @@ static int remembered_allocate(Remembered *remembered, size_t modes, size_t size
 
 /* Working memory that is too large for the stack; 0 without memory. */
 static int allocate_work(Body *body, Memory *memory) {
-    size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates);
+    size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates) +
+                     PAIRS_SIZE(padded(body->second_order), body->padded_modes, body->coordinates);
     if (numbers <= LOCAL_WORK_SIZE) return 1;
     body->work = allocate(memory, numbers * sizeof(double));
     body->work_complex = allocate(memory, numbers * sizeof(double complex));
@@ -79,9 +86,11 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->origin_arms = allocate(memory, (l + 1) * sizeof(double));
     body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
     body->shapes = allocate(memory, 2 * l * mode);
+    body->second_place = allocate(memory, (n + 1) * sizeof *body->second_place);
+    body->pairs = allocate(memory, (2 * l * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
     body->coupling.slope = allocate(memory, 6 * mode);
     if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms ||
-        !body->port_orientation || !body->shapes ||
+        !body->port_orientation || !body->shapes || !body->second_place || !body->pairs ||
         !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
         !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||
@@ -125,11 +134,26 @@ static int read_shapes(Body *body, const Data *data, const char *name, size_t fi
     return 1;
 }
 
+/* Displacements and turns of the ports (ports, 6, modes of second order twice), those of a pair together. */
+static int read_second_order(Body *body, const Data *data, Reason *why) {
+    size_t count = body->second_order, rows = padded(count), l = body->coordinates;
+    const double *values = finite_array(data, "second_order", 6 * body->ports * count * count, why);
+    if (!values) return 0;
+    for (size_t j = 0; j < body->modes; j++)
+        if (body->order[j] < count) body->second_place[body->order[j]] = (unsigned short)j;
+    for (size_t i = 0; i < 6 * body->ports * count; i++) {
+        size_t port = i / (6 * count), axis = i / count % 6, s = i % count;
+        size_t place = (axis < 3 ? 0 : l) + 3 * port + axis % 3;
+        for (size_t t = 0; t < count; t++) body->pairs[(t * rows + s) * 2 * l + place] = values[i * count + t];
+    }
+    return 1;
+}
+
 static int read_ports(Body *body, const Data *data, Reason *why) {
     return copy_array(data, "arms", 3 * body->ports, body->arms, why) &&
            copy_array(data, "port_orientation", 4 * body->ports, body->port_orientation, why) &&
            read_shapes(body, data, "translation", 0, why) &&
-           read_shapes(body, data, "rotation", body->coordinates, why);
+           read_shapes(body, data, "rotation", body->coordinates, why) && read_second_order(body, data, why);
 }
 
 static int read_level(Body *body, const Data *data, Reason *why) {

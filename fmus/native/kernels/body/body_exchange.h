@@ -39,6 +39,7 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     evaluate_coupling(body, work->eta_mean, &work->mid, inertia);
     if (body->coupling.full) modal_rate(n, omega, work->mid.b, work->pi, work->rate_mean);
     deformed_arms(body, work->eta_mean, work);
+    if (body->second_order) hold_pairs(body, work);
     coupled_forces(body, omega, omega, (Vector3){0.0, 0.0, 0.0}, work);
     modal_force(body, load, a, a, work->deflection + l, work);
     for (size_t j = 0; j < m; j++) {

@@ -29,6 +29,9 @@ typedef struct {
     double *arms;             /* 3 a port */
     double *port_orientation; /* 4 a port */
     double *shapes;           /* modes rows of 2 coordinates: translations, then rotations */
+    size_t second_order;      /* modes whose pairs displace the ports, 0 without */
+    double *pairs;            /* by every two of them, padded, 2 coordinates */
+    unsigned short *second_place; /* where they are among the modes here */
     unsigned short *order;    /* mode j here is mode order[j] of the state and of the data */
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double *start_modal; /* in the order of the state */
@@ -55,12 +58,16 @@ typedef struct {
     real *arms_end;         /* coordinates: at its end, world axes */
     CouplingScratch coupling; /* at given modal coordinates, in a step at those of its end; without b_rate */
     CouplingScratch mid;      /* at the mean ones of a step */
+    real *pairs;              /* what `pairs_of` divides */
 } Work;
 
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
 #define WORK_SPLIT(modes, coordinates) (7 * (modes) + 4 * (coordinates))
 /* what `work_of` takes */
 #define WORK_SIZE(modes, coordinates) (33 * (modes) + 13 * (coordinates) + WORK_SPLIT(modes, coordinates))
+/* what `pairs_of` takes besides, for so many modes of second order, padded */
+#define PAIRS_SIZE(rows, modes, coordinates) \
+    ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 5 * (rows) + (modes) : 0)
 
 /* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
    large bodies, of 50 modes and more, is their own. */
@@ -115,6 +122,7 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.mid.b = taken(&next, 3 * n);
     work.mid.b_rate = taken(&next, 3 * n);
     work.coupling.split = work.mid.split = (double *)next;
+    work.pairs = next + WORK_SPLIT(n, l);
     return work;
 }
 

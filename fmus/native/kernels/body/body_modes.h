@@ -4,12 +4,13 @@
 #ifndef FANFOLD_BODY_MODES_H
 #define FANFOLD_BODY_MODES_H
 
-#include "body_model.h"
+#include "body_second_order.h"
 
 /* Arms of the ports of the body deformed by eta. */
 static inline void deformed_arms(const Body *body, const real *eta, const Work *work) {
     size_t l = body->coordinates;
     rows_combined(body->shapes, body->padded_modes, 2 * l, eta, work->deflection, work->coupling.split);
+    if (body->second_order) deflect_to_second_order(body, eta, work, work->deflection);
     for (size_t i = 0; i < 3 * body->ports; i++) work->arms[i] = body->arms[i] + work->deflection[i];
 }
 
@@ -41,6 +42,10 @@ static inline void modal_force(const Body *body, const Load *load, const real a_
     }
     for (size_t i = 3 * body->ports; i < l; i++) work->wrenches[i] = work->wrenches[l + i] = 0.0;
     rows_projected(body->shapes, body->padded_modes, 2 * l, work->wrenches, work->port_force, work->coupling.split);
+    if (body->second_order) {
+        const Pairs pairs = pairs_of(body, work);
+        pairs_projected(body, &pairs, pairs.mid, work->wrenches, work->port_force);
+    }
 }
 
 /* Means and slopes of the generalised forces over a step, at the turns of its middle. A changing wrench on a shape that
@@ -70,6 +75,11 @@ static inline void modal_forces(const Body *body, const Load *load, const real a
         wrenches[i] = wrenches[l + i] = slopes[i] = slopes[l + i] = 0.0;
     rows_projected_twice(body->shapes, body->padded_modes, 2 * l, wrenches, slopes, work->port_force, work->slope,
                          work->coupling.split);
+    if (body->second_order) {
+        const Pairs pairs = pairs_of(body, work);
+        pairs_projected(body, &pairs, pairs.mid, wrenches, work->port_force);
+        pairs_projected(body, &pairs, pairs.mid, slopes, work->slope);
+    }
 }
 
 static inline int recalled(const Remembered *remembered, const real *eta, size_t modes) {

@@ -20,6 +20,11 @@ static inline void deform_ports(Body *body, const real *x, Vector3 omega, const 
     }
     rows_combined_twice(body->shapes, n, 2 * l, work->eta, rate, work->deflection, work->rates,
                         work->coupling.split);
+    if (body->second_order) {
+        const Pairs pairs = pairs_of(body, work);
+        deflect_to_second_order(body, work->eta, work, work->deflection);
+        pairs_combined(body, &pairs, pairs.end, rate, 1.0, work->rates);
+    }
 }
 
 void NAME(body_outputs)(void *self, const real *x, const real *u, real *y);

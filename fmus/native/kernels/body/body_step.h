@@ -37,7 +37,12 @@ static inline int slopes_converged(const real *last, const real *next, size_t co
     return change <= SLOPE_TOLERANCE * largest;
 }
 
+/* Derivatives are those of a step that has been made. */
+#define REFUSING 0
+
 #else
+
+#define REFUSING 1
 
 static inline int slopes_converged(const real *last, const real *next, size_t count) {
     (void)last, (void)next, (void)count;
@@ -100,14 +105,25 @@ static inline Vector3 bend_of(const Body *body, Vector3 moment_slope, double h, 
     return vector_scaled(h / 6.0, turning);
 }
 
-/* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. */
-static inline void turn_flexible(Body *body, const double *x, const Load *load, double h, Axes *axes,
+/* The modes over a step whose forces depend on where they end, by Newton's iteration. */
+static inline void propagate_corrected(const Body *body, const Propagator *prop, int sloped, const Work *work) {
+    const size_t n = body->padded_modes;
+    for (size_t j = 0; j < n; j++) work->port_force[j] = 0.0;
+    correct_forces(body, prop->b1, sloped ? prop->c1 : NULL, 0.5, work, work->port_force, work->slope);
+    propagate(prop, n, work);
+    if (sloped) propagate_slopes(prop, n, work);
+}
+
+/* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. Whether it has found
+   an end where forces depend on it. */
+static inline int turn_flexible(Body *body, const double *x, const Load *load, double h, Axes *axes,
                                  const Work *work, Turned *turned) {
     size_t n = body->padded_modes, l = body->coordinates;
     const Propagator *prop = oscillators_propagator(&body->oscillators, h);
     const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     real *turns = work->rates;
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
+    int done = 0;
     start_modes(body, x, work, turned->inertia_end);
     deformed_arms(body, work->eta_start, work);
     memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
@@ -115,29 +131,36 @@ static inline void turn_flexible(Body *body, const double *x, const Load *load, 
     turned->omega = turned->end = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     Course moment = moment_over(load, &turned->moments_start, &turned->moments_start);
-    for (int i = 0, done = 0; i < MAX_ITERATIONS && !done; i++) {
+    if (body->second_order) hold_pairs(body, work);
+    for (int i = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         couple_mean(body, work, turned->inertia);
         modal_forces(body, load, axes->start, axes->mid, axes->end, turns, work);
+        if (body->second_order) memcpy(pairs_of(body, work).last, work->eta, n * sizeof(real));
         if (load->sloped) bend = bend_of(body, moment.slope, h, axes->mid, turned->inertia, work);
         coupled_forces(body, start, turned->end, bend, work);
         propagate(prop, n, work);
         if (load->sloped) propagate_slopes(prop, n, work);
+        if (body->second_order) propagate_corrected(body, prop, load->sloped, work);
         evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
         for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
+        if (body->second_order) average_pairs(body, work, turns);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
         moment = moment_over(load, &turned->moments_start, &moments_end);
         momentum = momentum_at_end(x, moment.mean, h, axes->end);
         turned->end = solved(body, turned->inertia_end, &work->coupling, momentum, work->pi);
         Vector3 next = vector_subtract(vector_mean(start, turned->end), bend);
         done = converged(turned->omega, next, h);
+        if (done && body->second_order)
+            done = settled(body, work) && slopes_converged(pairs_of(body, work).last, work->eta, n);
         turned->omega = next;
     }
     remember_end(body, work, turned->inertia_end);
     turned->heat = dissipated(prop, body->oscillators.compliance, n, work);
     if (load->sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
     turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
+    return done || !body->second_order || !REFUSING;
 }
 
 /* First moments of velocity and angular velocity of every port, world axes, from those of the centre of mass and of
@@ -159,6 +182,10 @@ static inline void add_modal_moments(const Body *body, const Axes *axes, const W
     size_t l = body->coordinates;
     real *moved = work->wrenches;
     rows_combined(body->shapes, body->padded_modes, 2 * l, work->moment, moved, work->coupling.split);
+    if (body->second_order) {
+        const Pairs pairs = pairs_of(body, work);
+        pairs_combined(body, &pairs, pairs.mid, work->moment, 1.0, moved);
+    }
     for (size_t k = 0; k < body->ports; k++, moments += WRENCH_SIZE) {
         const real *end = work->deflection + 3 * k, *start = work->deflection_start + 3 * k;
         Vector3 change = vector_scaled(1.0 / 6.0, vector_subtract(vector_of(end), vector_of(start)));
@@ -187,7 +214,7 @@ static inline void store_moments(Body *body, const Turned *turned, Vector3 cente
 }
 
 /* One step under wrenches in world axes, linear in time. */
-static inline void dynamic_step(Body *body, const double *x, const real *u, double h, real *x_next) {
+static inline int dynamic_step(Body *body, const double *x, const real *u, double h, real *x_next, Reason *why) {
     LocalWork stack;
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
@@ -195,10 +222,11 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     Axes axes;
     rotation_matrix(q, axes.start);
     Turned turned;
-    if (body->modes)
-        turn_flexible(body, x, &load, h, &axes, &work, &turned);
-    else
+    if (!body->modes)
         turn_rigid(body, x, &load, h, &axes, &work, &turned);
+    else if (!turn_flexible(body, x, &load, h, &axes, &work, &turned))
+        return refuse(why, "a step of %g s finds neither turn nor deflection in %d iterations; take smaller steps or loads",
+                      h, MAX_ITERATIONS);
     Vector3 weight = constant_vector(body->gravity);
     Vector3 push = vector_scaled(h, vector_add(load.mean.force, vector_scaled(body->mass, weight)));
     Vector3 momentum = vector_add(constant_vector(x + X_MOMENTUM), push);
@@ -219,6 +247,7 @@ static inline void dynamic_step(Body *body, const double *x, const real *u, doub
     vector_store(turned.end, x_next + X_ANGULAR_VELOCITY);
     store_moments(body, &turned, vector_scaled(h / (6.0 * body->mass), push), constant_vector(x + X_ANGULAR_VELOCITY), h, &axes, &work,
                   x_next + X_MODAL_AMPLITUDE + 2 * body->modes);
+    return 1;
 }
 
 /* One implicit step of the gradient flow that static equilibrium iterates: at rest before and after. */
@@ -227,6 +256,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
     Work work = work_of(body, &stack);
     Load load = load_of(body, u);
     size_t n = body->padded_modes, l = body->coordinates;
+    const double *compliance = body->oscillators.compliance;
     const Quaternion start = {x[X_ORIENTATION], x[X_ORIENTATION + 1], x[X_ORIENTATION + 2], x[X_ORIENTATION + 3]};
     Quaternion q = start;
     real a[9];
@@ -234,10 +264,20 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
     undeformed_arms(body, &work);
     for (size_t i = 0; i < 2 * l; i++) work.deflection[i] = 0.0;
     for (size_t j = 0; j < n; j++) work.pi[j] = 0.0;
+    if (body->second_order) { /* what loads are depends on the deflection, which thus converges with the poses */
+        for (size_t j = 0; j < n; j++) work.eta[j] = j < body->modes ? x[X_MODAL_AMPLITUDE + body->order[j]] : 0.0;
+        deformed_arms(body, work.eta, &work);
+    }
     for (int i = 0; i < STATIC_ITERATIONS; i++) {
         if (n) {
+            if (body->second_order) hold_pairs(body, &work);
             modal_force(body, &load, a, a, work.deflection + l, &work);
-            for (size_t j = 0; j < n; j++) work.eta[j] = body->oscillators.compliance[j] * work.port_force[j];
+            if (body->second_order) memcpy(pairs_of(body, &work).last, work.eta, n * sizeof(real));
+            for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
+            if (body->second_order) {
+                correct_forces(body, compliance, NULL, 1.0, &work, work.port_force, NULL);
+                for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
+            }
             deformed_arms(body, work.eta, &work);
         }
         Vector3 moment = vector_add(moment_of(body, &load, work.arms, a), load.mean.torque);
@@ -258,11 +298,10 @@ int NAME(body_step)(void *self, const double *x, const real *u, double h, real *
 
 int NAME(body_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     Body *body = self;
-    (void)why;
     if (body->quasi_static)
         static_step(body, x, u, h, x_next);
-    else
-        dynamic_step(body, x, u, h, x_next);
+    else if (!dynamic_step(body, x, u, h, x_next, why))
+        return 0;
     if (body->is_base) store_interface(body, x, u, h, x_next);
     return 1;
 }

@@ -13,8 +13,9 @@
 
 enum { COORDINATE_COUNT = 6, HINGE_ANGLE = 3, HEAT_CAUSES = 3 };
 
-/* Loads of which the last steps are remembered at order 4: of the bushing in the six coordinates, and of the latch. */
-enum { LATCH_LOAD = COORDINATE_COUNT, LOAD_COUNT };
+/* Loads of which the last steps are remembered at order 4: of the bushing in the six coordinates, of the latch, and of
+   all else about the hinge line. */
+enum { LATCH_LOAD = COORDINATE_COUNT, DRIVING_LOAD, LOAD_COUNT };
 
 typedef struct Hinge {
     Connection base;

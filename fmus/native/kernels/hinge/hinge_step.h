@@ -57,12 +57,15 @@ static inline void keep_load(const double *old, const MeanLoad *load, double h, 
 
 /* Loads and hinge rate of order 4 with one step more; the latch torque begins where the latch engages. */
 static inline void store_loads(const Hinge *hinge, const double *x, const Grip *grip, const StepMotion *motions,
-                               const StiffLoads *loads, double h, real *x_next) {
+                               const StiffLoads *loads, const real about_line[2], double h, real *x_next) {
     const StepMotion *turn = motions + HINGE_ANGLE;
     for (int i = 0; i < COORDINATE_COUNT; i++)
         keep_load(x + load_place(i), &loads->bushing[i], h, x_next + load_place(i));
     if (latch_acts(hinge, grip))
         keep_load(x + load_place(LATCH_LOAD), &loads->latch, h, x_next + load_place(LATCH_LOAD));
+    const MeanLoad *joint = &loads->bushing[HINGE_ANGLE], *latch = &loads->latch;
+    store_mid_step_slope_after(x + load_place(DRIVING_LOAD), about_line[0] - joint->force - latch->force,
+                               about_line[1] - joint->slope - latch->slope, h, x_next + load_place(DRIVING_LOAD));
     store_mid_step_slope_after(x + X_SLIDING, (turn->end - turn->start) / h, 3.0 * turn->moment / h, h,
                                x_next + X_SLIDING);
 }
@@ -110,7 +113,7 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
         StiffLoads stiff = stiff_loads(hinge, grip, motions);
         loads = mean_loads(hinge, x, grip, new, motions, &stiff);
         store_memories(hinge, x, new, motions, h, x_next);
-        if (hinge->base.paired) store_loads(hinge, x, grip, motions, &stiff, h, x_next);
+        if (hinge->base.paired) store_loads(hinge, x, grip, motions, &stiff, loads.about_line, h, x_next);
     }
     grip->presliding = loads.friction.deflection;
     store_mean_pair(&passage, loads.force, loads.torque, x_next + X_WRENCH);

@@ -1,0 +1,50 @@
+"""Displacements of a flexible body to second order in its modal coordinates, u = Phi eta + 1/2 eta^T Psi eta.
+
+Psi_jk is the response of the free body to the membrane strain that the slopes of two modes make, so that bending
+shortens and does not stretch; the rigid motions are removed mass-orthogonally as from the modes, and the frame stays
+the mean-axis frame to second order (modal derivatives: Wu and Tiso 2016).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..contract.component import ComponentError, Vector
+from .finite_elements import FiniteElementModel, factorize
+from .membrane_strain import pairs
+
+
+def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
+    """Psi (n, S (S + 1) / 2) of shapes (n, S): of every two, those of `membrane_strain.pairs` in order."""
+    held = next(iter(model.attachment_dofs.values()))
+    interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
+    strain = model.strain
+    load = -np.asarray(strain.linear.T @ (strain.stiffness @ strain.of_pairs(shapes)))
+    response = np.zeros_like(load)
+    # loads of strains are in equilibrium, so that six held degrees of freedom carry nothing
+    response[interior] = factorize(model.stiffness[interior][:, interior]).solve(load[interior])
+    return model.without_rigid_motions(response)
+
+
+def symmetric(values: Vector, count: int) -> Vector:
+    """Values (..., S (S + 1) / 2) of all pairs as (..., S, S)."""
+    first, second = pairs(count)
+    result = np.zeros((*values.shape[:-1], count, count))
+    result[..., first, second] = result[..., second, first] = values
+    return result
+
+
+def second_order_inertia(model: FiniteElementModel, response: Vector, count: int) -> Vector:
+    """What invariant 9 gains, (S, S, 3, 3) kg m2: the symmetric part of sum m skew(s) skew(Psi_jk)."""
+    arms = model.masses[:, None] * (model.positions - model.center_of_mass)
+    motion = np.asarray(model.displacement @ response).reshape(len(arms), 3, -1)
+    moment = symmetric(np.einsum("qa,qbp->abp", arms, motion), count)
+    both = 0.5 * (moment + moment.transpose(1, 0, 2, 3)) - np.einsum("ccjk,ab->abjk", moment, np.eye(3))
+    gained: Vector = both.transpose(2, 3, 0, 1)
+    return gained
+
+
+def check_second_order(count: int, modes: int) -> None:
+    """Refuse more second-order modes than there are, or fewer than none."""
+    if not 0 <= count <= modes:
+        raise ComponentError(f"{count} second-order modes asked for; the body has {modes} modes")

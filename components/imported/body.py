@@ -1,0 +1,101 @@
+"""An imported body as it is written down: files, units, points; what is in the files is read when it is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from ..contract.component import ComponentError
+from ..flexible.finite_elements import FiniteElementModel
+from ..flexible.modal import ModalData
+from . import agreement
+from .agreement import NOTHING_STATED, Finding, Stated
+from .data import FiniteElementData, checked, in_si
+from .massless import with_mass_everywhere
+from .matrices import read_npz, read_text
+from .model import finite_element_model
+from .points import JoinedPoint, with_means, with_rigid_elements
+
+ENDINGS = (".npz", ".op4", ".asm")
+
+
+@dataclass(frozen=True)
+class ImportedBody:
+    """Finite elements from files, with points at their nodes.
+
+    files: paths by what they hold: `file` for everything, or a matrix. digest: of their content. length, mass: of the
+    model's units, in m and kg.
+    """
+
+    files: tuple[tuple[str, str], ...]
+    digest: str
+    attachment_points: tuple[tuple[str, int], ...] = ()
+    nodes: tuple[tuple[str, int], ...] = ()
+    rigid_elements: tuple[JoinedPoint, ...] = ()
+    means: tuple[JoinedPoint, ...] = ()
+    length: float = 1.0
+    mass: float = 1.0
+    stated: Stated = NOTHING_STATED
+
+    def data(self) -> FiniteElementData:
+        """What the files hold, in SI units and basic axes; ComponentError where it does not fit together."""
+        return _loaded(self)[0]
+
+    def model(self) -> FiniteElementModel:
+        """Finite elements with these points; ComponentError where the agreement check fails."""
+        return _loaded(self)[1]
+
+    def modes(self, asked: int) -> int:
+        """Fixed-interface modes to keep: as many as asked for, of a reduced model at most its own."""
+        data = self.data()
+        return min(asked, data.amplitudes) if data.ready else asked
+
+    def agreement(self, reduced: ModalData | None = None) -> tuple[Finding, ...]:
+        """The agreement check, with the frequencies of the reduced body where it is given."""
+        _, model, findings = _loaded(self)
+        if reduced is None:
+            return findings
+        return (*findings, *agreement.compare_frequencies(model, tuple(model.attachment_dofs), reduced))
+
+
+@lru_cache(maxsize=8)
+def _loaded(body: ImportedBody) -> tuple[FiniteElementData, FiniteElementModel, tuple[Finding, ...]]:
+    data = in_si(checked(_read({name: Path(path) for name, path in body.files})), body.length, body.mass)
+    symmetry = agreement.check_symmetry(data)
+    agreement.refuse(symmetry)
+    data = replace(data, stiffness=agreement.symmetric(data.stiffness), mass=agreement.symmetric(data.mass))
+    data, rigid = with_rigid_elements(data, body.rigid_elements)
+    data, means = with_means(data, body.means)
+    data = with_mass_everywhere(data)
+    model = finite_element_model(data, {**dict(body.attachment_points), **rigid, **means}, dict(body.nodes))
+    findings = (*symmetry, *agreement.check_model(data, model, body.stated))
+    agreement.refuse(findings)
+    return data, model, findings
+
+
+def _read(paths: Mapping[str, Path]) -> FiniteElementData:
+    """The data of files by the endings of their names."""
+    whole = paths.get("file")
+    if whole is None:
+        return read_text(paths)
+    further = {name: path for name, path in paths.items() if name != "file"}
+    if whole.suffix.lower() == ".npz":
+        return read_npz(whole)
+    from . import nastran
+    from .matrices import read_matrix
+
+    readers: Mapping[str, Callable[[], FiniteElementData]] = {
+        ".op4": lambda: nastran.read_op4(whole, _matrices(further, read_matrix)),
+        ".asm": lambda: nastran.read_superelement(whole),
+    }
+    reader = readers.get(whole.suffix.lower())
+    if reader is None:
+        raise ComponentError(f"{whole.name}: its name must end with {', '.join(ENDINGS)}")
+    return reader()
+
+
+def _matrices(paths: Mapping[str, Path], read: Callable[[Path], Any]) -> dict[str, Any]:
+    return {name: read(path) for name, path in paths.items()}

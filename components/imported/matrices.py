@@ -1,0 +1,163 @@
+"""Named matrices in npz, op4 and Matrix Market files -> finite-element data, and the way back.
+
+One set of names for all: `stiffness`, `mass` (n, n), `coordinates` (N, 4: node, x, y, z), `dofs` (n, 2: node and
+component 1 to 6, 0 for amplitudes of modes); by choice `sample_masses` (Q,), `sample_positions` (Q, 3),
+`sample_displacement` (3 Q, n), `recovered_nodes` (R, 4), `recovered_motion` (6 R, n), `stress` (S, n). Names in op4
+have eight letters.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy import io, sparse
+
+from ..contract.component import ComponentError, Vector
+from ..flexible.finite_elements import SparseMatrix
+from .data import FiniteElementData, MassSamples, Recovery, StressRows
+
+Matrices = Mapping[str, Any]
+
+
+def from_matrices(found: Matrices) -> FiniteElementData:
+    """The data of named matrices; ComponentError where one is missing or has no possible shape."""
+    missing = [name for name in ("stiffness", "mass", "coordinates") if name not in found]
+    if missing:
+        known = ", ".join(found) or "none"
+        raise ComponentError(f"there is no matrix {' and no '.join(missing)}; matrices are {known}")
+    stiffness, mass = _sparse(found["stiffness"]), _sparse(found["mass"])
+    nodes = _table(found, "coordinates", 4)
+    numbers = _whole("coordinates", nodes[:, 0])
+    count = stiffness.shape[0]
+    dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else _in_order(numbers, count)
+    samples = recovery = stress = None
+    if "sample_masses" in found:
+        samples = MassSamples(
+            _dense(_needed(found, "sample_masses")).ravel(),
+            _table(found, "sample_positions", 3),
+            _sparse(_needed(found, "sample_displacement")),
+        )
+    if "recovered_nodes" in found:
+        places = _table(found, "recovered_nodes", 4)
+        motion = _sparse(_needed(found, "recovered_motion"))
+        recovery = Recovery(_whole("recovered_nodes", places[:, 0]), places[:, 1:], motion)
+    if "stress" in found:
+        rows = np.atleast_2d(_dense(found["stress"]))
+        stress = StressRows(tuple(f"row {k + 1}" for k in range(len(rows))), rows)
+    return FiniteElementData(stiffness, mass, numbers, nodes[:, 1:], dofs, samples, recovery, stress)
+
+
+def to_matrices(data: FiniteElementData) -> dict[str, Any]:
+    """Inverse of `from_matrices`, but for labels of stresses."""
+    found: dict[str, Any] = {
+        "stiffness": data.stiffness.toarray(),
+        "mass": data.mass.toarray(),
+        "coordinates": np.column_stack([data.nodes, data.coordinates]),
+        "dofs": data.dofs.astype(float),
+    }
+    if (samples := data.samples) is not None:
+        found |= {"sample_masses": samples.masses, "sample_positions": samples.positions}
+        found["sample_displacement"] = samples.displacement.toarray()
+    if (recovery := data.recovery) is not None:
+        found["recovered_nodes"] = np.column_stack([recovery.nodes, recovery.coordinates])
+        found["recovered_motion"] = recovery.motion.toarray()
+    if data.stress is not None:
+        found["stress"] = data.stress.rows
+    return found
+
+
+def write_npz(path: Path, data: FiniteElementData) -> None:
+    """Write all matrices to an npz file."""
+    np.savez_compressed(path, allow_pickle=False, **to_matrices(data))
+
+
+def _needed(found: Matrices, name: str) -> Any:  # noqa: ANN401 - dense or sparse
+    if name not in found:
+        raise ComponentError(f"there is no matrix {name}; matrices are {', '.join(found)}")
+    return found[name]
+
+
+def _sparse(matrix: Any) -> SparseMatrix:  # noqa: ANN401 - dense or sparse
+    if not sparse.issparse(matrix) and np.ndim(matrix) != 2:
+        raise ComponentError(f"a matrix has {np.ndim(matrix)} dimensions; it must have two")
+    return sparse.csr_array(matrix, dtype=float)
+
+
+def _dense(matrix: Any) -> Vector:  # noqa: ANN401 - dense or sparse
+    return np.array(
+        matrix.toarray() if isinstance(matrix, sparse.coo_array | sparse.csr_array) else matrix,
+        dtype=np.float64,
+    )
+
+
+def _table(found: Matrices, name: str, columns: int) -> Vector:
+    table = _dense(_needed(found, name))
+    if table.ndim != 2 or table.shape[1] != columns:
+        raise ComponentError(f"{name} is {' x '.join(map(str, table.shape))}; it must have {columns} columns")
+    return table
+
+
+def _whole(name: str, values: Vector) -> Any:  # noqa: ANN401 - integers of any shape
+    if not np.array_equal(values, np.round(values)):
+        raise ComponentError(f"{name}: a number is not whole")
+    return values.astype(np.int64)
+
+
+def _in_order(nodes: Vector, count: int) -> Any:  # noqa: ANN401 - integers
+    """Degrees of freedom of the nodes in their order, all three or all six."""
+    for each in (3, 6):
+        if count == each * len(nodes):
+            return np.column_stack([np.repeat(nodes, each), np.tile(np.arange(1, each + 1), len(nodes))])
+    raise ComponentError(
+        f"{len(nodes)} nodes do not have {count} degrees of freedom, neither 3 nor 6 each; give dofs: node and "
+        "component of every row"
+    )
+
+
+def read_npz(path: Path) -> FiniteElementData:
+    """The data of an npz file, whose matrices are dense, or NAME_entries with row, column (from 1) and value."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            found: dict[str, Any] = {name: stored[name] for name in stored.files}
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
+        raise ComponentError(f"{path.name}: cannot be read as npz: {error}") from None
+    for name in [name for name in found if name.endswith("_entries")]:
+        found[name.removesuffix("_entries")] = _from_entries(name, found.pop(name), found)
+    return from_matrices(found)
+
+
+def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_array:
+    """A sparse matrix of its entries (k, 3); as many columns as `dofs` or the largest number."""
+    if np.ndim(entries) != 2 or np.shape(entries)[1] != 3 or not len(entries):
+        raise ComponentError(f"{name} is {np.shape(entries)}; it must have three columns: row, column, value")
+    rows, columns = _whole(name, entries[:, 0]) - 1, _whole(name, entries[:, 1]) - 1
+    if min(rows.min(), columns.min()) < 0:
+        raise ComponentError(f"{name}: rows and columns count from 1")
+    count = len(found["dofs"]) if "dofs" in found else int(columns.max()) + 1
+    height = int(rows.max()) + 1 if name.startswith(("sample", "recovered", "stress")) else count
+    if columns.max() >= count or rows.max() >= height:
+        raise ComponentError(f"{name}: an entry is in column {columns.max() + 1} of {count}")
+    return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))
+
+
+def read_text(paths: Mapping[str, Path]) -> FiniteElementData:
+    """The data of one file a matrix: Matrix Market (.mtx), or columns of numbers with commas or blanks."""
+    return from_matrices({name: read_matrix(path) for name, path in paths.items()})
+
+
+def read_matrix(path: Path) -> Any:  # noqa: ANN401 - dense or sparse
+    """A matrix of a Matrix Market file, or of columns of numbers."""
+    try:
+        if path.suffix.lower() in (".mtx", ".mm"):
+            return sparse.coo_array(io.mmread(path))
+        text = path.read_text(encoding="utf-8").replace(",", " ").splitlines()
+        rows = [
+            line.split() for line in text if line.strip() and not line.lstrip().startswith(("#", "*", "%"))
+        ]
+        return np.array([[float(value) for value in row] for row in rows])
+    except (ValueError, OSError, TypeError) as error:
+        raise ComponentError(f"{path.name}: cannot be read: {error}") from None

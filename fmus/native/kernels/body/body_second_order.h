@@ -1,0 +1,143 @@
+/* Displacements of the ports to second order in the modes: the twin of components/body_parts/ports.py, where the theory
+   is told. Part of body.c, of either number type. */
+
+#ifndef FANFOLD_BODY_SECOND_ORDER_H
+#define FANFOLD_BODY_SECOND_ORDER_H
+
+#include "body_model.h"
+#include "dense.h"
+
+#define MODAL_TOLERANCE 1e-13
+
+/* What modal coordinates add to the shapes of the modes of second order: rows of 2 coordinates, at the end of a step, at
+   its start and at its mean. `some` holds a number a mode of second order, `last` the modal coordinates of the last
+   iterate. Of Newton's correction: conjugate wrenches and their slopes, by what coordinates change the forces of both,
+   a matrix and its pivots. */
+typedef struct {
+    real *end, *start, *mid, *some, *last;
+    double *wrenches, *slopes, *tension, *slope_tension, *matrix, *split;
+    unsigned short *pivots;
+    size_t count, rows, length; /* modes of second order, and padded; 2 coordinates */
+} Pairs;
+
+static inline Pairs pairs_of(const Body *body, const Work *work) {
+    Pairs pairs = {.count = body->second_order, .rows = padded(body->second_order), .length = 2 * body->coordinates};
+    real *next = work->pairs;
+    pairs.end = taken(&next, pairs.rows * pairs.length);
+    pairs.start = taken(&next, pairs.rows * pairs.length);
+    pairs.mid = taken(&next, pairs.rows * pairs.length);
+    pairs.some = taken(&next, pairs.rows);
+    pairs.last = taken(&next, body->padded_modes);
+    pairs.wrenches = (double *)taken(&next, pairs.length);
+    pairs.slopes = (double *)taken(&next, pairs.length);
+    pairs.tension = (double *)taken(&next, pairs.rows * pairs.rows);
+    pairs.slope_tension = (double *)taken(&next, pairs.rows * pairs.rows);
+    pairs.matrix = (double *)taken(&next, pairs.rows * pairs.rows);
+    pairs.pivots = (unsigned short *)taken(&next, pairs.rows);
+    pairs.split = (double *)next;
+    return pairs;
+}
+
+/* Of a vector over all modes, those of second order. */
+static inline const real *picked(const Body *body, const Pairs *pairs, const real *modes) {
+    for (size_t s = 0; s < pairs->rows; s++) pairs->some[s] = s < pairs->count ? modes[body->second_place[s]] : 0.0;
+    return pairs->some;
+}
+
+/* out += factor times the rows' sum with these weights, one a mode. */
+static inline void pairs_combined(const Body *body, const Pairs *pairs, const real *rows, const real *modes,
+                                  double factor, real *out) {
+    for (size_t s = 0; s < pairs->count; s++) {
+        const real weight = factor * modes[body->second_place[s]], *row = rows + s * pairs->length;
+        for (size_t i = 0; i < pairs->length; i++) out[i] += weight * row[i];
+    }
+}
+
+/* force += scalar products of the rows with wrenches. */
+static inline void pairs_projected(const Body *body, const Pairs *pairs, const real *rows, const real *wrenches,
+                                   real *force) {
+    for (size_t s = 0; s < pairs->count; s++) {
+        const real *row = rows + s * pairs->length;
+        real sum = 0.0;
+        for (size_t i = 0; i < pairs->length; i++) sum += row[i] * wrenches[i];
+        force[body->second_place[s]] += sum;
+    }
+}
+
+/* What eta adds to the shapes, in `end`, and to the deflection. */
+static inline void deflect_to_second_order(const Body *body, const real *eta, const Work *work, real *deflection) {
+    const Pairs pairs = pairs_of(body, work);
+    rows_combined(body->pairs, pairs.rows, pairs.rows * pairs.length, picked(body, &pairs, eta), pairs.end, pairs.split);
+    pairs_combined(body, &pairs, pairs.end, eta, 0.5, deflection);
+}
+
+/* Has what `end` holds stand for the whole step. */
+static inline void hold_pairs(const Body *body, const Work *work) {
+    const Pairs pairs = pairs_of(body, work);
+    const size_t size = pairs.rows * pairs.length * sizeof(real);
+    memcpy(pairs.start, pairs.end, size);
+    memcpy(pairs.mid, pairs.end, size);
+}
+
+/* Sets `mid` to the mean of start and end, and takes the turns (coordinates) of the ports from the mean of both ends to
+   those at the mean modal coordinates. */
+static inline void average_pairs(const Body *body, const Work *work, real *turns) {
+    const Pairs pairs = pairs_of(body, work);
+    for (size_t i = 0; i < pairs.rows * pairs.length; i++) pairs.mid[i] = 0.5 * (pairs.start[i] + pairs.end[i]);
+    for (size_t s = 0; s < pairs.count; s++) {
+        const size_t place = body->second_place[s], row = s * pairs.length + body->coordinates;
+        const real grown = 0.125 * (work->eta[place] - work->eta_start[place]);
+        for (size_t i = 0; i < body->coordinates; i++) turns[i] -= grown * (pairs.end[row + i] - pairs.start[row + i]);
+    }
+}
+
+/* By what modal coordinates change the forces of the conjugate wrenches and of their slopes. */
+static inline void tensions(const Body *body, int sloped, const Work *work, const Pairs *pairs) {
+    for (size_t i = 0; i < pairs->length; i++) {
+        pairs->wrenches[i] = value_of(work->wrenches[i]);
+        pairs->slopes[i] = sloped ? value_of(work->slope_wrenches[i]) : 0.0;
+    }
+    rows_projected_twice_double(body->pairs, pairs->rows * pairs->rows, pairs->length, pairs->wrenches, pairs->slopes,
+                                pairs->tension, pairs->slope_tension);
+}
+
+/* Newton's correction: takes forces and slopes on to those at the coordinates that they make. So far they make `eta`, where
+   they were computed at `last`; gains: what a unit of either moves a mode; share: of the change of the coordinates that
+   forces see. Without slopes slope_gain is NULL. */
+static inline void correct_forces(const Body *body, const double *gain, const double *slope_gain, double share,
+                                  const Work *work, real *force, real *slope) {
+    const Pairs pairs = pairs_of(body, work);
+    const size_t count = pairs.count;
+    tensions(body, slope_gain != NULL, work, &pairs);
+    for (size_t s = 0; s < count; s++) {
+        const size_t place = body->second_place[s];
+        const double own = share * gain[place], sloped = slope_gain ? share * slope_gain[place] : 0.0;
+        const double *tension = pairs.tension + s * pairs.rows, *changing = pairs.slope_tension + s * pairs.rows;
+        for (size_t t = 0; t < count; t++)
+            pairs.matrix[s * count + t] = (s == t) - own * tension[t] - sloped * changing[t];
+        pairs.some[s] = work->eta[place] - pairs.last[place];
+    }
+    factorise_dense(pairs.matrix, count, pairs.pivots);
+    solve_dense(pairs.matrix, count, pairs.pivots, (double *)pairs.some, sizeof(real) / sizeof(double));
+    for (size_t s = 0; s < count; s++)
+        for (size_t t = 0; t < count; t++) {
+            force[body->second_place[s]] += share * pairs.tension[s * pairs.rows + t] * pairs.some[t];
+            if (slope_gain)
+                slope[body->second_place[s]] += share * pairs.slope_tension[s * pairs.rows + t] * pairs.some[t];
+        }
+}
+
+/* Whether the iteration has found the modal coordinates, from which the next one starts. */
+static inline int settled(const Body *body, const Work *work) {
+    const Pairs pairs = pairs_of(body, work);
+    double change = 0.0, scale = 0.0;
+    int rest = 1;
+    for (size_t j = 0; j < body->padded_modes; j++) {
+        change = fmax(change, fabs(value_of(work->eta[j] - pairs.last[j])));
+        scale = fmax(scale, fmax(fabs(value_of(work->eta[j])), fabs(value_of(work->eta_start[j]))));
+        rest = rest && work->eta[j] == work->eta[j];
+    }
+    return rest && change <= MODAL_TOLERANCE * scale;
+}
+
+#endif
