@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from components import FanfoldError as FanfoldError
 
+    from .api.analyses import appendage as appendage
     from .api.analyses import constraints as constraints
     from .api.analyses import equilibrium as equilibrium
     from .api.analyses import frequency_response as frequency_response
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from .api.documents import plot_comparison as plot_comparison
     from .api.documents import report as report
     from .api.export import export as export
+    from .api.export import export_body as export_body
     from .api.pictures import plot as plot
     from .api.result import Result as Result
     from .api.simulate import check as check
@@ -49,6 +51,7 @@ _HOMES = {
     "FanfoldError": "components",
     "constraints": "orchestrator.api.analyses",
     "equilibrium": "orchestrator.api.analyses",
+    "appendage": "orchestrator.api.analyses",
     "frequency_response": "orchestrator.api.analyses",
     "impacts": "orchestrator.api.analyses",
     "latch_tuning": "orchestrator.api.analyses",
@@ -70,6 +73,7 @@ _HOMES = {
     "check": "orchestrator.api.simulate",
     "check_scene": "orchestrator.api.simulate",
     "export": "orchestrator.api.export",
+    "export_body": "orchestrator.api.export",
     "load": "orchestrator.api.simulate",
     "resume": "orchestrator.api.simulate",
     "scenes": "orchestrator.api.simulate",

@@ -17,8 +17,8 @@ from scipy.linalg import qr
 from components.contract.frames import rotate, subtract
 
 from ..scene import CheckedScene
-from ..scene.bodies import StartPose, scene_points, written_poses
-from ..scene.loops.closing import close, displaced, jacobian, start_poses
+from ..scene.bodies import StartPose, motions, scene_points, written_poses
+from ..scene.loops.closing import Weight, close, displaced, jacobian, start_poses
 from ..scene.loops.constraints import Constraint, Matrix, constraints, hinge_constraints
 
 _RANK = 1e-5
@@ -84,7 +84,7 @@ def find_constraints(scene: CheckedScene) -> Constraints:
     points = scene_points(scene)
     poses = start_poses(scene, points)
     found = [*constraints(scene, points, written_poses(scene, points)), *hinge_constraints(scene, points)]
-    fixed = () if scene.base.free is not None else (scene.base.name,)
+    fixed = {*motions(scene), *(() if scene.base.free is not None else (scene.base.name,))}
     moving = tuple(name for name in poses if name not in fixed)
     held = [c for c in found if not c.driven]
     slopes = _slopes(held, poses, moving)
@@ -124,7 +124,7 @@ def _nearby(
         return None
     step = np.random.default_rng(0).standard_normal(len(free)) @ free
     away = displaced(poses, moving, _AWAY / np.abs(step).max() * step)
-    return _rank(_slopes(held, close(held, away, moving, np.ones(6 * len(moving))), moving))
+    return _rank(_slopes(held, close(held, away, moving, [Weight()] * len(moving)), moving))
 
 
 def _spins(

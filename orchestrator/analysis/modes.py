@@ -1,7 +1,8 @@
 """Normal modes of a scene in a configuration: frequencies, damping, effective masses, the bodies that move.
 
 About static equilibrium (lines that are not latched are held for it, then free), with preload and geometric
-stiffness of the connections; without friction. Modal damping is the diagonal of the modal damping matrix.
+stiffness of the connections; without friction. Modal damping is the diagonal of the modal damping matrix. On a base
+that turns by a law, all is about the steady spin at the rate that the law begins with, in axes that turn along.
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ from .statics.linear_model import (
     kinetic_shares,
     modal_damping,
     normal_modes,
+    spinning_modes,
 )
+from .statics.steady_spin import spin_at_start
 from .vibration import DIRECTIONS
 
 _SMALLEST_SHARE = 1e-3
@@ -117,9 +120,11 @@ def find_modes(
     held: bool = False,
 ) -> Modes:
     """The first modes of a scene in a configuration, loaded or as posed; held: a free base does not move."""
-    model = scene_model(scene, rigid, flexible, target, as_posed)
+    spin = spin_at_start(scene)
+    model = scene_model(scene, rigid, flexible, target, as_posed, spin)
     base: Literal["fixed", "held", "free"] = "fixed" if model.is_grounded else "held" if held else "free"
-    shapes = normal_modes(model, model.base_constraints if base == "held" else None)
+    held_rows = model.base_constraints if base == "held" else None
+    shapes = spinning_modes(model) if spin else normal_modes(model, held_rows)
     return Modes(
         scene.header.name, target, base, tuple(mode_table(model, shapes, count)), int(shapes.is_free.sum()),
         model.unbalanced, scene.structural_damping, model, shapes,

@@ -13,8 +13,9 @@ from components.contract.component import Vector
 from components.contract.frames import Vector3, add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
-from ..assembly.assemble import assemble, choose_fidelity
+from ..assembly.assemble import assemble
 from ..assembly.effective_inertia import effective_inertia
+from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
 from ..assembly.plausibility import doubts, loop_travels
 from ..scene import CheckedScene
@@ -23,10 +24,12 @@ from ..scene.bodies import (
     StartPose,
     attachments,
     base_model,
+    body_definition,
     body_model,
     scene_points,
     with_angles,
 )
+from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.loops.closing import Closed, extended, start_poses
@@ -111,6 +114,8 @@ class SceneCheck:
     loops: tuple[LoopOverview, ...] = ()
     connections: Mapping[str, str] = field(default_factory=dict)
     """kind of every other connection by name"""
+    agreements: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """what the agreement check found of every imported body"""
     stowed: Sketch | None = None
     deployed: Sketch | None = None
 
@@ -124,14 +129,19 @@ class SceneCheck:
             "lines": [{**asdict(line), "travel": line.travel} for line in self.lines],
             "loops": [asdict(loop) for loop in self.loops],
             "connections": dict(self.connections),
+            "agreements": {name: dict(found) for name, found in self.agreements.items()},
         }
 
 
 def check_scene(
-    scene: CheckedScene, rigid: Collection[str] = (), flexible: Collection[str] = ()
+    scene: CheckedScene,
+    rigid: Collection[str] = (),
+    flexible: Collection[str] = (),
+    large_deformation: Collection[str] = (),
 ) -> SceneCheck:
     """A sound scene looked at; SceneError where it cannot be assembled."""
-    chosen = choose_fidelity(scene, rigid, flexible)
+    chosen = choose_fidelity(scene, rigid, flexible, large_deformation)
+    bends = {name: fidelity != "rigid" for name, fidelity in chosen.items()}
     assemble(scene, rigid={"all"})  # says what only an assembly can tell
     models = {body.name: body_model(body, flexible=False) for body in scene.bodies}
     base = base_model(scene.base)
@@ -145,15 +155,26 @@ def check_scene(
         problems=(),
         warnings=(*doubts(scene), *_out_of_reach(far)),
         bodies=tuple(_bodies(scene, models, chosen)),
-        lines=tuple(_line(scene, line, chosen) for line in scene.hinge_lines),
+        lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
         loops=tuple(_loop(scene, loop) for loop in scene.loops),
         connections={
             **{damper.name: "eddy_current_damper" for damper in scene.dampers},
             **{connection.name: connection.kind for connection in scene.connections},
         },
+        agreements=_agreements(scene),
         stowed=_sketch(scene, models, start_poses(scene, points)),
         deployed=_sketch(scene, models, far.poses),
     )
+
+
+def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
+    """What the agreement check found of every body that is imported, reduced as the scene says."""
+    definitions = {body.name: body_definition(body) for body in scene.bodies if body.rigid is None}
+    return {
+        body.name: {row.name: row.found for row in imported.agreement(body_model(body, flexible=True))}
+        for body in scene.bodies
+        if body.name in definitions and (imported := definitions[body.name].imported) is not None
+    }
 
 
 def _out_of_reach(far: Closed) -> list[str]:
@@ -168,15 +189,19 @@ def _out_of_reach(far: Closed) -> list[str]:
 
 
 def _bodies(
-    scene: CheckedScene, models: Mapping[str, ModalData], flexible: Mapping[str, bool]
+    scene: CheckedScene, models: Mapping[str, ModalData], chosen: Mapping[str, Fidelity]
 ) -> list[BodyOverview]:
-    modes = {body.name: body.fixed_interface_modes for body in scene.bodies}
+    bodies = {body.name: body for body in scene.bodies}
     rows = []
     for name, points in scene_points(scene).items():
         data = models.get(name)
-        model = "fixed" if data is None else "rigid"
-        if flexible.get(name, False):
-            model = f"flexible, {modes[name]} fixed-interface modes"
+        model = (
+            "fixed"
+            if data is None
+            else _model_words(bodies[name], chosen[name])
+            if name in bodies
+            else "rigid"
+        )
         nodes = list(points.values()) if data is None else [*points.values(), *data.display_positions]
         size = np.ptp(np.array(nodes, dtype=float).reshape(-1, 3), axis=0) if len(nodes) else np.zeros(3)
         center = None if data is None else _triple(data.center_of_mass)
@@ -186,6 +211,14 @@ def _bodies(
             )
         )
     return rows
+
+
+def _model_words(body: Body, fidelity: Fidelity) -> str:
+    if fidelity == "flexible":
+        second = f", {body.second_order_modes} of second order" if body.second_order_modes else ""
+        return f"flexible, {body.fixed_interface_modes} fixed-interface modes{second}"
+    beam = body_definition(body).beam if fidelity == "large_deformation" else None
+    return "rigid" if beam is None else f"large deformation, {beam.elements} elements"
 
 
 def _triple(v: NDArray[np.float64]) -> Vector3:

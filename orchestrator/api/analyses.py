@@ -6,15 +6,19 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from ..assembly.assemble import assemble, choose_fidelity
+from ..assembly.assemble import assemble
+from ..assembly.fidelities import bending
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
+from ..scene.bodies import motions
 from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
 from .simulate import Quantity, SceneLike, in_si, load
+from .warnings import warn
 
 if TYPE_CHECKING:
+    from ..analysis.appendage.model import Appendage
     from ..analysis.constraints import Constraints
     from ..analysis.equilibrium import Equilibrium
     from ..analysis.frequency_response import FrequencyResponse
@@ -61,11 +65,12 @@ def modes(
     configuration: "stowed", "deployed", or "current", where a run begins; angles: of single lines in it. latched:
     names of lines, "all" or "none"; by default all if deployed, else none. as_posed: about the hinge angles
     themselves, not about the static equilibrium beside them. base: "held" keeps a free spacecraft where it is; as
-    built, it swings with the wing, and six free motions come first. count: modes beyond the free motions.
+    built, it swings with the wing, and six free motions come first; one that turns where its law begins has its wing in
+    steady spin, whose modes are those in axes that turn along. count: modes beyond the free motions.
     """
     from ..analysis.modes import find_modes
 
-    checked = load(scene).check_one_run()
+    checked = _for_small_motion(scene, rigid, spinning=True)
     target = _configuration(checked, configuration, angles, latched)
     if base not in ("as_built", "held"):
         raise SceneError([f"base is {base!r}; it must be as_built or held"])
@@ -77,6 +82,40 @@ def modes(
         as_posed,
         _at_least(count, 1, "count"),
         held=base == "held",
+    )
+
+
+def appendage(
+    scene: SceneLike,
+    configuration: Named = "current",
+    *,
+    angles: Angles | None = None,
+    latched: Names | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    as_posed: bool = False,
+    hold: Names = "none",
+    points: Names = (),
+    count: int = 15,
+) -> list[Appendage]:
+    """A scene in a configuration (see `modes`) as a linear appendage of its base, about each of some points.
+
+    hold: names of lines kept at their angles without being latched, "all" or "none". points: of the base; by default
+    one, about which it turns: a ground's reference point, a free base's centre of mass. count: cantilever modes kept.
+    """
+    from ..analysis.appendage.model import find_appendages
+
+    checked = _for_small_motion(scene, rigid)
+    target = _configuration(checked, configuration, angles, latched)
+    return find_appendages(
+        checked,
+        listed(rigid),
+        listed(flexible),
+        target,
+        as_posed,
+        hold,
+        listed(points),
+        _at_least(count, 1, "count"),
     )
 
 
@@ -114,7 +153,7 @@ def frequency_response(
         raise SceneError(
             [f"low is {low:g} and high {high:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
         )
-    checked = load(scene).check_one_run()
+    checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
@@ -142,7 +181,7 @@ def equilibrium(
     from ..analysis.equilibrium import equilibrium as find
     from ..analysis.equilibrium import lines_held
 
-    checked = load(scene).check_one_run()
+    checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     held = lines_held(checked, target, hold, ())
     return find(checked, listed(rigid), listed(flexible), target, held, preload)[1]
@@ -168,7 +207,7 @@ def quasi_static(
     for way in ways:
         if way.start == way.end:
             raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
-    checked = load(scene).check_one_run()
+    checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     held = lines_held(checked, target, hold, ways)
     count = _at_least(steps, 1, "steps")
@@ -256,7 +295,7 @@ def latch_tuning(
     return tune(
         checked,
         find_line(checked, line),
-        choose_fidelity(checked, listed(rigid), listed(flexible)),
+        bending(checked, listed(rigid), listed(flexible)),
         in_si(frequency, "Hz", "the frequency", "positive"),
         stiffness_of,
         in_si(hinge_stiffness, "N.m/rad", "the stiffness of the hinges", "positive"),
@@ -352,6 +391,29 @@ def impacts(result: ResultLike) -> list[Impact]:
     from ..analysis.impact import impacts as find
 
     return find(opened(result))
+
+
+def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
+    """The scene checked; a FanfoldWarning tells of beams of large deformation, which are modal here, and of turning.
+
+    spinning: whether the analysis is about the steady spin of a base.
+    """
+    checked = load(scene).check_one_run()
+    bodies = [body.name for body in checked.bodies if body.default_fidelity == "large_deformation"]
+    beams = [] if "all" in listed(rigid) else [name for name in bodies if name not in listed(rigid)]
+    if beams:
+        warn(
+            f"{checked.header.name}: analyses take {', '.join(beams)} as modal, which bend linearly; what a beam of "
+            "large deformation does under static loads, a run that starts with preload finds"
+        )
+    turning = [name for name, motion in motions(checked).items() if motion.laws[1].rate(0.0)]
+    still = [name for name in turning if not (spinning and name == checked.base.name)]
+    if still:
+        warn(
+            f"{checked.header.name}: analyses take {', '.join(still)} as at rest, though it turns where its law "
+            "begins; what spin stiffens and what rates do is left out"
+        )
+    return checked
 
 
 def _configuration(

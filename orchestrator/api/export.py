@@ -9,6 +9,8 @@ from fmus import Backend, Experiment, FmiVersion
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..run import run
+from ..run.body_export import ExportedBody
+from ..run.body_export import export_body as _export_body
 from ..run.preload import started_at_rest
 from ..run.simulation import python_sentence
 from ..run.system_structure import check_ssp, write_ssp
@@ -28,6 +30,7 @@ def export(
     *,
     rigid: Names = (),
     flexible: Names = (),
+    large_deformation: Names = (),
     wrench_mode: WrenchMode = "endpoint",
     fmi: FmiVersion = "2.0",
     sources: bool = False,
@@ -52,10 +55,18 @@ def export(
         check_ssp(Path(ssp))
     if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
         warn(sentence)
-    fidelities = listed(rigid), listed(flexible)
-    assembly = assemble(checked, *fidelities, wrench_mode)
+
+    def assembled(mode: WrenchMode) -> Assembly:
+        return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
+
+    assembly = assembled(wrench_mode)
+    if assembly.preload and assembly.large_deformation:
+        names = ", ".join(assembly.large_deformation)
+        warn(
+            f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}"
+        )
     if assembly.preload:
-        assembly = started_at_rest(assembly, assemble(checked, *fidelities, "mean"))
+        assembly = started_at_rest(assembly, assembled("mean"))
     if checked.events:
         names = ", ".join(event.name for event in checked.events)
         warn(f"{assembly.name}: events are no part of FMUs, so nothing makes these happen: {names}")
@@ -63,6 +74,16 @@ def export(
     experiment = Experiment(assembly.until, step)
     paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)
     return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+
+
+def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | None = None) -> ExportedBody:
+    """Write a body of a scene as a Craig-Bampton model, SI units, to an .npz or .op4 file (extra `nastran`).
+
+    Attachment components come first, those of its attachment points in their order, then amplitudes of fixed-interface
+    modes. `[body.import]` reads it back; the table that does is `to_toml` of what is returned. modes: how many, by
+    default those of the scene. Damping is the scene's and no part of it.
+    """
+    return _export_body(load(scene).check_one_run(), body, Path(path), modes)
 
 
 def _step_of_tools(assembly: Assembly) -> float | None:

@@ -61,6 +61,7 @@ def simulate(
     *,
     rigid: Names = (),
     flexible: Names = (),
+    large_deformation: Names = (),
     until: Quantity | None = None,
     tolerance: float | None = None,
     step: Quantity | None = None,
@@ -78,9 +79,9 @@ def simulate(
 ) -> Result:
     """Deploy a scene and return what happened, in memory or in the file that `save` names.
 
-    rigid, flexible: bodies by name, "all" for every one; others are what the scene says. until: end time, s.
-    tolerance: relative accuracy, by default that of the scene. step: a constant communication step size, s. order:
-    2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
+    rigid, flexible, large_deformation: bodies by name, "all" for every one; others are what the scene says. until:
+    end time, s. tolerance: relative accuracy, by default that of the scene. step: a constant communication step size,
+    s. order: 2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
     need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
     gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. isolate: every
     FMU in a process of its own. estimate: tell the errors of headline numbers, for half the cost of the run. refine:
@@ -96,6 +97,7 @@ def simulate(
     options = Options(
         rigid=frozenset(listed(rigid)),
         flexible=frozenset(listed(flexible)),
+        large_deformation=frozenset(listed(large_deformation)),
         until=in_si(until, "s", "until"),
         tolerance=tolerance,
         step=in_si(step, "s", "step"),
@@ -146,6 +148,7 @@ def check_scene(
     *,
     rigid: Names = (),
     flexible: Names = (),
+    large_deformation: Names = (),
 ) -> SceneCheck:
     """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
 
@@ -157,7 +160,7 @@ def check_scene(
 
     try:
         checked = load(scene, variant, settings).check_one_run()
-        return look_at(checked, listed(rigid), listed(flexible))
+        return look_at(checked, listed(rigid), listed(flexible), listed(large_deformation))
     except SceneError as error:
         return SceneCheck(scene.name if isinstance(scene, Scene) else Path(scene).stem, tuple(error.problems))
 

@@ -116,8 +116,9 @@ class Geometry:
 
 @dataclass(frozen=True, slots=True)
 class Assembly:
-    """A scene at one fidelity, ready to become FMUs or in-process components; `flexible` names modal bodies.
+    """A scene at one fidelity, ready to become FMUs or in-process components.
 
+    flexible: names of modal bodies; large_deformation: of beams.
     driving_energy (J): what motorisation springs give on the way to the latch angles.
     """
 
@@ -135,3 +136,4 @@ class Assembly:
     driving_energy: float = 0.0
     geometry: Mapping[str, Geometry] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
+    large_deformation: tuple[str, ...] = ()

@@ -2,53 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from components import ComponentError
-from components.contract.frames import add, rotate
+from components.contract.component import Vector
+from components.contract.frames import add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
-from ..scene.bodies import StartPose, attachments, base_model, body_model, scene_points
-from ..scene.body_tables import Body
+from ..scene.bodies import StartPose, attachments, base_model, body_model, motions, moved, scene_points
+from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
+from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import Piece, held_bodies, joined, joined_geometry, joined_model, pieces
 from ..scene.loops.closing import start_poses
+from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
+from . import HingeLine as AssemblyHingeLine
+from .beams import beam_part
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
+from .fidelities import choose_fidelity
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
 from .start_values import with_port_starts
-
-
-def choose_fidelity(
-    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]
-) -> dict[str, bool]:
-    """Whether each body is flexible: its default, unless named (or meant by "all") in one of the two sets."""
-    bodies = {body.name: body for body in scene.bodies}
-    problems = [
-        f"{scene.file}: there is no body {name!r}; bodies are {', '.join(bodies)}"
-        for name in sorted({*rigid, *flexible} - {*bodies, "all"})
-    ]
-    to_rigid = set(bodies) if "all" in rigid else set(rigid)
-    entries = {name for name, body in bodies.items() if body.can_bend}
-    to_flexible = entries if "all" in flexible else set(flexible)
-    for name in bodies:
-        if name in to_rigid and name in to_flexible:
-            problems.append(f"{scene.file}: body.{name}: it cannot be both rigid and flexible")
-        if name in to_flexible - entries:
-            problems.append(
-                f"{scene.file}: body.{name}: only a body of the catalogue, or with a panel or frame, can be flexible"
-            )
-    if problems:
-        raise SceneError(problems)
-    return {
-        name: name in to_flexible or (body.flexible and name not in to_rigid) for name, body in bodies.items()
-    }
 
 
 def assemble(
@@ -56,44 +37,41 @@ def assemble(
     rigid: Collection[str] = (),
     flexible: Collection[str] = (),
     wrench_mode: WrenchMode = "mean",
+    large_deformation: Collection[str] | None = (),
 ) -> Assembly:
-    """Parts, links and hinge lines of a scene at the given fidelity; SceneError for impossible fidelities."""
+    """Parts, links and hinge lines of a scene at the given fidelity; SceneError for impossible fidelities.
+
+    large_deformation: None for linear analyses, which take beams of large deformation as flexible bodies.
+    """
     held = held_bodies(scene)
-    chosen = choose_fidelity(scene, rigid, flexible)
-    is_flexible = {name: chosen[name] and name not in held for name in chosen}
-    models = {body.name: _model(scene, body, is_flexible[body.name]) for body in scene.bodies}
+    chosen = choose_fidelity(scene, rigid, flexible, large_deformation or ())
+    is_flexible = {name: chosen[name] != "rigid" and name not in held for name in chosen}
+    beams = {
+        body.name: body
+        for body in scene.bodies
+        if chosen[body.name] == "large_deformation"
+        and large_deformation is not None
+        and body.name not in held
+    }
+    models = {
+        body.name: _model(scene, body, is_flexible[body.name])
+        for body in scene.bodies
+        if body.name not in beams
+    }
     poses = start_poses(scene, scene_points(scene))
-    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
-    found += [port for line in scene.hinge_lines for port in stop_attachments(line)]
-    parts_of_bodies: list[Part] = []
-    links: list[Link] = []
-    geometry: dict[str, Geometry] = {}
-    for piece in pieces(scene, found, poses).values():
-        part, shown = _piece_part(scene, piece, models, poses)
-        parts_of_bodies.append(part)
-        links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
-        geometry |= {piece.root: shown} if len(shown.positions) else {}
+    parts_of_bodies, links, geometry = _placed_parts(scene, models, beams, poses)
     if not links:
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
     connections = _connection_parts(scene, is_flexible, wrench_mode)
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
-    roots = joined(scene)
-    hinge_lines = tuple(
-        assembly_line(
-            line,
-            line_latch(scene, line, is_flexible, wrench_mode),
-            is_flexible,
-            (roots[line.inboard], roots[line.outboard]),
-            rotate(poses[line.inboard].orientation, line.axis),
-        )
-        for line in lines
-    )
+    hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode, poses)
     return Assembly(
         name=header.name,
         scene_tree=scene.tree,
-        flexible=tuple(name for name, modal in is_flexible.items() if modal),
+        flexible=tuple(name for name, bends in is_flexible.items() if bends and name not in beams),
+        large_deformation=tuple(beams),
         parts=parts,
         links=tuple(links),
         hinge_lines=hinge_lines,
@@ -105,6 +83,52 @@ def assemble(
         driving_energy=sum(line.motor_energy for line in lines),
         geometry=geometry,
         events=assembly_events(scene, parts, hinge_lines),
+    )
+
+
+def _placed_parts(
+    scene: CheckedScene,
+    models: Mapping[str, ModalData],
+    beams: Mapping[str, Body],
+    poses: Mapping[str, StartPose],
+) -> tuple[list[Part], list[Link], dict[str, Geometry]]:
+    """Bodies where they start and with the rates that they start with, their links, and what pictures need."""
+    rates = start_rates(scene, scene_points(scene), poses)
+    found = list(attachments(scene.hinge_lines, scene.loops, scene.dampers, scene.connections))
+    found += [port for line in scene.hinge_lines for port in stop_attachments(line)]
+    parts: list[Part] = []
+    links: list[Link] = []
+    geometry: dict[str, Geometry] = {}
+    for piece in pieces(scene, found, poses).values():
+        if piece.root in beams:
+            part, shown = beam_part(scene, beams[piece.root], piece, poses)
+            center = body_model(beams[piece.root], flexible=False).center_of_mass
+        else:
+            part, shown = _piece_part(scene, piece, models, poses)
+            center = part.structure.get("modal", {}).get("center_of_mass")
+        parts.append(_moving_at_start(part, center, rates.get(piece.root)))
+        links += [Link((piece.root, site.name), site.connection) for site in piece.sites]
+        geometry |= {piece.root: shown} if len(shown.positions) else {}
+    return parts, links, geometry
+
+
+def _assembly_lines(
+    scene: CheckedScene,
+    lines: Sequence[HingeLine],
+    is_flexible: Mapping[str, bool],
+    mode: WrenchMode,
+    poses: Mapping[str, StartPose],
+) -> tuple[AssemblyHingeLine, ...]:
+    roots = joined(scene)
+    return tuple(
+        assembly_line(
+            line,
+            line_latch(scene, line, is_flexible, mode),
+            is_flexible,
+            (roots[line.inboard], roots[line.outboard]),
+            rotate(poses[line.inboard].orientation, line.axis),
+        )
+        for line in lines
     )
 
 
@@ -129,12 +153,14 @@ def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:
 def _piece_part(
     scene: CheckedScene, piece: Piece, models: Mapping[str, ModalData], poses: Mapping[str, StartPose]
 ) -> tuple[Part, Geometry]:
-    """A body or joined piece, at rest where it starts, and what a picture of it needs."""
+    """A body or joined piece where it starts, and what a picture of it needs."""
     base = base_model(scene.base)
     own = {name: models[name] for name in piece.bodies if name in models}
+    if (motion := motions(scene).get(piece.root)) is not None:
+        return _moving_part(scene, piece, motion, poses), _geometry(*joined_geometry(piece, own))
     if piece.root == scene.base.name:
         if base is None:
-            return _fixed_part(scene, piece, poses), _geometry(*joined_geometry(piece, own))
+            return _fixed_part(scene, piece), _geometry(*joined_geometry(piece, own))
         own = {scene.base.name: base, **own}
     model = joined_model(piece, own) if piece.is_joined else own[piece.root]
     ports = [
@@ -158,16 +184,48 @@ def _piece_part(
     return Part(piece.root, "body", structure, start), shown
 
 
+def _moving_at_start(part: Part, center: Vector | None, rates: Vector | None) -> Part:
+    """A body with the velocities of its centre of mass that its rates (6,) give it; what follows a law has none."""
+    if rates is None or center is None:
+        return part
+    w, x, y, z = np.ravel(part.start["initial_orientation"]).tolist()
+    velocity = rates[:3] + np.cross(rates[3:], rotation_matrix((w, x, y, z)) @ np.ravel(center))
+    start = {
+        "initial_velocity": tuple(velocity.tolist()),
+        "initial_angular_velocity": tuple(rates[3:].tolist()),
+    }
+    return replace(part, start={**part.start, **start})
+
+
 def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
     return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _fixed_part(scene: CheckedScene, piece: Piece, poses: Mapping[str, StartPose]) -> Part:
+def _fixed_part(scene: CheckedScene, piece: Piece) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
+    return Part(piece.root, "fixed_base", {"ports": _frame_ports(scene, piece)}, {})
+
+
+def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mapping[str, StartPose]) -> Part:
+    """What follows a motion; loads are about its pivot."""
+    back = (-law.value(0.0) for law in motion.laws)
+    frame = moved(poses[piece.root], motion, *back)
+    structure = {
+        **motion.model_dump(),
+        "ports": _frame_ports(scene, piece),
+        "position": frame.position,
+        "orientation": frame.orientation,
+        "is_base": piece.root == scene.base.name,
+    }
+    return Part(piece.root, "moving_base", structure, {})
+
+
+def _frame_ports(scene: CheckedScene, piece: Piece) -> list[dict[str, Any]]:
+    """Ports of a piece in the axes of its root."""
     points = scene_points(scene)
     ports = []
     for site in piece.sites:
         body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
         at = piece.poses[body].place(points[body][point])
         ports.append({"name": site.name, "position": add(at, site.offset), "orientation": site.orientation})
-    return Part(piece.root, "fixed_base", {"ports": ports}, {})
+    return ports

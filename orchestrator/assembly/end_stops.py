@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import cos, pi, sin
 
-from components.contract.frames import Vector3, add, cross, scaled
+from components.contract.frames import Vector3, add, cross, dot, norm, scaled, subtract
 
 from ..scene.bodies import Attachment
 from ..scene.component_connections import WrenchMode
@@ -64,6 +64,9 @@ def _pads(hinge: str) -> tuple[tuple[str, float], ...]:
 
 
 def _in_plane(axis: Vector3) -> tuple[Vector3, Vector3]:
-    """Two directions normal to an axis of the frame, such that the line turns the first into the second."""
-    along = (abs(axis[2]), abs(axis[0]), abs(axis[1]))
+    """Two directions normal to an axis, such that the line turns the first into the second."""
+    largest = max(range(3), key=lambda i: abs(axis[i]))
+    x, y, z = (float(i == (largest + 1) % 3) for i in range(3))
+    normal = subtract((x, y, z), scaled(dot(axis, (x, y, z)), axis))
+    along = scaled(1.0 / norm(normal), normal)
     return along, cross(axis, along)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 from components import LAGGED, REGISTRY, Component, ComponentError, Quantity
@@ -115,7 +115,7 @@ class _EventReader:
                     continue
                 quantity = _tunable(name, component, part.kind)
                 value = in_range(quantity, given, value_of(quantity, given))
-                _check_motor(part, name, value)
+                _check_motor(part, name, value, variables)
             except (ComponentError, ValueError) as error:
                 self.problems.append(f"{key}.{name}: {error}")
                 continue
@@ -163,8 +163,14 @@ def _scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Q
     return quantities[base], int(number or 1) - 1
 
 
-def _check_motor(part: Part, name: str, value: object) -> None:
-    """ValueError where a torque of a motor is taken away that it does not have."""
+def _check_motor(part: Part, name: str, value: object, set_with: Collection[str]) -> None:
+    """ValueError where a torque of a motor is taken away that it does not have, or a spring wound up that is none."""
+    if (
+        name == "motor_wind_up"
+        and not part.start.get("motor_stiffness")
+        and "motor_stiffness" not in set_with
+    ):
+        raise ValueError("has no effect, as the motor is no spring; set its motor_stiffness with it")
     if name in _MOTORS and not value and not part.start.get(name):
         raise ValueError(f"is nothing already; what drives this hinge is {_MOTORS[name]}, if anything does")
 

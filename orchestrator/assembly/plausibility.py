@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import degrees
+from math import degrees, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from components.contract.frames import Vector3, dot, norm, subtract
+from components.flexible.plate import Panel
 
-from ..scene.bodies import body_definition
-from ..scene.body_tables import Inertial
+from ..scene.bodies import body_definition, scene_points
+from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.schema import CheckedScene
 
@@ -19,6 +20,14 @@ _ANGLES = 181
 """Places on a line's way that are looked at."""
 _THICK = 0.2
 """Thickness of a plate over its shorter side, from which on plate theory does not hold by far."""
+_FLAT = 1e-3
+"""rad; how far from half a turn two panels are still folded onto each other."""
+_STUBBY = 0.5
+"""Thickness of a beam over its length, from which on it is none."""
+_SLACK = 0.01
+"""Hz, of a free beam's first bending: ropes and hoses bend so slowly, no boom does."""
+_FIRST_BENDING = 22.3733
+"""Square of the first wave number of a free beam times its length, 4.730^2."""
 _DENSEST = 22_600.0
 """kg/m3, of osmium: nothing is denser."""
 _BEYOND_POINTS = 5.0
@@ -31,9 +40,11 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_unstopped(scene),
         *_without_friction(scene),
         *_held_by_friction(scene),
+        *_through_one_another(scene),
         *_unlike_travels(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
+        *_unlikely_beams(scene),
     ]
 
 
@@ -66,7 +77,8 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
         given = np.array([line.motor_law.value(angle) for angle in angles.tolist()])
         taken = np.full(_ANGLES, line.friction_preload)
         if line.harness is not None:
-            taken += np.interp(angles, line.harness.angle, line.harness.resisting_torque)
+            opening = line.harness.opening_law
+            taken -= np.array([opening.value(angle) for angle in angles.tolist()])
         short = np.flatnonzero(given < taken)
         if short.size:
             k = int(short[0])
@@ -74,6 +86,28 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
                 f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
                 f"friction and harness take {taken[k]:.4g} N.m; unless something else drives it, it stops there"
             )
+
+
+def _through_one_another(scene: CheckedScene) -> Iterator[str]:
+    """Panels folded onto each other by a line on those faces of theirs that are not the ones that part as it opens."""
+    points, panels = scene_points(scene), {body.name for body in scene.bodies if _panel(body) is not None}
+    for line in scene.hinge_lines:
+        folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
+        if line.held or not folded or not {line.inboard, line.outboard} <= panels:
+            continue
+        first = line.hinges[0]
+        apart = points[line.inboard][first.inboard][2] + points[line.outboard][first.outboard][2]
+        if apart * line.axis[1] < 0.0:
+            side = "above" if apart > 0.0 else "below"
+            yield (
+                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} (along "
+                "its z) and opens to the other side, through it; change the sign of panel.hinge_line_offsets there, or "
+                "of axis"
+            )
+
+
+def _panel(body: Body) -> Panel | None:
+    return None if body.rigid is not None else body_definition(body).panel
 
 
 class Travels(NamedTuple):
@@ -157,7 +191,7 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
 def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
     """Panels that are no plates, or denser than any material, by the thickness that their stiffnesses tell."""
     for body in scene.bodies:
-        panel = None if body.rigid is not None else body_definition(body).panel
+        panel = _panel(body)
         if panel is None:
             continue
         plate, key = panel.plate, f"body.{body.name}"
@@ -174,4 +208,26 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
                 "material; check the units of areal_mass and of thickness"
+            )
+
+
+def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
+    """Beams that are as thick as long, or bend like a rope, by what their stiffnesses tell."""
+    for body in scene.bodies:
+        beam = None if body.beam is None else body_definition(body).beam
+        if beam is None:
+            continue
+        section, length, key = beam.section, beam.axis.length, f"body.{body.name}.beam"
+        thickness = float(np.sqrt(12.0 * max(section.bending_y, section.bending_z) / section.axial))
+        if thickness > _STUBBY * length:
+            yield (
+                f"{key}: its stiffness is that of a bar of {thickness:.3g} m, and it is {length:.3g} m long: beam "
+                "theory does not hold for it; check the units of its section"
+            )
+        bending = min(section.bending_y, section.bending_z)
+        first = _FIRST_BENDING / (2.0 * np.pi) * np.sqrt(bending / (section.line_mass * length**4))
+        if first < _SLACK:
+            yield (
+                f"{key}: free, it would bend at {first:.2g} Hz, as a rope does; check the units of its section and of "
+                "youngs_modulus"
             )

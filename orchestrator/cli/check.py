@@ -11,7 +11,7 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, scene_options
+from .options import SceneChoice, large_deformation_option, scene_options
 
 if TYPE_CHECKING:
     from ..analysis.scene_check import SceneCheck
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 @click.command("check")
 @click.argument("what", nargs=-1, required=True, metavar="SCENE | FMU...")
 @scene_options
+@large_deformation_option
 @click.option(
     "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the picture of a scene."
 )
@@ -31,6 +32,7 @@ def command(
     settings: tuple[str, ...],
     rigid: frozenset[str],
     flexible: frozenset[str],
+    large_deformation: frozenset[str],
     output: Path | None,
     as_json: bool,
     run: bool,
@@ -47,7 +49,7 @@ def command(
     if len(what) > 1:
         raise click.UsageError("give one scene, or FMUs only")
     choice = SceneChoice(what[0], variants, settings, rigid, flexible)
-    sys.exit(1 if _check_scene(choice, output, as_json) else 0)
+    sys.exit(1 if _check_scene(choice, large_deformation, output, as_json) else 0)
 
 
 def _check_fmus(paths: list[str], run: bool) -> bool:
@@ -67,11 +69,16 @@ def _check_fmus(paths: list[str], run: bool) -> bool:
     return found
 
 
-def _check_scene(choice: SceneChoice, folder: Path | None, as_json: bool) -> bool:
+def _check_scene(
+    choice: SceneChoice, large_deformation: frozenset[str], folder: Path | None, as_json: bool
+) -> bool:
     """Print what there is to say of every run of a scene; whether there is any problem."""
     try:
         runs = choice.load().runs
-        found = {phase: fanfold.check_scene(scene, **choice.fidelities) for phase, scene in runs.items()}
+        found = {
+            phase: fanfold.check_scene(scene, **choice.fidelities, large_deformation=large_deformation)
+            for phase, scene in runs.items()
+        }
         problems = [problem for one in found.values() for problem in one.problems]
     except fanfold.FanfoldError as error:
         found, problems = {}, str(error).splitlines()

@@ -1,4 +1,4 @@
-"""`fanfold export`: the components of a scene as FMUs."""
+"""`fanfold export` and `export-body`: the components of a scene as FMUs, a body of it as finite elements."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, scene_choice
+from .options import SceneChoice, backend_option, large_deformation_option, layered_scene, scene_choice
+from .types import Count
 
 if TYPE_CHECKING:
     from fmus import Backend, FmiVersion
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 @click.command("export")
 @scene_choice
+@large_deformation_option
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder."
 )
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 @backend_option
 def command(
     choice: SceneChoice,
+    large_deformation: frozenset[str],
     output: Path,
     wrench_mode: WrenchMode,
     fmi: FmiVersion,
@@ -50,6 +53,7 @@ def command(
         choice.load(),
         output,
         **choice.fidelities,
+        large_deformation=large_deformation,
         wrench_mode=wrench_mode,
         fmi=fmi,
         sources=sources,
@@ -65,3 +69,18 @@ def command(
             click.echo(
                 f"advised communication step: {float(step):g} s, for tools that do not iterate", err=True
             )
+
+
+@click.command("export-body")
+@layered_scene
+@click.argument("body")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), required=True,
+    help="File that ends with .npz or .op4.",
+)  # fmt: skip
+@click.option("--modes", type=Count(min=0), help="Fixed-interface modes; by default those of the scene.")
+def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None) -> None:
+    """Write BODY of SCENE as a Craig-Bampton model, and print the entry of a scene file that has it from there."""
+    found = fanfold.export_body(choice.load(), body, output, modes=modes)
+    click.echo(f"# {found.path}")
+    click.echo(found.to_toml(), nl=False)

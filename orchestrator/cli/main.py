@@ -100,3 +100,4 @@ def analyse_group() -> None:
 
 for _command in (cache, check, compare, export, listing, plot, report, resume, run):
     main.add_command(_command.command)
+main.add_command(export.body_command)

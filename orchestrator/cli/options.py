@@ -107,6 +107,14 @@ def _fidelity_options(command: Command) -> Command:
     return command
 
 
+def large_deformation_option(command: Command) -> Command:
+    """The third fidelity, for commands that are no linear analyses."""
+    return click.option(
+        "--large-deformation", default="", callback=names, metavar="NAMES",
+        help="Bodies to be geometrically exact beams, by name with commas between, or all that have a beam.",
+    )(command)  # fmt: skip
+
+
 def refuse_idle(option: str, needed: str) -> None:
     """UsageError where an option of the present command is given that acts only together with another."""
     context = click.get_current_context()

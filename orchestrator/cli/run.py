@@ -10,7 +10,7 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, ordered_names, scene_choice
+from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, scene_choice
 from .progress import progress
 from .types import Number, OutputFile, Spacing
 
@@ -29,6 +29,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 
 @click.command("run")
 @scene_choice
+@large_deformation_option
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
@@ -71,6 +72,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(
     choice: SceneChoice,
+    large_deformation: frozenset[str],
     tolerance: float | None,
     until: float | None,
     output: Path | None,
@@ -104,6 +106,7 @@ def command(
         result = fanfold.simulate(
             scene,
             **choice.fidelities,
+            large_deformation=large_deformation,
             until=until,
             tolerance=tolerance,
             step=step,

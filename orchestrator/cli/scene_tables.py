@@ -19,6 +19,8 @@ def scene_tables(found: SceneCheck) -> Iterator[Table]:
         ("mass,\nkg", "size,\nm"),
         map(_body, found.bodies),
     )
+    for name, agreement in found.agreements.items():
+        yield _table(f"agreement of the files of {name}", ("", ""), (), agreement.items())
     if found.lines:
         yield from _line_tables(found)
     if found.loops:

@@ -6,19 +6,23 @@ the last digit, but work that the rotation of a body makes of held wrenches does
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from ctypes import Structure
+from typing import Any
+
 from .energy_balance import Energies
-from .implicit.snapshot import Numbers, plain
+from .implicit.snapshot import Numbers
+from .native.fields import fields
 
-_SHARE = 1e-4
+SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
-_ROUNDED = 1e-12
+ROUNDED = 1e-12
 """Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest."""
-_STEADY = 2.0
-_STEADY_TRIALS = 4
-_ALLOWANCE = 2.0
+STEADY = 2.0
+ALLOWANCE = 2.0
 
 
-class EnergyGuard:
+class EnergyGuard(Structure):
     """Whether the balance of energy of a step is closed well enough for the step to stand.
 
     A jump is measured against the energy in motion: the largest kinetic energy so far, or what changes hands in the
@@ -29,49 +33,58 @@ class EnergyGuard:
     pass from then on, and the recorded residual shows them.
     """
 
+    _fields_ = fields("EnergyGuard")
+    last: Sequence[float]
+    kinetic: float
+    powers: Sequence[float]
+    power: float
+    rounding: float
+    trials: int
+
     def __init__(self, start: Energies) -> None:
-        self._last = start
-        self._kinetic = start.kinetic
-        self._powers: list[float] = []
-        self._power = 0.0
-        self._rounding = 0.0
+        super().__init__(last=tuple(start), kinetic=start.kinetic)
 
     def allows(self, found: Energies, h: float) -> bool:
         """Whether a step of size h (s) from the last accepted one to these energies stands."""
         jump = self._jump(found)
-        if jump <= _SHARE * self._kinetic:
+        if jump <= SHARE * self.kinetic:
             return True
-        known = max(self._power * h, self._rounding, _ROUNDED * sum(map(abs, found)))
-        if not jump > max(_SHARE * self._in_motion(found), known):
+        known = max(self.power * h, self.rounding, ROUNDED * sum(map(abs, found)))
+        if not jump > max(SHARE * self._in_motion(found), known):
             return True
-        self._powers.append(jump / h)
-        trials = self._powers[-_STEADY_TRIALS:]
-        if len(trials) == _STEADY_TRIALS and max(trials) < _STEADY * min(trials):
-            self._power = _ALLOWANCE * max(trials)
-            return True
-        return False
+        powers = [*self.powers[1:], jump / h]
+        self.powers = tuple(powers)
+        self.trials = min(self.trials + 1, len(powers))
+        if self.trials < len(powers) or not max(powers) < STEADY * min(powers):
+            return False
+        self.power = ALLOWANCE * max(powers)
+        return True
 
     def give_in(self, found: Energies) -> None:
         """Let pass from now on what the smallest step leaves open."""
-        self._rounding = _ALLOWANCE * self._jump(found)
+        self.rounding = ALLOWANCE * self._jump(found)
 
     def accept(self, found: Energies) -> None:
         """Take note of the energies that an accepted step ends with."""
-        self._last = found
-        self._kinetic = max(self._kinetic, found.kinetic)
-        self._powers.clear()
+        self.last = tuple(found)
+        self.kinetic = max(self.kinetic, found.kinetic)
+        self.trials = 0
 
-    def numbers(self) -> Numbers:
-        """All that it knows."""
-        return {name: plain(value) for name, value in vars(self).items()}
-
-    def take(self, numbers: Numbers) -> None:
-        """What another guard knew."""
-        vars(self).update(numbers, _last=Energies(**numbers["_last"]))
+    @classmethod
+    def of(cls, numbers: Numbers) -> EnergyGuard:
+        """The one that was made plain numbers."""
+        guard = cls(Energies(*numbers["last"]))
+        Structure.__init__(guard, **{name: _settable(value) for name, value in numbers.items()})
+        return guard
 
     def _jump(self, found: Energies) -> float:
-        return abs(found.balance - self._last.balance)
+        return abs(found.balance - Energies(*self.last).balance)
 
     def _in_motion(self, found: Energies) -> float:
-        exchanged = max(abs(after - before) for after, before in zip(found, self._last, strict=True))
-        return max(self._kinetic, exchanged)
+        exchanged = max(abs(after - before) for after, before in zip(found, self.last, strict=True))
+        return max(self.kinetic, exchanged)
+
+
+def _settable(value: Any) -> Any:  # noqa: ANN401 - a number or a list of them
+    """An array of a structure is set by a tuple."""
+    return tuple(value) if isinstance(value, list) else value

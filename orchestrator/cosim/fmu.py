@@ -42,11 +42,12 @@ from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
 from components import Layout, Quantity
 from components.cache.temporary import process_folder
 from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
+from fmus.archive import undated
 from fmus.binary import cut_short
 
-from .coupling_library import Calls, library
 from .isolation.process import LONGEST_CALL, IsolatedFmu
 from .isolation.process import library as isolation_library
+from .native.library import Calls, library
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
 from .shared_library import library_of, unpack
@@ -69,6 +70,8 @@ _FINITE, _OBSERVED = 4, 7
 _PYTHON = "PythonFMU"
 """Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
 _ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
+_MOST_DESCRIPTIONS = 64
+_descriptions: dict[bytes, tuple[Any, ElementTree.Element | None]] = {}
 
 
 class FmuParticipant:
@@ -111,12 +114,11 @@ class FmuParticipant:
 
     def _load(self, start: Mapping[str, float | Sequence[float]], own: Collection[Path]) -> None:
         """own: binaries that were compiled here."""
-        description = read_model_description(str(self._folder), validate=False)
+        description, annotation = _described(self._folder)
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
         self._serializes = bool(description.coSimulation.canSerializeFMUstate)
-        annotation = ElementTree.parse(self._folder / "modelDescription.xml").find(_ANNOTATION)
         self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and _says(
             annotation, "DirectionalDerivative", "afterStep"
         )
@@ -411,6 +413,20 @@ class FmuParticipant:
                 self._fmu.dll.fmi2FreeInstance(self._component)
             self._component = None
         shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _described(folder: Path) -> tuple[Any, ElementTree.Element | None]:
+    """The model description of an unpacked FMU and Fanfold's annotation in it, those of equal ones read once."""
+    file = folder / "modelDescription.xml"
+    key = undated(file.read_bytes())
+    if key not in _descriptions:
+        if len(_descriptions) >= _MOST_DESCRIPTIONS:
+            _descriptions.clear()
+        _descriptions[key] = (
+            read_model_description(str(folder), validate=False),
+            ElementTree.parse(file).find(_ANNOTATION),
+        )
+    return _descriptions[key]
 
 
 def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any]:

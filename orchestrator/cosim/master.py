@@ -11,6 +11,7 @@ import numpy as np
 from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
 
 from ..assembly import Event, HingeLine
+from . import stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
@@ -41,7 +42,6 @@ _PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
-_BREAK_REACHED = 1e-9  # s, what sums of step sizes may leave
 _LONGEST_SWING = 0.02
 """Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
@@ -57,7 +57,8 @@ class Settings:
     sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
     through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
     snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
-    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it.
+    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it. compiled: whether a run
+    takes `CompiledMaster`.
     """
 
     tolerance: float = 1e-4
@@ -71,6 +72,7 @@ class Settings:
     order: Order | None = None
     snapshot_every: float | None = None
     asked_tolerance: float | None = None
+    compiled: bool = True
     progress: Callable[[float, float], None] = field(default=lambda time, h: None)
 
 
@@ -127,15 +129,15 @@ class Master(CoSimulation):
         self.statistics.sweeps = self._sweeps_before + sweeps
 
     def _step_to_end(self, until: float) -> None:
-        while self.time < until - 1e-12:
+        while self.time < until - stepping.TIME_ROUNDING:
             event = self._scheduled.due(self.time)
             if event is not None:
                 self._happen(event)
                 continue
-            h = self._next_step(until)
-            solution = self._try_step(h)
-            if solution is None:
+            made = self._next_made(until)
+            if made is None:
                 continue
+            h, solution = made
             crossed = self._crossed(h)
             if crossed is not None:
                 found = self._step_to(crossed, h, solution)
@@ -143,7 +145,7 @@ class Master(CoSimulation):
                     continue
                 h, solution = found
                 self._observe(h)
-            is_break = self.time + h >= self._break - _BREAK_REACHED
+            is_break = self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
             if isinstance(crossed, Event):
                 self._happen(crossed)
@@ -188,7 +190,7 @@ class Master(CoSimulation):
             "energy_start": plain(self._energy_start),
             "error_energy": self._error.energy,
             "sizes": plain(self._sizes),
-            "guard": self._guard.numbers(),
+            "guard": plain(self._guard),
             "parts": self._parts,
             "before": self._before,
             "break": self._break,
@@ -224,7 +226,7 @@ class Master(CoSimulation):
         self._energy_start = Energies(**numbers["energy_start"])
         self._error.see(numbers["error_energy"])
         self._sizes = StepSizes(**numbers["sizes"])
-        self._guard.take(numbers["guard"])
+        self._guard = EnergyGuard.of(numbers["guard"])
         self._parts = numbers["parts"]
         self._latched = [stiffened_line_of(one) for one in numbers["latched"]]
         self._watched = [WatchedTorque(**{**one, "axis": tuple(one["axis"])}) for one in numbers["watched"]]
@@ -241,9 +243,9 @@ class Master(CoSimulation):
         else:
             h = self._sizes.size
         # a remainder that is a tiny step would cost accuracy; stretch or share instead
-        if remaining < 1.001 * h:
+        if remaining < stepping.STRETCHED * h:
             return remaining
-        return 0.5 * remaining if remaining < 1.5 * h and self._controlled else h
+        return 0.5 * remaining if remaining < stepping.SHARED * h and self._controlled else h
 
     def _planned(self) -> tuple[list[float], int]:
         """The plan of the present segment, and where in it we are."""
@@ -257,28 +259,33 @@ class Master(CoSimulation):
     def _controlled(self) -> bool:
         return self.settings.fixed_step is None and self.settings.step_plan is None
 
-    def _try_step(self, h: float) -> Solution | None:
-        """A converged step whose error is accepted, or None with a smaller step size set."""
+    def _next_made(self, until: float) -> tuple[float, Solution] | None:
+        """Size and solution of the next step, if it stands; it is not accepted yet."""
+        h = self._next_step(until)
+        solution = self.solver.solve(self.time, h, self.solver.predicted(self.time, h))
+        return (h, solution) if self._stands(h, solution) else None
+
+    def _stands(self, h: float, solution: Solution) -> bool:
+        """Whether a step converged and its error is accepted; if not, a smaller step size is set."""
         solver = self.solver
-        solution = solver.solve(self.time, h, solver.predicted(self.time, h))
         if not solution.converged:
             if not self._smaller(to_converge=True):
                 raise failure(solver, solution, self.time, h)
             self.statistics.rejected += 1
-            return None
+            return False
         if not self._guard.allows(self._observe(h), h):
             if self._smaller():
                 self.statistics.rejected += 1
-                return None
+                return False
             self._guard.give_in(self._energies)
         if not self._controlled:
             self._parts = max(1, self._parts // 2)
-            return solution
+            return True
         square = solver.error_square(self.time, h, self._error.energy)
         if square is None or self._sizes.judge(self._error(square)):
-            return solution
+            return True
         self.statistics.rejected += 1
-        return None
+        return False
 
     def _smaller(self, *, to_converge: bool = False) -> bool:
         """Make the next step smaller after one that cannot stand; False where that is at an end."""
@@ -381,12 +388,19 @@ class Master(CoSimulation):
             self.segments.append([])
 
     def _record_jump(self, after: float) -> None:
-        """A row with what an event makes of loads, such as the damping of a latch, told as a little later (s)."""
-        self.solver.restore()
-        self._observe(0.0)
+        """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back."""
+        solver = self.solver
+        solver.restore()
+        if solver.solve(self.time, after, solver.accepted).converged:
+            self._observe(after)
+        else:
+            solver.restore()
+            self._observe()
         self.time += after
         self._record(after, 0)
         self.time -= after
+        solver.restore()
+        solver.forget_all()
 
     def _engage(self, line: HingeLine) -> float:
         """Latch a line, and return the step size (s) to go on with.

@@ -14,7 +14,7 @@ import numpy as np
 from components import REGISTRY, Component, ComponentError, FanfoldError, Instance, Layout
 
 from ..assembly import Part
-from .coupling_library import Calls
+from .native.library import Calls
 from .ports import PortPlaces, Width
 
 Vector = np.ndarray[tuple[int], np.dtype[np.float64]]

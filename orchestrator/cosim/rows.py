@@ -9,7 +9,7 @@ import numpy as np
 
 from components import LAGGED, Layout
 
-from .participant import Participant, Vector
+from .participant import Matrix, Participant, Vector
 
 
 class Recorder(Protocol):
@@ -17,6 +17,9 @@ class Recorder(Protocol):
 
     def append(self, time: float, values: Sequence[Vector]) -> None:
         """Observations of every participant, then the scene channels of `SCENE_CHANNELS`."""
+
+    def extend(self, times: Vector, rows: Matrix) -> None:
+        """Several such rows (n, values), at their times (n,)."""
 
     def event(self, time: float, component: str, text: str) -> None:
         """Something switched."""
@@ -30,7 +33,8 @@ def recorded_layout(layout: Layout) -> Layout:
 class Rows:
     """Hands observations and scene channels on to a recorder, each accepted step's when the next one is known.
 
-    observations: of all participants in order; scene: channels. Both are read when a row comes.
+    observations: of all participants in order; scene: channels. Both are read when a row comes. recorded: places of
+    observations that are recorded; corrections (n, 2): of those that a held one takes, and of what it corrects.
     """
 
     def __init__(
@@ -44,8 +48,10 @@ class Rows:
         self._slices = [
             slice(a, a + recorded_layout(layout).size) for a, layout in zip(first, layouts, strict=False)
         ]
+        self.recorded = np.concatenate([np.arange(s.start, s.stop, dtype=np.uintp) for s in self._slices])
         pairs = [pair for a, layout in zip(first, layouts, strict=False) for pair in _pairs(a, layout)]
-        self._known, self._corrected = np.array(pairs, dtype=int).reshape(-1, 2).T
+        self.corrections = np.array(pairs, dtype=np.uintp).reshape(-1, 2)
+        self._known, self._corrected = self.corrections.T
 
     def add(self, time: float) -> None:
         """A row that stands as it is."""
@@ -71,10 +77,19 @@ class Rows:
         """What is held back: time, None for nothing, observations and channels."""
         return self._time, *self._held
 
+    def held_since(self, time: float | None) -> None:
+        """What is held back is of this time, None for nothing."""
+        self._time = time
+
     def take(self, time: float | None, observations: Vector, scene: Vector) -> None:
         """Hold such back."""
         self._time = time
         self._held[0][:], self._held[1][:] = observations, scene
+
+    def extend(self, times: Vector, rows: Matrix) -> None:
+        """Hand on rows that were made elsewhere, all of them before the one held."""
+        if len(times):
+            self._recorder.extend(times, rows)
 
     def _append(self, time: float, observations: Vector, scene: Vector) -> None:
         self._recorder.append(time, [*(observations[part] for part in self._slices), scene])

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from ctypes import Structure
 from math import ceil, floor, log, sqrt
 
 from components import FanfoldError
 
 from .implicit.convergence import Solution
 from .implicit.solver import Solver
+from .native.fields import fields
 from .participant import ParticipantError
 from .ports import Order
 
-_RATIO = sqrt(2.0)
+RATIO = sqrt(2.0)
 _ERROR_SHARE = 0.0025
 _LOOSE = {2: 0.0, 4: 0.25}
 """Power of the tolerance that the allowed error of a step falls behind above 1e-4, where steps resolve less ringing."""
@@ -22,12 +23,17 @@ _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
 """Below it, largest step and allowed error go with higher powers of the tolerance."""
-_GROWTH_MARGIN = 0.5
-_REJECTED, _REJECTED_STIRRED = 3.0, 10.0
-_FORGET = 0.8
-_STIRRED_STEPS = 3
-_STEPS_AFTER_GROWTH = _STIRRED_STEPS + 1
-_STEPS_AFTER_SHRINKING = 8
+GROWTH_MARGIN = 0.5
+REJECTED, REJECTED_STIRRED = 3.0, 10.0
+FORGET = 0.8
+STIRRED_STEPS = 3
+STEPS_AFTER_GROWTH = STIRRED_STEPS + 1
+STEPS_AFTER_SHRINKING = 8
+MOST_LEVELS, MOST_GROWTH = 6, 2
+LEAST_ERROR = 1e-9
+TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may leave
+STRETCHED, SHARED = 1.001, 1.5
+"""Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
 _EVENT_TOLERANCE = 1e-11
 _EVENT_SEARCH = 40
@@ -38,8 +44,7 @@ class StepError(FanfoldError):
     """A step failed at every size: a sentence with the connection, the residual and the time."""
 
 
-@dataclass(slots=True)
-class StepSizes:
+class StepSizes(Structure):
     """The geometric grid of communication step sizes, largest x sqrt(2)^-k, and where we are on it.
 
     A change of step stirs up whatever is stiff, so steps change seldom: an error a little above what is
@@ -48,60 +53,64 @@ class StepSizes:
     they stand unless they are large, and say nothing about the next size.
     """
 
+    _fields_ = fields("StepSizes")
     largest: float
     smallest: float
-    order: Order = 2
-    level: int = 0
-    wait: int = 0
-    stirred: int = 0
-    worst: float = 0.0
+    order: Order
+    level: int
+    wait: int
+    stirred: int
+    worst: float
+
+    def __init__(self, largest: float, smallest: float, order: Order = 2, **others: float) -> None:
+        super().__init__(largest, smallest, order, **others)
 
     @property
     def _per_level(self) -> float:
         """Logarithm of how much the error of a step grows with one level."""
-        return (self.order + 1) * log(_RATIO)
+        return (self.order + 1) * log(RATIO)
 
     @property
     def size(self) -> float:
         """Present step size."""
-        return self.largest * _RATIO**-self.level
+        return self.largest * RATIO**-self.level
 
     def restart(self, size: float, *, stirred: bool = True) -> None:
         """Go to the grid size at or below the given one; not stirred: errors of the first steps count like others."""
-        self.level = max(0, -floor(log(size / self.largest) / log(_RATIO) + 1e-9))
-        self._changed(_STEPS_AFTER_GROWTH)
+        self.level = max(0, -floor(log(size / self.largest) / log(RATIO) + 1e-9))
+        self._changed(STEPS_AFTER_GROWTH)
         if not stirred:
             self.stirred = 0
 
     def shrink(self, levels: int = 2, *, to_converge: bool = False) -> bool:
         """Go down; False where that is below the smallest size, which no accuracy but convergence may go below."""
         self.level += levels
-        self._changed(_STEPS_AFTER_SHRINKING)
+        self._changed(STEPS_AFTER_SHRINKING)
         return self.size >= self.smallest * (_TO_CONVERGE if to_converge else 1.0)
 
     def judge(self, error: float) -> bool:
         """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
         can_shrink = self.size > 2.0 * self.smallest
         stirred = self.stirred > 0
-        if error > (_REJECTED_STIRRED if stirred else _REJECTED) and can_shrink:
-            self.shrink(max(1, min(6, ceil(log(error) / self._per_level))))
+        if error > (REJECTED_STIRRED if stirred else REJECTED) and can_shrink:
+            self.shrink(max(1, min(MOST_LEVELS, ceil(log(error) / self._per_level))))
             return False
         self.wait -= 1
         if stirred:
             self.stirred -= 1
             return True
-        self.worst = max(error, _FORGET * self.worst)
+        self.worst = max(error, FORGET * self.worst)
         if error > 1.0 and can_shrink:
             self.shrink(1)
         elif self.wait <= 0:
-            room = floor(log(_GROWTH_MARGIN / max(self.worst, 1e-9)) / self._per_level)
+            room = floor(log(GROWTH_MARGIN / max(self.worst, LEAST_ERROR)) / self._per_level)
             if room >= 1 and self.level > 0:
-                self.level = max(0, self.level - min(room, 2))
-                self._changed(_STEPS_AFTER_GROWTH)
+                self.level = max(0, self.level - min(room, MOST_GROWTH))
+                self._changed(STEPS_AFTER_GROWTH)
         return True
 
     def _changed(self, wait: int) -> None:
-        self.wait, self.stirred, self.worst = wait, _STIRRED_STEPS, 0.0
+        self.wait, self.stirred, self.worst = wait, STIRRED_STEPS, 0.0
 
 
 def _allowed(tolerance: float, order: Order) -> float:
@@ -111,7 +120,7 @@ def _allowed(tolerance: float, order: Order) -> float:
     return float(12.0 * _ERROR_SHARE * tolerance * ratio**power)
 
 
-class ErrorEstimate:
+class ErrorEstimate(Structure):
     """Local error of a step from how far its mean wrench lies off the line through the last two, or off its slopes.
 
     The mean over the step errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work such
@@ -122,10 +131,14 @@ class ErrorEstimate:
     so that errors, which go with h^n where those of a step go with h^(n + 1), follow the tolerance.
     """
 
+    _fields_ = fields("ErrorEstimate")
+    allowed: float
+    resolved: float
+    energy: float
+
     def __init__(self, tolerance: float, stored: float, driving: float = 0.0, order: Order = 2) -> None:
-        self._allowed = _allowed(tolerance, order)
-        self._resolved = _allowed(tolerance, 2)
-        self.energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
+        energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
+        super().__init__(_allowed(tolerance, order), _allowed(tolerance, 2), energy)
 
     @property
     def resolved_angle(self) -> float:
@@ -133,7 +146,7 @@ class ErrorEstimate:
 
         By order 2, at order 4 as well: what an event starts is no smoother.
         """
-        return float(self._resolved ** (1.0 / 3.0))
+        return float(self.resolved ** (1.0 / 3.0))
 
     def see(self, kinetic: float) -> None:
         """Take note of the kinetic energy (J)."""
@@ -141,7 +154,7 @@ class ErrorEstimate:
 
     def __call__(self, square: float) -> float:
         """Error over what is allowed, from the square of the relative error that the wrenches h^2 u'' make."""
-        return sqrt(square) / self._allowed
+        return sqrt(square) / self.allowed
 
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import product
 from operator import attrgetter
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from components.contract.roles import INTERFACE_LOAD, LOAD
+from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
-from .key_figures import latch_times, line_latch_torque, peak
+from .key_figures import POINT_PEAKS, latch_times, line_latch_torque, peak
+from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import Peak
@@ -72,11 +74,12 @@ class Comparison:
 
 
 def compare(a: Result, b: Result) -> Comparison:
-    """Latch events and latch torques by hinge line, then peaks of loads by component.
+    """Latch events and latch torques by hinge line, then peaks of attitude and loads by component and point.
 
     What is zero or round-off in both is left out.
     """
-    loads = (row for row in _with_noise(list(_load_rows(a, b))) if not _is_nothing(row))
+    told = [*_load_rows(a, b), *_point_rows(a, b)]
+    loads = (row for row in _with_noise(told) if not _is_nothing(row))
     rows = (*_latch_rows(a, b), *_torque_rows(a, b), *loads)
     return Comparison(rows, _only_in(a, b), _only_in(b, a))
 
@@ -95,8 +98,9 @@ def in_either(first: Sequence[T], second: Sequence[T]) -> list[T]:
 
 
 def loads(a: Result, b: Result) -> list[tuple[str, str]]:
-    """Components and variables of the loads of either result, those of the spacecraft first."""
-    return in_either(*(result.in_role(INTERFACE_LOAD) + result.in_role(LOAD) for result in (a, b)))
+    """Components and variables of attitude and loads of either result, those of the spacecraft first."""
+    roles = (ATTITUDE, INTERFACE_LOAD, LOAD)
+    return in_either(*(tuple(of for role in roles for of in result.in_role(role)) for result in (a, b)))
 
 
 def _latch_rows(a: Result, b: Result) -> Iterator[Compared]:
@@ -127,11 +131,24 @@ def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
             yield _compared(f"{words} peak", of, known.unit(name, variable), *peaks)
 
 
+def _point_rows(a: Result, b: Result) -> Iterator[Compared]:
+    """Magnitudes of the loads at single ports of the spacecraft and at hinges between bodies."""
+    kinds = (("port", port_loads), ("hinge", hinge_loads))
+    for (what, vectors_of), (load, unit) in product(kinds, (("force", "N"), ("torque", "N.m"))):
+        found = [vectors_of(result, unit) for result in (a, b)]
+        for name in in_either(*(tuple(vectors) for vectors in found)):
+            peaks = [
+                peak(result, np.linalg.norm(vectors[name], axis=1)) if name in vectors else None
+                for result, vectors in zip((a, b), found, strict=True)
+            ]
+            yield _compared(f"{what} {load} peak", name, unit, *peaks)
+
+
 def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:
-    """The rows, what is round-off marked: beside all loads of the same component and unit in the same result."""
+    """The rows, what is round-off marked: beside all of the same component, or points, and unit in the same result."""
 
     def group(row: Compared) -> tuple[str, str]:
-        return row.of.partition(" ")[0], row.unit
+        return row.quantity if row.quantity in POINT_PEAKS else row.of.partition(" ")[0], row.unit
 
     floors = {
         key: [

@@ -63,8 +63,10 @@ def distinctions(a: Result, b: Result) -> tuple[str, str]:
 def _asked_for(result: Result) -> dict[str, str]:
     """Texts by key."""
     known = result.provenance
-    flexible = json_of(known.get("flexible", "[]"))
-    found = {"flexible": ", ".join(map(str, flexible)) or "none" if isinstance(flexible, list) else ""}
+    found = {}
+    for fidelity in ("flexible", "large_deformation"):
+        names = json_of(known.get(fidelity, "[]"))
+        found[fidelity] = ", ".join(map(str, names)) or "none" if isinstance(names, list) else ""
     found |= {name: known[name] for name in _SETTINGS if name in known}
     tree = json_of(known.get("scene_tree", "{}"))
     found |= {key: text for key, text in _leaves("", tree) if key not in _DESCRIPTIVE}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Literal, NamedTuple
 
 from .result import Result, ResultError
 
@@ -15,7 +15,9 @@ ESTIMATED_ERRORS = "estimated_errors"
 MOST_TOLERANCES = 10.0
 """What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
-_VOUCHED_FOR = ("latch time", "latch impulse", "latch torque peak", *_LOADS)
+OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
+PROMISED = (*OF_LATCHES, *_LOADS)
+"""Quantities that a run vouches for, or says that it does not."""
 
 
 class EstimatedError(NamedTuple):
@@ -79,23 +81,38 @@ def doubts(
 
 
 def largest_shares(
-    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
+    numbers: Sequence[tuple[Key, float]],
+    errors: Mapping[Key, EstimatedError],
+    quantities: Collection[str] = PROMISED,
 ) -> EstimatedError:
-    """The largest errors of what a run promises over the sizes that they are judged by; 0 where there are none."""
-    shares = [
-        EstimatedError(*(e / size for e in errors[key])) for key, size in _sizes(numbers, errors) if size
-    ]
+    """The largest errors of promised quantities over the sizes that they are judged by; 0 where there are none."""
+    shares = _shares(numbers, errors, quantities).values()
     return EstimatedError(
         max((share.likely for share in shares), default=0.0),
         max((share.most for share in shares), default=0.0),
     )
 
 
-def least_sure(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]) -> str:
-    """In words the number whose likely error is the largest of what a run promises, over its size."""
-    shares = {key: errors[key].likely / size for key, size in _sizes(numbers, errors) if size}
-    quantity, of = max(shares, key=lambda key: shares[key])
-    return f"the {quantity} of {of}"
+def least_sure(
+    numbers: Sequence[tuple[Key, float]],
+    errors: Mapping[Key, EstimatedError],
+    quantities: Collection[str] = PROMISED,
+    by: Literal["likely", "most"] = "likely",
+) -> tuple[str, EstimatedError]:
+    """In words the number with the largest error of promised quantities, and both its errors over its size."""
+    shares = _shares(numbers, errors, quantities)
+    quantity, of = max(shares, key=lambda key: float(getattr(shares[key], by)))
+    return f"the {quantity} of {of}", shares[quantity, of]
+
+
+def _shares(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], quantities: Collection[str]
+) -> dict[Key, EstimatedError]:
+    return {
+        key: EstimatedError(*(e / size for e in errors[key]))
+        for key, size in _sizes(numbers, errors)
+        if size and key[0] in quantities
+    }
 
 
 def _sizes(
@@ -106,5 +123,5 @@ def _sizes(
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
     }
     for key, value in numbers:
-        if key[0] in _VOUCHED_FOR and key in errors:
+        if key[0] in PROMISED and key in errors:
             yield key, largest.get(key[0], abs(value))

@@ -8,20 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from math import degrees
+from math import copysign, degrees, sqrt
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from components import SUPPLIED_ENERGY
-from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD, PORT_LOAD
+from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .lines.latch_impulse import latch_impulse
 from .lines.straying import Overrun, bent, folded_back, is_released, overruns
+from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH, Peak
@@ -29,8 +30,8 @@ from .signal import EVENT_WIDTH, Peak
 Vector = NDArray[np.float64]
 T = TypeVar("T")
 
-PORT_PEAKS = ("port force peak", "port torque peak")
-"""Headline numbers of the loads at single ports of the base."""
+POINT_PEAKS = ("port force peak", "port torque peak", "hinge force peak", "hinge torque peak")
+"""Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
 
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
@@ -70,8 +71,9 @@ class Headline:
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
     magnitude of each component (x, y, z) of what all ports bring onto the base, about its origin in its axes; its own
     inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
-    port. attitude_peaks (rad), attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation
-    vector and angular velocity; attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
+    port; hinge_*_peaks: the same at each hinge between other bodies, on the outboard one. attitude_peaks (rad),
+    attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
+    attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
     (largest, over energy_exchanged; None where there is none): see `energy_ledger`. warnings: sentences on what is
@@ -101,6 +103,8 @@ class Headline:
     bent: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
+    hinge_force_peaks: Mapping[str, float] = field(default_factory=dict)
+    hinge_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     attitude_peaks: tuple[float, ...] = ()
     attitude_at_end: tuple[float, ...] = ()
     attitude_rate_peaks: tuple[float, ...] = ()
@@ -178,10 +182,9 @@ class Headline:
         )
         for quantity, values, unit in vectors:
             yield from (Number(quantity, axis, v, unit) for axis, v in zip("xyz", values, strict=False))
-        for port, force in self.port_force_peaks.items():
-            yield Number(PORT_PEAKS[0], port, force, "N")
-        for port, torque in self.port_torque_peaks.items():
-            yield Number(PORT_PEAKS[1], port, torque, "N.m")
+        for quantity, peaks in _point_peaks(self):
+            unit = "N" if "force" in quantity else "N.m"
+            yield from (Number(quantity, point, load, unit) for point, load in peaks.items())
 
     def _numbers_of_loads(self) -> Iterator[Number]:
         for name, torques in self.torque_peaks.items():
@@ -228,8 +231,10 @@ def headline(result: Result) -> Headline:
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
-        port_force_peaks=_port_peaks(result, "N"),
-        port_torque_peaks=_port_peaks(result, "N.m"),
+        port_force_peaks=_largest_vectors(result, port_loads(result, "N")),
+        port_torque_peaks=_largest_vectors(result, port_loads(result, "N.m")),
+        hinge_force_peaks=_largest_vectors(result, hinge_loads(result, "N")),
+        hinge_torque_peaks=_largest_vectors(result, hinge_loads(result, "N.m")),
         attitude_peaks=_component_peaks(result, ATTITUDE, "rad"),
         attitude_at_end=_last(result, ATTITUDE, "rad"),
         attitude_rate_peaks=_component_peaks(result, ATTITUDE, "rad/s"),
@@ -267,7 +272,7 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
     }
     for number in found.numbers():
         of, floor = number.of, floors.get(number.quantity, floors.get(number.of, 0.0))
-        if (number.quantity, of) in absent or (number.quantity in PORT_PEAKS and number.value <= floor):
+        if (number.quantity, of) in absent or (number.quantity in POINT_PEAKS and number.value <= floor):
             continue
         if number.quantity == "motor energy" and not found.latch_times:
             of = "over the run"
@@ -286,8 +291,7 @@ def _floors(found: Headline) -> dict[str, float]:
         "attitude peak": noise_floor(found.attitude_peaks),
         "attitude at the end": noise_floor(found.attitude_peaks),
         "attitude rate peak": noise_floor(found.attitude_rate_peaks),
-        PORT_PEAKS[0]: noise_floor(found.port_force_peaks.values()),
-        PORT_PEAKS[1]: noise_floor(found.port_torque_peaks.values()),
+        **{quantity: noise_floor(peaks.values()) for quantity, peaks in _point_peaks(found)},
         **{
             name: noise_floor(force for extremes in forces.values() for force in extremes)
             for name, forces in found.force_extremes.items()
@@ -404,9 +408,20 @@ def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> It
     if not np.all(np.diff(time) > 0.0):
         return
     cubic = np.linalg.solve(np.vander((time - left) / scale), values)
-    for root in np.roots(np.polyder(cubic)):
-        if abs(root.imag) < 1e-12 and 0.0 <= root.real * scale <= right - left:
-            yield Peak(float(left + root.real * scale), float(np.polyval(cubic, root.real)))
+    for root in _stationary(*cubic.tolist()):
+        if 0.0 <= root * scale <= right - left:
+            yield Peak(float(left + root * scale), float(np.polyval(cubic, root)))
+
+
+def _stationary(third: float, second: float, first: float, _: float) -> Iterator[float]:
+    """Where the slope of a cubic is zero, by its coefficients; without cancellation."""
+    square = second**2 - 3.0 * third * first
+    if square >= 0.0:
+        larger = -(second + copysign(sqrt(square), second))
+        if third:
+            yield larger / (3.0 * third)
+        if larger:
+            yield first / larger
 
 
 def _vectors(result: Result, role: str, unit: str) -> dict[str, Vector]:
@@ -425,13 +440,15 @@ def _last(result: Result, role: str, unit: str) -> tuple[float, ...]:
     return tuple(float(value) for vector in _vectors(result, role, unit).values() for value in vector[-1])
 
 
-def _port_peaks(result: Result, unit: str) -> dict[str, float]:
-    """Peak magnitudes of the vectors of a base's single ports."""
-    found = _vectors(result, PORT_LOAD, unit)
-    return {
-        variable.rpartition(".")[0]: peak(result, np.linalg.norm(vector, axis=1)).value
-        for variable, vector in found.items()
-    }
+def _largest_vectors(result: Result, loads: Mapping[str, Vector]) -> dict[str, float]:
+    """Peak magnitudes of vectors (N, 3), by the same names."""
+    return {name: peak(result, np.linalg.norm(vector, axis=1)).value for name, vector in loads.items()}
+
+
+def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:
+    """Headline numbers of the loads at single points: what, and magnitudes by point."""
+    of = (found.port_force_peaks, found.port_torque_peaks, found.hinge_force_peaks, found.hinge_torque_peaks)
+    yield from zip(POINT_PEAKS, of, strict=True)
 
 
 def _loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:

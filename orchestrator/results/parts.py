@@ -9,6 +9,8 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from components.contract.roles import LOAD
+
 from ..assembly import Geometry, HingeLine
 
 Vector = NDArray[np.float64]
@@ -32,14 +34,17 @@ _LARGEST: Final = 1e100
 """Beyond it squares overflow, and no quantity of a deployment is."""
 _SIZES: Final = {
     "interface_force": 3, "interface_torque": 3, "frame_position": 3, "frame_orientation": 4, "attitude": 3,
-    "attitude_rate": 3,
+    "attitude_rate": 3, "reaction_force": 3, "reaction_torque": 3, "hinge_force": 3, "hinge_torque": 3,
 }  # fmt: skip
 """Columns of the vectors that pictures and key figures are made of, by the names behind that of a port."""
 _SCALARS: Final = (
     "torque", "energy", "force", "angle", "rate", "tension", "tension_a", "tension_b", "step_size", "iterations",
     "numerical_dissipation", "residual",
 )  # fmt: skip
-"""Endings of the names of the scalars that they are made of, unless they are among the vectors."""
+"""Endings of the names of the scalars that they are made of, unless they are among the vectors.
+
+Loads may have three axes, but for those of contacts, which are looked at touch by touch.
+"""
 
 
 def times(file: Any) -> Vector:  # noqa: ANN401
@@ -72,7 +77,9 @@ def signal(dataset: Any, variable: str, rows: int) -> Vector:  # noqa: ANN401
     if size is not None:
         _refuse(found.shape != (rows, size), f"{variable} must have {size} columns")
     elif variable.endswith(_SCALARS):
-        _refuse(found.ndim != 1, f"{variable} must be one number a row")
+        of_axes = found.shape[1:] == (3,) and variable != "contact_force"
+        is_load = dataset.attrs.get("role") == LOAD
+        _refuse(found.ndim != 1 and not (of_axes and is_load), f"{variable} must be one number a row")
     return found
 
 

@@ -58,6 +58,9 @@ class NoRecorder:
     def append(self, time: float, values: Sequence[Vector]) -> None:
         """Drop a communication point."""
 
+    def extend(self, times: Vector, rows: Vector) -> None:
+        """Drop several."""
+
     def event(self, time: float, component: str, text: str) -> None:
         """Drop an event."""
 
@@ -83,11 +86,18 @@ class MemoryRecorder:
 
     def append(self, time: float, values: Sequence[Vector]) -> None:
         """Add a communication point: one flat array per group, in the order of the groups."""
-        row = len(self._times) % _ROWS
-        if row == 0:
-            self._blocks.append(np.zeros((_ROWS, self._width)))
-        np.concatenate(values, out=self._blocks[-1][row])
-        self._times.append(time)
+        self.extend(np.array([time]), np.concatenate(values)[None])
+
+    def extend(self, times: Vector, rows: Vector) -> None:
+        """Add several points (n,), their values (n, all groups)."""
+        while len(rows):
+            row = len(self._times) % _ROWS
+            if row == 0:
+                self._blocks.append(np.zeros((_ROWS, self._width)))
+            count = min(len(rows), _ROWS - row)
+            self._blocks[-1][row : row + count] = rows[:count]
+            self._times.extend(times[:count].tolist())
+            times, rows = times[count:], rows[count:]
 
     def event(self, time: float, component: str, text: str) -> None:
         """Add an event; the text of a latch-up contains "latch"."""

@@ -120,7 +120,6 @@ class ResultWriter:
             self.path = self.path.resolve()
         width = sum(sum(group.sizes) for group in groups)
         self._buffer = np.zeros((_ROWS, width + 1))
-        self._rows = [row[:-1] for row in self._buffer]
         self._times = self._buffer[:, -1]
         self._start = 0
         self._filled = 0
@@ -209,15 +208,22 @@ class ResultWriter:
 
     def append(self, time: float, values: Sequence[Vector]) -> None:
         """Add a communication point: one flat array per group, in the order of the groups."""
+        self.extend(np.array([time]), np.concatenate(values)[None])
+
+    def extend(self, times: Vector, rows: Vector) -> None:
+        """Add several points (n,), their values (n, all groups)."""
         if self._failure is not None:
             raise self._failure
         with self._lock:
-            k = self._filled
-            np.concatenate(values, out=self._rows[k])
-            self._times[k] = time
-            self._filled = k + 1
-            if k + 1 == _ROWS or self._start + k == 0:
-                self._flush()
+            while len(rows):
+                first = self._filled
+                self._filled = min(first + len(rows), _ROWS)
+                count = self._filled - first
+                self._buffer[first : self._filled, :-1] = rows[:count]
+                self._times[first : self._filled] = times[:count]
+                times, rows = times[count:], rows[count:]
+                if self._filled == _ROWS or self._start + first == 0:
+                    self._flush()
 
     def event(self, time: float, component: str, text: str) -> None:
         """Add an event; the text of a latch-up contains "latch"."""

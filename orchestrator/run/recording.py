@@ -17,11 +17,12 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD, PORT_LOAD
+from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..results.energy_ledger import rows_of_exchange
 from ..results.key_figures import headline, jumps, line_latch_torque, tops
 from ..results.lines.straying import overruns
+from ..results.point_loads import hinge_loads, port_loads
 from ..results.result import Result, Vector
 from ..results.result_file import save
 from ..results.signal import EVENT_WIDTH
@@ -30,7 +31,7 @@ _BESIDE = 7
 """Rows beside an event or a touch: what interpolants at the edge of a smooth stretch go through and are judged by."""
 _AROUND = 3
 """Samples on either side of a high one that its cubics go through or are judged by."""
-_POSE = ("frame_position", "frame_orientation", "modal_coordinate")
+_POSE = ("frame_position", "frame_orientation", "modal_coordinate", "node_position")
 Rows = NDArray[np.int64]
 Key = tuple[str, str]
 
@@ -134,8 +135,9 @@ def _peaked(result: Result) -> Iterator[Vector]:
     yield from (line_latch_torque(result, line) for line in result.hinge_lines)
     for of in result.in_role(INTERFACE_LOAD, ATTITUDE, LOAD):
         yield from result.signal(*of).reshape(result.time.size, -1).T
-    for of in result.in_role(PORT_LOAD):
-        yield np.linalg.norm(result.signal(*of), axis=1)
+    for unit in ("N", "N.m"):
+        for vector in (*port_loads(result, unit).values(), *hinge_loads(result, unit).values()):
+            yield np.linalg.norm(vector, axis=1)
 
 
 def _matches(key: Key, pattern: str) -> bool:

@@ -1,9 +1,11 @@
 """A run whose numbers are likely to miss its tolerance is repeated at a smaller one, until all can be vouched for.
 
-A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster towards
-its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from them: a
-decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall, as where the motion is chaotic,
-it ends, and the result says which numbers nobody can vouch for.
+A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster
+towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
+them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall by that, a last run
+takes the smallest tolerance; where that does not help either, as where the motion is chaotic, the result says which
+numbers nobody can vouch for. Latch-ups, which size hinges, are held to what their errors may be at the most, loads
+to what is likely.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from ..assembly import Assembly
 from ..cosim.master import Settings
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
+    OF_LATCHES,
     EstimatedError,
     Key,
     estimated_errors,
@@ -38,6 +41,8 @@ _PER_DECADE = 5.0
 _MOST = 0.01
 """Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
 _FALLING = 1.0 / 3.0
+_BEYOND = 1e9
+"""In tolerances: an error that leads to the smallest part, where ringing that no step resolved may be resolved."""
 
 
 def refined(
@@ -57,13 +62,10 @@ def refined(
     asked = settings.tolerance
     error = error_in_tolerances(outcome, asked)
     given = settings.fixed_step is not None or settings.step_plan is not None
-    repeat = error.likely > MOST_TOLERANCES and not given
-    while (
-        repeat
-        and (tolerance := smaller_tolerance(settings.tolerance, error.most, asked)) < settings.tolerance
-    ):
+    repeat, target = not given and is_too_uncertain(outcome, asked), error.most
+    while repeat and (tolerance := smaller_tolerance(settings.tolerance, target, asked)) < settings.tolerance:
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
-        warn(_sentence(assembly.name, outcome, error.likely, asked, tolerance))
+        warn(_sentence(assembly.name, outcome, asked, tolerance))
         try:
             better = _again(assembly, outcome, finer, until, progress, load)
         except RunError as failure:
@@ -74,8 +76,16 @@ def refined(
             break
         before, error = error, error_in_tolerances(better, asked)
         outcome, settings = better, finer
-        repeat = MOST_TOLERANCES < error.most <= _FALLING * before.most
+        falls = error.most <= _FALLING * before.most
+        repeat = is_too_uncertain(outcome, asked) or (falls and error.most > MOST_TOLERANCES)
+        target = error.most if falls else _BEYOND
     return outcome, settings
+
+
+def is_too_uncertain(outcome: Outcome, tolerance: float) -> bool:
+    """Whether a number is likely to be off by ten tolerances, or one of a latch-up, which sizes hinges, at the most."""
+    of_latches = largest_shares(_numbers(outcome), estimated_errors(outcome.result), OF_LATCHES).most
+    return max(error_in_tolerances(outcome, tolerance).likely, of_latches / tolerance) > MOST_TOLERANCES
 
 
 def error_in_tolerances(outcome: Outcome, tolerance: float) -> EstimatedError:
@@ -121,11 +131,15 @@ def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
     return replace(outcome, result=replace(outcome.result, path=target))
 
 
-def _sentence(name: str, outcome: Outcome, error: float, asked: float, tolerance: float) -> str:
-    said = (
-        f"{least_sure(_numbers(outcome), estimated_errors(outcome.result))} is likely to be off by {error:.0f} times "
-        f"the tolerance of {asked:g}"
-        if isfinite(error)
-        else "nothing tells how far its numbers are off"
-    )
+def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> str:
+    numbers, errors = _numbers(outcome), estimated_errors(outcome.result)
+    error = error_in_tolerances(outcome, asked)
+    if not isfinite(error.likely):
+        said = "nothing tells how far its numbers are off"
+    elif error.likely > MOST_TOLERANCES:
+        number, share = least_sure(numbers, errors)
+        said = f"{number} is likely to be off by {share.likely / asked:.0f} times the tolerance of {asked:g}"
+    else:
+        number, share = least_sure(numbers, errors, OF_LATCHES, by="most")
+        said = f"{number} may be off by {share.most / asked:.0f} times the tolerance of {asked:g}"
     return f"{name}: {said}; it is run again at {tolerance:.2g}"

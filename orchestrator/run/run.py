@@ -20,6 +20,7 @@ from fmus import Backend, Experiment, FmiVersion, build_fmu
 from fmus.archive import content_digest
 
 from ..assembly import Assembly
+from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
@@ -216,7 +217,9 @@ def _follow(
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
         runner = (
-            Master(network, assembly.hinge_lines, writer, settings, assembly.events)
+            (CompiledMaster if settings.compiled else Master)(
+                network, assembly.hinge_lines, writer, settings, assembly.events
+            )
             if kind == "implicit"
             else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind, assembly.events)
         )
@@ -309,6 +312,7 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
         "scene": assembly.name,
         "scene_tree": json.dumps(assembly.scene_tree),
         "flexible": json.dumps(assembly.flexible),
+        "large_deformation": json.dumps(assembly.large_deformation),
         "python": platform.python_version(),
     }
     found.update({name: version(name) for name in _PACKAGES})

@@ -15,12 +15,15 @@ from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.plausibility import doubts
 from ..cosim.master import Settings
+from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..results.result_file import refuse_to_replace
 from ..scene import CheckedScene, read_scene
+from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
+from .open_joints import open_joint_sentences
 from .progress import Progress, followed, silent
 from .recording import Recording
 from .refinement import refined
@@ -28,6 +31,7 @@ from .run import Loader, MasterKind, Outcome, RunError, as_fmus, kept_fmus, run
 from .verify import Verified, verify
 
 Warn = Callable[[str], None]
+_NAMES = ("rigid", "flexible", "large_deformation", "signals")
 _DAMPED, _TIMES_DAMPED = 0.05, 3.0
 """Part of critical damping, and times what was asked, beyond which a latch shows another peak."""
 
@@ -36,8 +40,9 @@ _DAMPED, _TIMES_DAMPED = 0.05, 3.0
 class Options:
     """How to run a scene; None is what the scene says, or what is best.
 
-    rigid, flexible: names of bodies, "all" for every one. until: end time, s. tolerance: relative accuracy. step:
-    constant communication step size, s. order: of the coupling. checkpoint: simulated time between checkpoints, s.
+    rigid, flexible, large_deformation: names of bodies, "all" for every one. until: end time, s. tolerance: relative
+    accuracy. step: constant communication step size, s. order: of the coupling. checkpoint: simulated time between
+    checkpoints, s.
     refine: repeat a run that is likely to miss its tolerance at a smaller one. isolate: every FMU in a process of its
     own. record: time between rows that the result keeps beside those of events and peaks, s; all rows without.
     signals: patterns of those to keep beside what headline numbers need. RunError for what cannot be.
@@ -45,6 +50,7 @@ class Options:
 
     rigid: Collection[str] = ()
     flexible: Collection[str] = ()
+    large_deformation: Collection[str] = ()
     until: float | None = None
     tolerance: float | None = None
     step: float | None = None
@@ -84,7 +90,8 @@ class Options:
 
     def assemble(self, scene: CheckedScene) -> Assembly:
         """A scene at these fidelities, for this master."""
-        return assemble(scene, self.rigid, self.flexible, "mean" if self.master == "implicit" else "endpoint")
+        mode: WrenchMode = "mean" if self.master == "implicit" else "endpoint"
+        return assemble(scene, self.rigid, self.flexible, mode, self.large_deformation)
 
     def settings(self, assembly: Assembly) -> Settings:
         """Numbers of the master for an assembly."""
@@ -98,7 +105,7 @@ class Options:
 
     def asked(self, scene: CheckedScene, estimate: bool) -> dict[str, object]:
         """What a checkpoint tells of a run, as JSON holds it."""
-        names = {name: sorted(getattr(self, name)) for name in ("rigid", "flexible", "signals")}
+        names = {name: sorted(getattr(self, name)) for name in _NAMES}
         options = {one.name: getattr(self, one.name) for one in fields(self)} | names
         return {"file": scene.file, "tree": scene.tree, "options": options, "estimate": estimate}
 
@@ -138,11 +145,13 @@ def simulate(
         raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
     if output is not None:
         refuse_to_replace(output)
-    for sentence in (python_sentence(options.backend), place_sentence()):
-        if sentence:
-            warn(sentence)
+    for sentence in filter(None, (python_sentence(options.backend), absence_sentence(), place_sentence())):
+        warn(sentence)
     assembly = options.assemble(scene)
-    for sentence in [*doubts(scene), *_held_sentences(assembly, options.flexible)]:
+    for sentence in [
+        *doubts(scene),
+        *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
+    ]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     with kept_fmus(options.backend, isolate=options.isolate) as load:
@@ -159,6 +168,7 @@ def simulate(
         outcome.headline.open_ends(),
         _absent_sentences(assembly, outcome),
         _damped_sentences(scene, assembly, outcome),
+        open_joint_sentences(scene, assembly, outcome.result),
     )
     for sentence in chain.from_iterable(told):
         warn(sentence)
@@ -194,8 +204,8 @@ def python_sentence(backend: Backend | None) -> str:
     return "no native library was built at installation; PythonFMUs are used, which are slower"
 
 
-def _held_sentences(assembly: Assembly, flexible: Collection[str]) -> Iterator[str]:
-    for name in sorted({*flexible} - {"all"} - {*assembly.flexible}):
+def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
+    for name in sorted({*bending} - {"all", *assembly.flexible, *assembly.large_deformation}):
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
 
 

@@ -14,6 +14,7 @@ from components.contract.frames import (
     add,
     exponential,
     multiply,
+    norm,
     rotate,
     scaled,
     subtract,
@@ -21,7 +22,7 @@ from components.contract.frames import (
 from components.flexible.modal import ModalData
 from components.flexible.point_shapes import span
 
-from .body_tables import Base, Body
+from .body_tables import Base, Body, Motion
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .hinge_line_tables import HingeLine
@@ -80,7 +81,7 @@ def body_model(body: Body, flexible: bool, structural: StructuralDamping | None 
         return ModalData.rigid(rigid.mass, rigid.center_of_mass, rigid.inertia, rigid.points, *shape)
     if not flexible:
         return _model(_written(body), None, body.masses)
-    data = _model(_written(body), body.fixed_interface_modes, body.masses)
+    data = _model(_written(body), body.fixed_interface_modes, body.masses, body.second_order_modes)
     data = data.switch_off(body.modes_off, body.frequencies_off)
     if body.damping_ratio is not None:
         return data.with_damping(body.damping_ratio)
@@ -118,13 +119,16 @@ def _quantity(value: object, unit: str, sign: Sign) -> float:
 
 @lru_cache(maxsize=32)
 def _model(
-    written: str, fixed_interface_modes: int | None, masses: tuple[tuple[str, float], ...]
+    written: str,
+    fixed_interface_modes: int | None,
+    masses: tuple[tuple[str, float], ...],
+    second_order_modes: int = 0,
 ) -> ModalData:
     """Model of a body, its rigid twin where no number of modes is given."""
     definition = _definition(written)
     if fixed_interface_modes is None:
         return definition.rigid(masses)
-    return definition.flexible(fixed_interface_modes, masses)
+    return definition.flexible(fixed_interface_modes, masses, second_order_modes)
 
 
 def body_points(body: Body) -> Mapping[str, Vector3]:
@@ -174,12 +178,36 @@ def _attachment(
     return Attachment(f"{key}.{port}", connection, port, seat.body, seat.point, seat.offset, axes)
 
 
+def moved(pose: StartPose, motion: Motion, shift: float, turn: float) -> StartPose:
+    """A pose after a shift (m) and a turn (rad) of a motion."""
+    rotation = exponential(scaled(turn / norm(motion.rotation_axis), motion.rotation_axis))
+    along = scaled(shift / norm(motion.translation_axis), motion.translation_axis)
+    orientation = multiply(rotation, pose.orientation)
+    pivot = add(pose.place(motion.pivot), along)
+    return StartPose(subtract(pivot, rotate(orientation, motion.pivot)), orientation)
+
+
+def motions(scene: CheckedScene) -> dict[str, Motion]:
+    """Prescribed motions by the name of the base or body that follows them."""
+    found = {scene.base.name: scene.base.motion, **{body.name: body.motion for body in scene.bodies}}
+    return {name: motion for name, motion in found.items() if motion is not None}
+
+
+def _started(pose: StartPose, motion: Motion | None) -> StartPose:
+    """Where the laws of a motion begin."""
+    if motion is None:
+        return pose
+    shift, turn = (law.value(0.0) for law in motion.laws)
+    return moved(pose, motion, shift, turn)
+
+
 def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
     """Poses along the tree of hinge lines from the base, whose frame is the world's, then of placed bodies as written.
 
-    All frames are parallel where every hinge angle is its aligned angle.
+    What follows a motion is where that begins. All frames are parallel where every hinge angle is its aligned angle.
     """
-    poses = {scene.base.name: StartPose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))}
+    upright = StartPose((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
+    poses = {scene.base.name: _started(upright, scene.base.motion)}
     waiting = list(scene.hinge_lines)
     while ready := [line for line in waiting if line.inboard in poses]:
         waiting = [line for line in waiting if line not in ready]
@@ -193,7 +221,8 @@ def written_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3
     for body in scene.bodies:
         if body.place is not None:
             origin = poses[body.place.body].place(points[body.place.body][body.place.point])
-            poses[body.name] = StartPose(add(origin, body.place.offset), body.place.orientation.quaternion)
+            written = StartPose(add(origin, body.place.offset), body.place.orientation.quaternion)
+            poses[body.name] = _started(written, body.motion)
     return poses
 
 

@@ -15,7 +15,7 @@ from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
-from .layers import Layers, Setting, Tree, read_layers
+from .layers import Layers, Setting, Tree, read_layers, with_absolute_files
 from .reader import check_layers, find_scene
 from .schema import CheckedScene, Header
 from .table import SceneError, Table
@@ -128,14 +128,17 @@ class Scene:
         return found
 
     def base(self, name: str = "base", *, points: Mapping[str, object], **keys: object) -> str:
-        """The spacecraft, [base], with points (m) by name; free: its mass, center_of_mass and inertia if it moves."""
+        """The spacecraft, [base], with points (m) by name; free: its mass, center_of_mass and inertia if it moves.
+
+        motion: laws that it follows, see `scene.body_tables.Motion`.
+        """
         return self._set("base", Base, {"name": name, "points": points, **keys})
 
     def body(self, name: str, **keys: object) -> str:
-        """Add a [[body]]: panel, frame, catalogue, or rigid with mass, center_of_mass, inertia and points.
+        """Add a [[body]]: panel, frame, beam, import, catalogue, or rigid: mass, center_of_mass, inertia and points.
 
-        Further keys: like, rigid_twin, place, fidelity, fixed_interface_modes, inertia_coupling, damping_ratio,
-        structural_damping, damping_scale, modes_off, frequencies_off, attached_masses.
+        Further keys: like, rigid_twin, place, motion, fidelity, fixed_interface_modes, second_order_modes,
+        inertia_coupling, damping_ratio, structural_damping, damping_scale, modes_off, frequencies_off, attached_masses.
         """
         return self._add("body", Body, {"name": name, **keys})
 
@@ -166,11 +169,17 @@ class Scene:
         return self._add("damper", Damper, {"name": name, "hinge": hinge, **keys})
 
     def connection(self, name: str, kind: str, *, ports: Mapping[str, object], **keys: object) -> str:
-        """Add any registered component, [[connection]]: ports as body, point and offset.
+        """Add any registered component, [[connection]]: its ports as (body, point), or tables that have an offset too.
 
         Further keys: structure, parameters, preset, axes.
         """
-        return self._add("connection", Connection, {"name": name, "kind": kind, "ports": ports, **keys})
+        seats = {
+            port: dict(zip(("body", "point"), seat, strict=True))
+            if isinstance(seat, tuple) and len(seat) == 2
+            else seat
+            for port, seat in ports.items()
+        }
+        return self._add("connection", Connection, {"name": name, "kind": kind, "ports": seats, **keys})
 
     def event(self, name: str, **keys: object) -> str:
         """Add what happens in mid-run, [[event]]: time or when, and what is done, release or set."""
@@ -264,6 +273,7 @@ class Scene:
     def _add(self, key: str, model: type[Table], keys: Mapping[str, object]) -> str:
         """Put an entry behind the others of its array and return its name; SceneError with its problems."""
         entry = _plain(f"{self._layers.file}: {key}.{keys['name']}", keys)
+        with_absolute_files({key: [entry]}, Path.cwd())
         reader = EntryReader({key: [entry]}, ())
         reader.tables(key, model)
         self._refuse(reader.problems)

@@ -7,11 +7,12 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from components.contract.errors import unknown
 from components.contract.frames import Vector3, norm, subtract
 
-from .bodies import Attachment, StartPose
+from .bodies import Attachment, StartPose, motions
 from .body_tables import Body
 from .connection_tables import Damper
 from .events.tables import Event
 from .hinge_line_tables import HingeLine
+from .locked_groups import joined
 from .schema import CheckedScene
 
 _HINGE_GAP = 1e-3
@@ -98,16 +99,30 @@ def misplaced(bodies: Iterable[Body], points: Mapping[str, Mapping[str, Vector3]
 
 def misdirected(base: str, lines: Iterable[HingeLine], placed: Collection[str]) -> Iterator[str]:
     """Lines that carry the base or a body that another carries; placed bodies that lines carry."""
-    carried: set[str] = set()
+    carried: dict[str, str] = {}
     for line in lines:
         if line.outboard == base:
             yield f"hinge_line.{line.name}.outboard: {base} is the base; name it as the inboard body"
         elif line.outboard in carried:
-            yield f"hinge_line.{line.name}.outboard: {line.outboard} is that of another line already"
-        carried.add(line.outboard)
+            yield (
+                f"hinge_line.{line.name}.outboard: {line.outboard} is that of {carried[line.outboard]} already, "
+                "whose angle says where it stands; what closes a loop is a [[connection]] of preset revolute"
+            )
+        carried.setdefault(line.outboard, line.name)
     for body in placed:
         if body in carried:
             yield f"body.{body}.place: hinge lines carry this body, so its place follows from them; leave it out"
+
+
+def carried_along(scene: CheckedScene) -> Iterator[str]:
+    """Held lines that make a body part of what moves by a law, whose loads would lack the body's inertia."""
+    roots, led = joined(scene), motions(scene)
+    for line in scene.hinge_lines:
+        if line.held and (root := roots[line.outboard]) in led:
+            yield (
+                f"hinge_line.{line.name}.held: {root} follows a motion, and loads on it would lack the inertia of "
+                f"{line.outboard}; hold the line by a hinge of the preset fixed, a [[connection]], instead"
+            )
 
 
 def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -> Iterator[str]:

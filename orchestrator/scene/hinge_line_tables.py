@@ -134,6 +134,11 @@ class Harness(Table):
     closing_torque: tuple[Torque, ...] = ()
 
     @property
+    def opening_law(self) -> Law:
+        """Its torque while the line opens, positive opening, and its potential, over the hinge angle."""
+        return TorqueTable(self.angle, [-torque for torque in self.resisting_torque])
+
+    @property
     def loop(self) -> TorqueLoop:
         """The table, positive opening."""
         opening, closing = (

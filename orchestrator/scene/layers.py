@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from components.imported.files import NAMES
+
 from .table import SceneError
 
 Tree = dict[str, Any]
@@ -97,7 +99,7 @@ def _with_extended(
 
 def _read(path: Path) -> Tree:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return with_absolute_files(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
     except UnicodeDecodeError as error:
         raise SceneError(
             [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
@@ -106,6 +108,26 @@ def _read(path: Path) -> Tree:
         raise SceneError([f"{path.name}: its values are nested too deeply to be those of a scene"]) from None
     except (OSError, ValueError) as error:
         raise SceneError([f"{path.name}: {error}"]) from None
+
+
+def with_absolute_files(tree: Tree, folder: Path) -> Tree:
+    """The tree of a scene file in a folder, variants included, with the files of `[body.import]` made absolute."""
+    variants = tree.get("variant")
+    layers = [tree, *(variants.values() if isinstance(variants, dict) else ())]
+    for layer in layers:
+        bodies = layer.get("body") if isinstance(layer, dict) else None
+        for body in bodies if isinstance(bodies, list) else ():
+            _make_absolute(body, folder)
+    return tree
+
+
+def _make_absolute(body: Any, folder: Path) -> None:  # noqa: ANN401 - whatever a TOML file gives
+    table = body.get("import") if isinstance(body, dict) else None
+    if not isinstance(table, dict):
+        return
+    for key in NAMES:
+        if isinstance(table.get(key), str) and table[key]:
+            table[key] = str((folder / table[key]).resolve())
 
 
 def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:

@@ -135,6 +135,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     joints = tuple(c for c in connections.sound if c.name not in refused)
     found = closed(replace(scene, connections=joints), points)
     poses = found.poses
+    reader.note(consistency.carried_along(scene))
     if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
     return None if reader.problems else scene, _told(reader.problems, unlike)

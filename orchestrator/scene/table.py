@@ -63,8 +63,12 @@ def _scene_name(value: str) -> str:
 
 
 def _axis(value: object) -> object:
+    """Unit vector of a named axis, or along three components."""
+    if isinstance(value, list | tuple):
+        x, y, z = _direction(value)
+        return scaled(1.0 / norm((x, y, z)), (x, y, z))
     if not isinstance(value, str) or value not in _AXES:
-        raise ValueError(f"is {value!r}; it must be one of +x, -x, +y, -y, +z, -z")
+        raise ValueError(f"is {value!r}; it must be one of +x, -x, +y, -y, +z, -z, or three components")
     return _AXES[value]
 
 
@@ -88,7 +92,7 @@ def _physical(value: Tensor) -> Tensor:
     return value
 
 
-def _direction(value: object) -> object:
+def _direction(value: object) -> Vector3:
     if not isinstance(value, list | tuple) or len(value) != 3:
         raise ValueError(f"is {value!r}; give the three components of a direction")
     x, y, z = (to_si(entry, "1") for entry in value)

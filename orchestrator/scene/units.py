@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import partial
-from math import degrees, inf, isfinite, pi
+from math import degrees, isfinite, pi
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator
@@ -23,6 +23,8 @@ LARGEST_TURN = 10.0 * _TURN
 """rad; ten turns, beyond what any hinge of an array, wound or not, is turned."""
 LARGEST_RADIUS = 1.0
 """m; pins and pulleys are centimetres, so a larger one was meant in millimetres."""
+LARGEST = 1e30
+"""Of any quantity in its SI unit; none of an array is, and products of several stay numbers."""
 Sign = Literal["any", "zero or positive", "positive"]
 
 _TURNING = {"rad": 1.0, "deg": pi / 180.0}
@@ -52,7 +54,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 """Factors to the SI unit by SI unit, in the unit syntax of `components.Quantity`."""
 
 
-def to_si(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
+def to_si(value: object, unit: str, sign: Sign = "any", largest: float = LARGEST) -> float:
     """The value in the given SI unit; ValueError with a sentence if it is none, or has the wrong sign or size."""
     number, given = _parts(value, unit)
     try:
@@ -82,7 +84,7 @@ def _parts(value: object, unit: str) -> tuple[str, str]:
     return number, given
 
 
-def written(value: object, unit: str, sign: Sign = "any", largest: float = inf) -> float:
+def written(value: object, unit: str, sign: Sign = "any", largest: float = LARGEST) -> float:
     """The same of a value in a scene, where a plain angle that reads like degrees needs its unit."""
     if (
         unit == "rad"
@@ -104,7 +106,7 @@ def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:
     return tuple(written(entry, unit, sign) for entry in value)
 
 
-def quantity(unit: str, sign: Sign = "any", largest: float = inf) -> BeforeValidator:
+def quantity(unit: str, sign: Sign = "any", largest: float = LARGEST) -> BeforeValidator:
     """Annotation of a float field that is read as a quantity."""
     return BeforeValidator(partial(written, unit=unit, sign=sign, largest=largest))
 

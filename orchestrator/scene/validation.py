@@ -194,6 +194,10 @@ def _sentence(error: ErrorDetails, model: type[Table]) -> str:
         return str(context["error"])
     if kind == "model_type":
         return f"{given}; it must be a table"
+    if kind == "tuple_type" and (keys := keys_of(model, error["loc"])):
+        return f"{given}; it must be an array of tables, [{{ ... }}, {{ ... }}], with keys {', '.join(keys)}"
+    if kind == "tuple_type":
+        return f"{given}; it must be a list, [ ... ]"
     if kind == "literal_error":
         return f"{given}; it must be {context['expected']}"
     if kind in ("less_than_equal", "greater_than_equal"):

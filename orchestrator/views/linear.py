@@ -45,7 +45,7 @@ def draw_shapes(folder: Path, model: LinearModel, modes: NormalModes, which: Seq
     written = []
     for k in which:
         rest = _nodes(model.mechanism, np.zeros(len(model.mass)))
-        moved = _nodes(model.mechanism, modes.shapes[:, k])
+        moved = _nodes(model.mechanism, np.real(modes.shapes[:, k]))
         corners = np.concatenate([faces.reshape(-1, 3) for faces in rest] or [np.zeros((1, 3))])
         size = float(np.ptp(corners, axis=0).max()) or 1.0
         largest = max((float(np.abs(b - a).max()) for a, b in zip(rest, moved, strict=True)), default=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -14,20 +14,32 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from components.contract.component import Vector
-from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD, PORT_LOAD
+from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD
 
+from ..results import point_loads
 from ..results.key_figures import extremes, latch_times, line_latch_torque, peak
 from ..results.lines.straying import overruns
 from ..results.result import Result, ResultError
-from ..results.round_off import noise_floor
 from ..results.signal import Peak
 from .shapes import shapes
-from .style import COLOURS, STYLE, as_written, draw, finish, new_figure, tell_of_interruption
+from .style import (
+    COLOURS,
+    STYLE,
+    as_written,
+    draw,
+    finish,
+    new_columns,
+    new_figure,
+    share_legend,
+    tell_of_interruption,
+)
 
 _CLOSE_UP_CROSSINGS = 8
 _SWING = 2
 """Changes of sign before another line latches, from which on that is the end of a close-up."""
 _ROUNDING = 1e-9  # of the sum of causes
+_UNSEEN = 1e-3
+"""Of the largest load of a unit: what is below lies within the width of a line drawn to one scale."""
 
 _TOTALS: Final = {
     "stored_energy": "stored",
@@ -198,25 +210,40 @@ def _curves_of(result: Result, name: str, variable: str, with_name: bool) -> Ite
 
 
 def port_loads(result: Result) -> Figure | None:
-    """Loads that single ports bring onto the spacecraft, in its axes; torques about the port."""
-    panels = [panel for unit in ("N", "N.m") for panel in _panels_of_ports(result, unit)]
-    if not panels:
+    """Loads of single ports on the spacecraft, in its axes, about the port. Below a thousandth they are left out."""
+    return _loads_at_points(result, "Loads at the ports of the spacecraft", point_loads.port_loads)
+
+
+def hinge_loads(result: Result) -> Figure | None:
+    """Loads of hinges on outboard bodies, in the axes of inboard ones. Below a thousandth they are left out."""
+    return _loads_at_points(result, "Loads at the hinges between bodies", point_loads.hinge_loads)
+
+
+def _loads_at_points(
+    result: Result, title: str, of: Callable[[Result, str], dict[str, Vector]]
+) -> Figure | None:
+    """A panel for each axis of force, and beside it of torque."""
+    units = [list(_panels_of_vectors(of(result, unit), unit)) for unit in ("N", "N.m")]
+    columns = [panels for panels in units if panels]
+    if not columns:
         return None
-    figure, axes = new_figure("Loads at the ports of the spacecraft", [1.0] * len(panels))
-    for panel, (label, curves) in zip(axes, panels, strict=True):
-        draw(panel, result.time, curves)
-        finish(panel, result, label)
+    figure, grid = new_columns(title, [len(panels) for panels in columns])
+    for panels, column in zip(columns, grid, strict=True):
+        for axes, (label, curves) in zip(column, panels, strict=True):
+            draw(axes, result.time, curves)
+            finish(axes, result, label, legend=False)
+    share_legend(figure)
     return figure
 
 
-def _panels_of_ports(result: Result, unit: str) -> Iterator[tuple[str, list[tuple[str, Vector]]]]:
-    """Label and curves of each axis along which any port has more than round-off."""
-    found = [of for of in result.in_role(PORT_LOAD) if result.unit(*of) == unit]
-    loads = {variable.rpartition(".")[0]: result.signal(name, variable) for name, variable in found}
+def _panels_of_vectors(
+    loads: Mapping[str, Vector], unit: str
+) -> Iterator[tuple[str, list[tuple[str, Vector]]]]:
+    """Label and curves of each axis along which any of the vectors has something to be seen."""
     sizes = np.array([np.abs(load).max(0) for load in loads.values()]).reshape(-1, 3).max(0, initial=0.0)
-    for k in np.flatnonzero(sizes > noise_floor(sizes)).tolist():
+    for k in np.flatnonzero(sizes > _UNSEEN * sizes.max()).tolist():
         label = f"{'torque' if unit == 'N.m' else 'force'} {'xyz'[k]}, {unit}"
-        yield label, [(port, load[:, k]) for port, load in loads.items()]
+        yield label, [(name, load[:, k]) for name, load in loads.items()]
 
 
 def attitude(result: Result) -> Figure | None:
@@ -279,6 +306,7 @@ _FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
     "latch_torques": latch_torques,
     "attitude": attitude,
     "port_loads": port_loads,
+    "hinge_loads": hinge_loads,
     "energy_balance": energy_balance,
     "steps": steps,
     "shapes": shapes,

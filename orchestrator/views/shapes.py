@@ -97,6 +97,9 @@ def instants(result: Result) -> NDArray[np.int64]:
 
 def placed(result: Result, name: str, body: Geometry, rows: NDArray[np.int64]) -> Vector:
     """Nodes of a body in world axes at the given rows, shape (rows, nodes, 3)."""
+    if result.has(name, "node_position"):
+        moved: Vector = result.signal(name, "node_position")[rows].reshape(rows.size, -1, 3)
+        return moved
     nodes = np.repeat(np.asarray(body.positions)[None], rows.size, axis=0)
     if not result.has(name, "frame_position"):
         return nodes

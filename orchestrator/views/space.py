@@ -20,6 +20,8 @@ _MARGINS = np.array([0.95, 0.75])
 """inch of axes, width and height, for tick labels and a title"""
 _CORNER = 0.06
 """of the longest axis, at the ends of all axes, where there is no tick"""
+_SHORT_CORNER = 0.4
+"""of its own length at the most, so that a short axis has a round number between"""
 
 
 def draw_bodies(axes: Any, faces: Mapping[str, Vector], colours: Mapping[str, str]) -> None:  # noqa: ANN401
@@ -64,10 +66,15 @@ def set_view(axes: Any, low: Vector, high: Vector) -> None:  # noqa: ANN401
 
 def _ticks(low: float, high: float, longest: float) -> list[float]:
     """Round places on an axis, few on a short one, away from its ends, where those of other axes begin."""
-    clear = _CORNER * longest
-    places = MaxNLocator(1 + int(5.0 * (high - low) / longest), steps=[1, 2, 5, 10]).tick_values(low, high)
-    inside = [float(place) for place in places if low + clear <= place <= high - clear]
-    return inside or [round(0.5 * (low + high), 3 - int(np.log10(longest))) + 0.0]
+    clear = min(_CORNER * longest, _SHORT_CORNER * (high - low))
+    if not longest:
+        return [low]
+    number, inside = int(5.0 * (high - low) / longest), list[float]()
+    while not inside:
+        number += 1
+        places = MaxNLocator(number, steps=[1, 2, 5, 10]).tick_values(low, high)
+        inside = [float(place) + 0.0 for place in places if low + clear <= place <= high - clear]
+    return inside if clear == _CORNER * longest else inside[:1]
 
 
 def with_margin(low: Vector, high: Vector) -> tuple[Vector, Vector]:

@@ -54,7 +54,7 @@ def draw_field(
         if isinstance(shown.norm, PowerNorm):
             label += ", square-root scale"
         figure.colorbar(shown, ax=axes, label=label, format="%.3g")
-        for (x0, x1), (y0, y1) in plate.inserts.values():
+        for (x0, x1), (y0, y1) in plate.inserts:
             insert = Rectangle((x0, y0), x1 - x0, y1 - y0, facecolor="0.85", edgecolor="k", hatch="////")
             axes.add_patch(insert)
         axes.plot(x[hot], y[hot], "o", color="none", markeredgecolor="w", markersize=6, clip_on=False)

@@ -31,10 +31,11 @@ STYLE: Final[Any] = {
 }
 WIDTH = 7.2
 _LEGEND_WIDTH = 100  # characters, a handle counting as seven
+_LEGEND_ROW = 0.17  # inch
 _EVENT_LABELS = 12
 _LABEL_SIZE = 6.5
 _LETTER = 0.0095
-"""Width of a letter of an event's label, of that of the axes."""
+"""Width of a letter of an event's label, of that of axes as wide as the figure."""
 
 
 def empty_figure(width: float, height: float, layout: Literal["constrained"] | None = None) -> Figure:
@@ -52,6 +53,17 @@ def new_figure(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]
     return figure, list(grid[:, 0])
 
 
+def new_columns(title: str, rows: Sequence[int]) -> tuple[Figure, list[list[Axes]]]:
+    """A figure with columns of axes side by side, of so many rows each, on one axis of time."""
+    figure = empty_figure(WIDTH, 1.1 + 1.9 * max(rows), "constrained")
+    figure.suptitle(title)
+    grid = figure.subplots(max(rows), len(rows), squeeze=False)
+    for number, column in zip(rows, grid.T, strict=True):
+        for axes in column[number:]:
+            axes.remove()
+    return figure, [list(column[:number]) for number, column in zip(rows, grid.T, strict=True)]
+
+
 def draw(axes: Axes, time: Vector, curves: Iterable[tuple[str, Vector]], first: int = 0) -> None:
     """Labelled curves, each with its own colour and line style."""
     for k, (label, values) in enumerate(curves, first):
@@ -59,23 +71,41 @@ def draw(axes: Axes, time: Vector, curves: Iterable[tuple[str, Vector]], first: 
         axes.plot(time, values, label=label, **style)
 
 
-def finish(axes: Axes, result: Result, label: str) -> None:
-    """Axis labels, event marks and legend."""
+def finish(axes: Axes, result: Result, label: str, legend: bool = True) -> None:
+    """Axis labels, event marks and, unless that of the figure tells, a legend."""
     left, right = axes.get_xlim()
     inside = [(time, name) for time, name in _event_places(result) if left <= time <= right]
     for time, _ in inside:
         axes.axvline(time, color="0.4", linewidth=0.8, linestyle=(0, (1, 2)), zorder=0)
-    labelled = list(dict.fromkeys(inside)) if len(set(inside)) <= _EVENT_LABELS else []
+    labelled = list(dict.fromkeys(inside)) if len(set(inside)) * _columns(axes) <= _EVENT_LABELS else []
     _label_events(axes, [((time - left) / (right - left), name) for time, name in labelled])
     axes.set_xlabel("time, s")
     axes.set_ylabel(label)
     labels = axes.get_legend_handles_labels()[1]
-    if labels:
-        columns = max(1, min(5, _LEGEND_WIDTH // (max(map(len, labels)) + 7)))
+    if labels and legend:
+        columns = _legend_columns(labels)
         above = 1.6 if labelled else 0.1
         axes.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=above, ncols=columns, frameon=False
         )
+
+
+def share_legend(figure: Figure) -> None:
+    """One legend below all axes, for curves that are the same in each."""
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    columns = _legend_columns(labels)
+    figure.set_figheight(figure.get_figheight() + _LEGEND_ROW * -(-len(labels) // columns))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
+
+
+def _legend_columns(labels: Sequence[str]) -> int:
+    return max(1, min(5, _LEGEND_WIDTH // (max(map(len, labels)) + 7)))
+
+
+def _columns(axes: Axes) -> int:
+    """How many axes stand side by side in the figure."""
+    place = axes.get_subplotspec()
+    return 1 if place is None else int(place.get_gridspec().ncols)
 
 
 def as_written(figure: Figure) -> Figure:
@@ -118,7 +148,8 @@ def spread(places: Sequence[float], widths: Sequence[float]) -> list[float]:
 
 def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
     """Names of events, at parts of the width, side by side above the axes and joined to their marks."""
-    centres = spread([place for place, _ in events], [_LETTER * (len(name) + 1) for _, name in events])
+    letter = _LETTER * _columns(axes)
+    centres = spread([place for place, _ in events], [letter * (len(name) + 1) for _, name in events])
     for (place, name), centre in zip(events, centres, strict=True):
         axes.annotate(
             name,

@@ -18,6 +18,7 @@ from ...scene.loops.closing import start_poses
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
 from .mechanism import Mechanism
+from .steady_spin import Spin
 
 Named = Literal["stowed", "deployed", "current"]
 _LARGEST_TURN = pi / 6.0
@@ -107,17 +108,22 @@ def hinges_of(scene: CheckedScene, lines: Collection[str]) -> list[str]:
 
 
 def placed(
-    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+    scene: CheckedScene,
+    rigid: Collection[str],
+    flexible: Collection[str],
+    target: Configuration,
+    spin: Spin | None = None,
 ) -> Mechanism:
     """The mechanism in a configuration, as its hinge lines lead there from where a run begins.
 
     Springs and cables keep what they have in a run: a cable loop its preload at the start, and what it is turned
     since. Latches engage where they are, a drive commands the angle at which it is, and hold-downs hold only where
-    a run begins.
+    a run begins. Beams of large deformation are modal bodies here. spin: of the axes in which all is at rest.
     """
     start = with_angles(scene, {k.name: target.angles[k.name] for k in scene.hinge_lines if k.held})
-    assembly = assemble(start, rigid, flexible, "mean")
+    assembly = assemble(start, rigid, flexible, "mean", large_deformation=None)
     mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
+    mechanism.spin = spin
     ways = {k.name: (k.initial_angle, target.angles[k.name]) for k in start.hinge_lines}
     _lead(mechanism, start, ways)
     if any(begin != end for begin, end in ways.values()):
@@ -146,10 +152,14 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
 
 
 def loaded(
-    scene: CheckedScene, rigid: Collection[str], flexible: Collection[str], target: Configuration
+    scene: CheckedScene,
+    rigid: Collection[str],
+    flexible: Collection[str],
+    target: Configuration,
+    spin: Spin | None = None,
 ) -> Mechanism:
     """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
-    mechanism = placed(scene, rigid, flexible, target)
+    mechanism = placed(scene, rigid, flexible, target, spin)
     hinges = hinges_of(scene, free_lines(scene, target))
     mechanism.command(HOLD.name, 1.0, hinges)
     settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
@@ -163,6 +173,7 @@ def scene_model(
     flexible: Collection[str],
     target: Configuration,
     as_posed: bool,
+    spin: Spin | None = None,
 ) -> LinearModel:
-    """The linear model about a configuration, loaded or as posed."""
-    return linearise((placed if as_posed else loaded)(scene, rigid, flexible, target))
+    """The linear model about a configuration, loaded or as posed, at rest or in a steady spin."""
+    return linearise((placed if as_posed else loaded)(scene, rigid, flexible, target, spin))

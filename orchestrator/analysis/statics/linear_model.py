@@ -1,4 +1,6 @@
-"""Linear model of an assembly about a configuration at rest: M q'' + C q' + K q = f, and its normal modes.
+"""Linear model of an assembly about a configuration at rest: M q'' + (C + G) q' + K q = f, and its normal modes.
+
+At rest in axes that may turn: then K has what the spin stiffens and softens, and G is what rates do there.
 
 Exact derivatives of bodies and of preloaded connections; friction is left out, latches that lock are their lock
 (`connection_at_rest`), inertia is that of undeformed bodies.
@@ -31,6 +33,7 @@ class LinearModel:
     mechanism: Mechanism
     mass: Vector
     damping: Vector
+    gyroscopic: Vector
     stiffness: Vector
     residual: Vector
     """(n,) generalised forces that nothing balances in this configuration"""
@@ -50,12 +53,20 @@ class LinearModel:
     @property
     def free_rows(self) -> Rows:
         """Numbers of the coordinates that move."""
-        return self.other_rows if self.is_grounded else np.arange(len(self.mass))
+        moving = np.setdiff1d(np.arange(len(self.mass)), self._led_rows)
+        return self.other_rows if self.is_grounded else moving
 
     @property
     def other_rows(self) -> Rows:
-        """Numbers of all coordinates that are not rigid ones of the base."""
-        return np.setdiff1d(np.arange(len(self.mass)), self.base_rows)
+        """Numbers of all coordinates that are neither rigid ones of the base nor led by a law."""
+        return np.setdiff1d(np.arange(len(self.mass)), [*self.base_rows, *self._led_rows])
+
+    @property
+    def _led_rows(self) -> list[int]:
+        """Numbers of the coordinates of bodies that follow a prescribed motion, beside the base."""
+        led = [name for name, body in self.mechanism.bodies.items() if body.body is None]
+        rows = [self.mechanism.rows[name] for name in led if name != self.mechanism.base]
+        return [number for one in rows for number in range(one.start, one.stop)]
 
     @property
     def base_constraints(self) -> Vector:
@@ -79,14 +90,23 @@ class LinearModel:
     @property
     def unbalanced(self) -> tuple[float, float]:
         """Largest force (N) and torque (N.m) on a body that nothing balances in this configuration."""
-        moving = [rows for name, rows in self.mechanism.rows.items() if name != self.mechanism.base]
+        bodies, base = self.mechanism.bodies, self.mechanism.base
+        moving = [
+            rows
+            for name, rows in self.mechanism.rows.items()
+            if name != base and bodies[name].body is not None
+        ]
         load = np.array([self.residual[rows.start : rows.start + 6] for rows in moving]).reshape(-1, 2, 3)
         force, torque = np.linalg.norm(load, axis=2).max(axis=0, initial=0.0).tolist()
         return force, torque
 
 
 class NormalModes(NamedTuple):
-    """Undamped modes in the order of their eigenvalues (k,), rad2/s2; shapes (n, k) have unit modal mass."""
+    """Undamped modes in the order of their eigenvalues (k,), rad2/s2; shapes (n, k) have unit modal mass.
+
+    In axes that turn shapes are complex, the imaginary part a quarter of a period ahead, and it is the mean of modal
+    mass and modal stiffness / eigenvalue that is one.
+    """
 
     eigenvalues: Vector
     shapes: Vector
@@ -108,7 +128,9 @@ def linearise(mechanism: Mechanism) -> LinearModel:
     """The linear model about the present pose."""
     mechanism.carry()
     stiffness, damping = mechanism.tangents()
-    return LinearModel(mechanism, mechanism.mass(), damping, stiffness, mechanism.forces())
+    return LinearModel(
+        mechanism, mechanism.mass(), damping, mechanism.gyroscopic(), stiffness, mechanism.forces()
+    )
 
 
 def normal_modes(model: LinearModel, constraints: Vector | None = None) -> NormalModes:
@@ -138,9 +160,30 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
     return NormalModes(1.0 / inverse[order] - shift, basis @ vectors)
 
 
+def spinning_modes(model: LinearModel) -> NormalModes:
+    """The modes where rates matter: lambda^2 M + lambda G + K is singular, from all modes without G."""
+    still = normal_modes(model)
+    count, rates = still.eigenvalues.size, np.sqrt(np.maximum(np.abs(still.eigenvalues), 1.0))
+    gyroscopic = still.shapes.T @ model.gyroscopic @ still.shapes
+    # coordinates by their rates, so that stiff joints do not drown soft modes in round-off
+    first = np.block(
+        [[np.zeros((count, count)), np.diag(rates)], [-np.diag(still.eigenvalues / rates), -gyroscopic]]
+    )
+    roots, vectors = linalg.eig(first)
+    # of conjugate pairs and of growth and decay, one each
+    chosen = np.lexsort((-roots.real, -roots.imag))[:count]
+    roots, vectors = roots[chosen], vectors[:count, chosen] / rates[:, None]
+    eigenvalues = np.where(np.abs(roots.imag) > np.abs(roots.real), 1.0, -1.0) * np.abs(roots) ** 2
+    order = np.argsort(eigenvalues)
+    eigenvalues, vectors = eigenvalues[order], vectors[:, order]
+    energies = (np.abs(vectors) ** 2).T @ still.eigenvalues / np.where(eigenvalues, eigenvalues, 1.0)
+    sizes = 0.5 * np.abs((np.abs(vectors) ** 2).sum(0) + energies)
+    return NormalModes(eigenvalues, still.shapes @ (vectors / np.sqrt(sizes)))
+
+
 def modal_damping(model: LinearModel, modes: NormalModes) -> Vector:
     """Damping ratios (k,) of single modes, the diagonal of the modal damping matrix; nan for free motions."""
-    rates = np.einsum("ik,ij,jk->k", modes.shapes, model.damping, modes.shapes)
+    rates = _quadratic(model.damping, modes.shapes)
     omega = 2.0 * np.pi * np.abs(modes.frequencies)
     result: Vector = np.where(modes.is_free, np.nan, rates / (2.0 * np.where(modes.is_free, 1.0, omega)))
     return result
@@ -149,10 +192,9 @@ def modal_damping(model: LinearModel, modes: NormalModes) -> Vector:
 def damping_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
     """Share (k,) of every body and connection in the damping of single modes; zero where nothing damps one."""
     mechanism, shapes = model.mechanism, modes.shapes
-    total = np.einsum("ik,ij,jk->k", shapes, model.damping, shapes)
+    total = _quadratic(model.damping, shapes)
     found = {
-        name: np.einsum("ik,ij,jk->k", motion @ shapes, viscous, motion @ shapes)
-        for name, motion, viscous in mechanism.damping_parts()
+        name: _quadratic(viscous, motion @ shapes) for name, motion, viscous in mechanism.damping_parts()
     }
     return {
         name: np.divide(part, total, np.zeros_like(part), where=total > 0.0) for name, part in found.items()
@@ -163,10 +205,11 @@ def effective_masses(model: LinearModel, modes: NormalModes) -> tuple[Vector, Ve
     """Effective masses (6, k) under motions of the base, and the rigid masses (6,) of what it carries.
 
     Three translations (kg) and three rotations about the origin (kg m2), world axes. Modes of a free base have none, as
-    the whole has no momentum.
+    the whole has no momentum, and in axes that turn there are none.
     """
     rigid = model.mechanism.rigid_motion(model.origin)
-    participation = rigid.T @ model.mass @ modes.shapes
+    spins = model.mechanism.spin is not None
+    participation = rigid.T @ model.mass @ (0.0 * modes.shapes.real if spins else modes.shapes)
     return participation**2, np.diag(rigid.T @ model.mass_on_base @ rigid)
 
 
@@ -174,8 +217,15 @@ def kinetic_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
     """Share (k,) of every moving body in the kinetic energy of the modes."""
     result = {}
     for name, rows in model.mechanism.rows.items():
-        if model.is_grounded and name == model.mechanism.base:
+        if model.mechanism.bodies[name].body is None:
             continue
         part = modes.shapes[rows]
-        result[name] = np.einsum("ik,ij,jk->k", part, model.mass[rows, rows], part)
+        result[name] = _quadratic(model.mass[rows, rows], part)
+    total = sum(result.values())
+    return {name: part / total for name, part in result.items()}
+
+
+def _quadratic(matrix: Vector, shapes: Vector) -> Vector:
+    """Of every shape (n, k) with itself, (k,)."""
+    result: Vector = np.einsum("ik,ij,jk->k", shapes.conj(), matrix, shapes).real
     return result

@@ -38,6 +38,11 @@ class BodyStress:
 
 def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indices]) -> BodyStress:
     """Stress recovery of a flexible panel; ResultError where the result or the catalogue does not allow it."""
+    if result.has(body, "section_moment"):
+        raise ResultError(
+            f"{result.name}: {body} is a beam of large deformation, which has no face sheets; its signals "
+            "section_force and section_moment hold the resultants of every element"
+        )
     if not result.has(body, "modal_coordinate"):
         result.variables(body)
         flexible = ", ".join(result.recording("modal_coordinate")) or "none"

@@ -99,7 +99,7 @@ def _configuration_options(command: Command) -> Command:
         help="Latched lines, with commas between, or all, or none; by default all if deployed, else none.",
     )(command)  # fmt: skip
     command = click.option(
-        "--angle", "angles", default="", callback=angles_given, metavar="LINE=ANGLE,...",
+        "--angle", "--angles", "angles", default="", callback=angles_given, metavar="LINE=ANGLE,...",
         help="Angles of single lines, each with deg or rad, such as HL1=45deg.",
     )(command)  # fmt: skip
     return click.option(

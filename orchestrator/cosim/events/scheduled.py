@@ -51,10 +51,20 @@ class ScheduledEvents:
 
     def distance(self, event: Event) -> float:
         """How far a condition is from holding, over its value where that is above one; falls through zero."""
+        array, place, value, scale = self.where(event)
+        return (value - array.item(place)) / scale
+
+    def where(self, event: Event) -> tuple[Vector, int, float, float]:
+        """Of an event's `distance`: array, place in it, value, and what their difference is divided by."""
         condition = event.condition
         assert condition is not None
-        left = condition.value - self._observations.item(self._places[event.name])
-        return (left if condition.rising else -left) / max(1.0, abs(condition.value))
+        size = max(1.0, abs(condition.value))
+        return (
+            self._observations,
+            self._places[event.name],
+            condition.value,
+            size if condition.rising else -size,
+        )
 
     def due(self, time: float) -> Event | None:
         """One whose time has come, or whose condition holds."""

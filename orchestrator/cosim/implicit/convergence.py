@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,12 @@ SLOW = 0.15
 """Contraction beyond which turning pays; probing costs several iterations, see `is_too_slow`."""
 PATIENCE = 8
 """Steps with slow contraction, though fast enough, after which probing pays for those to come."""
+OVERSHOT = 0.5
+"""Part of the step before, and cosine against it, from which a correction takes it back; see `overshoots`."""
+ROUGH = 1e-5
+"""Least relative correction of wrenches that takes one back; smaller ones may be round-off of laws and joints."""
+HALVINGS = 24
+"""Most halvings of an iteration's steps: a way of a radian comes down to where friction of 1e-7 rad sticks."""
 DIVERGED = 50.0
 STEEPEST = 0.9
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)
@@ -74,6 +81,17 @@ def is_too_slow(correction: float, last: float, iteration: int) -> bool:
 def leaves_little(correction: float, last: float) -> bool:
     """Whether all scaled corrections to come, which shrink like the last, add up to less than 1: slow ones may not."""
     return last == 0.0 or correction <= 1.0 - correction / last
+
+
+def overshoots(correction: Vector, before: Vector, last: float) -> bool:
+    """Whether a scaled correction, larger than round-off, takes back the step before without being smaller.
+
+    Newton's method goes to and fro for ever between two branches of a law that bends within its steps, as friction does
+    that slides on one side of where it sticks and on the other. last: size of the correction before.
+    """
+    size = float(np.abs(correction).max(initial=0.0))
+    length = sqrt(float(before @ before) * float(correction @ correction))
+    return size >= OVERSHOT * last and -float(before @ correction) > OVERSHOT * length
 
 
 def is_credible(wrenches: Vector, residual: Vector) -> bool:

@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from ctypes import CDLL, addressof, c_void_p
 from enum import IntEnum
-from math import isnan
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
 
-from ..coupling_library import POINTS, Calls, Limits, NetworkData, Watched
 from ..energy_balance import Energies
+from ..native.library import POINTS, Allowed, Calls, Limits, LoopData, NetworkData, PortWidth, Watched
 from ..network import Network
-from ..participant import NativeAccess, Vector
+from ..participant import NativeAccess, ParticipantError, Vector
 from ..ports import carried
 from . import convergence
 from .convergence import LAST_REFRESHED, Solution, Tolerance
 from .elimination import eliminate
 from .history import Table
-from .interface_jacobian import Matrices
+from .interface_jacobian import Key, Matrices
 from .local_error import WatchedTorque
 from .solver import Solver
 
@@ -31,8 +31,11 @@ _LIMITS = Limits(
     convergence.NEAR,
     convergence.CREDIBLE,
     convergence.AGREED,
+    convergence.OVERSHOT,
+    convergence.ROUGH,
     convergence.PATIENCE,
     convergence.MAX_ITERATIONS,
+    convergence.HALVINGS,
     convergence.REFRESHED,
 )
 
@@ -46,6 +49,18 @@ class Status(IntEnum):
     NOT_FINITE = 3
     WANTS_MATRICES = 4
     WANTS_EVALUATION = 5
+
+
+class Stop(IntEnum):
+    """Why plain steps ended, as in native/loop.h."""
+
+    PAUSED = 0
+    STANDS = 1
+    UNSOLVED = 2
+    UNGUARDED = 3
+    NEEDS_MATRICES = 4
+    NEEDS_EVALUATION = 5
+    FAILED = 6
 
 
 class NativeSolver(Solver):
@@ -67,13 +82,13 @@ class NativeSolver(Solver):
             bodies=len(network.bodies),
             links=len(network.meetings),
             size=network.size,
-            wrench=network.width.wrench,
-            coordinates=network.width.coordinates,
+            width=PortWidth(*network.width),
             energy_kinds=len(Energies._fields),
             limits=_LIMITS,
             participant=addressof(self._calls),
         )
-        self._pointer = c_void_p(addressof(self._data))
+        self.address = addressof(self._data)
+        self._pointer = c_void_p(self.address)
         self._provide_memory()
         self._connect_calls()
         self._arrange(frozenset())
@@ -121,7 +136,7 @@ class NativeSolver(Solver):
     def _arrange(self, still: frozenset[int]) -> None:
         """Tables of indices and room for the linear system without the bodies that never move."""
         self._still, meetings = still, self.network.meetings
-        order = eliminate(meetings, self._data.wrench, still)
+        order = eliminate(meetings, self.network.width.wrench, still)
         first = self._data.bodies
         link = [
             (m.body, m.body_port, first + m.connection, m.connection_port, place)
@@ -199,23 +214,59 @@ class NativeSolver(Solver):
     def observe(self, time: float) -> Energies:
         """Have all asked in one call."""
         self._check(self._library.coupling_observe(self._pointer), time)
+        return self.energies
+
+    @property
+    def energies(self) -> Energies:
+        """As last observed."""
         return Energies(*self._energies.tolist())
 
-    def _iterate(self, time: float, h: float) -> Solution:
-        data, key = self._data, (self.mode, h)
-        allowed = self.tolerance
-        data.relative, data.force, data.torque = allowed.relative, allowed.force, allowed.torque
-        status = self._library.coupling_iterate(self._pointer, time, h, self._in_use == key)
-        while status in (Status.WANTS_MATRICES, Status.WANTS_EVALUATION):
-            again = status == Status.WANTS_EVALUATION
+    def follow(self, loop: LoopData) -> tuple[Stop, Solution]:
+        """Plain steps of a loop from where it stands; why it stopped, and the solution of the step at hand."""
+        self._allow()
+        mode, step = self._in_use or ("", nan)
+        loop.ready_step, loop.status = step if mode == self.mode else nan, Status.CONVERGED
+        address, solution = addressof(loop), Solution(True, 0, 0.0, 0)
+        try:
+            stop = Stop(self._library.coupling_follow(address))
+            while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION):
+                self._provide((self.mode, loop.h), loop.time, again=stop == Stop.NEEDS_EVALUATION)
+                stop = Stop(self._library.coupling_follow(address))
+            solution = self._solution(loop.status, loop.time, loop.h)
+        except ParticipantError as error:
             self._in_use = None
-            if again:
-                self.jacobian.outdate(key, bodies=data.iteration == LAST_REFRESHED)
-            self._use(*self.jacobian.matrices(key, time))
-            self._in_use = key
-            status = self._library.coupling_resume(self._pointer, again)
+            return Stop.UNSOLVED, solution._replace(converged=False, correction=inf, failure=error)
+        if not isnan(loop.ready_step):
+            self._in_use = (self.mode, loop.ready_step)
+        self._check(stop != Stop.FAILED, loop.time + loop.h)
+        return stop, solution
+
+    def _allow(self) -> None:
+        allowed = self.tolerance
+        self._data.tolerance = Allowed(allowed.relative, allowed.force, allowed.torque)
+
+    def _provide(self, key: Key, time: float, *, again: bool) -> None:
+        """Have the matrices of a step in use, as the iteration wants; again: others than those it has."""
+        self._in_use = None
+        if again:
+            self.jacobian.outdate(key, bodies=self._data.iteration == LAST_REFRESHED)
+        self._use(*self.jacobian.matrices(key, time))
+        self._in_use = key
+
+    def _solution(self, status: int, time: float, h: float) -> Solution:
+        """What the iteration came to; ParticipantError where a participant refused."""
+        data = self._data
         self._check(status != Status.REFUSED, time, h)
         return Solution(status == Status.CONVERGED, data.iteration, data.correction, data.worst_row)
+
+    def _iterate(self, time: float, h: float) -> Solution:
+        self._allow()
+        status = self._library.coupling_iterate(self._pointer, time, h, self._in_use == (self.mode, h))
+        while status in (Status.WANTS_MATRICES, Status.WANTS_EVALUATION):
+            again = status == Status.WANTS_EVALUATION
+            self._provide((self.mode, h), time, again=again)
+            status = self._library.coupling_resume(self._pointer, again)
+        return self._solution(status, time, h)
 
     def _use(self, mobilities: Matrices, stiffnesses: Matrices) -> None:
         """Take matrices of all bodies and of all connections; a body without mobility leaves the linear system."""

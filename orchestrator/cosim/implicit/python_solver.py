@@ -110,17 +110,20 @@ class PythonSolver(Solver):
         steps: list[Vector] = []
         scale = np.ones(0)
         last = np.inf
-        for iteration in range(1, convergence.MAX_ITERATIONS + 1):
+        iteration = halvings = 0
+        halved = False
+        while iteration < convergence.MAX_ITERATIONS:
+            iteration += 1
             self.sweep(time, h)
             residual = self._response - self.wrenches
             if not np.all(np.isfinite(residual)):
                 return Solution(False, iteration, np.inf, int(np.argmin(np.isfinite(residual))))
-            if self._in_use != (self.mode, h):
+            if halved or self._in_use != (self.mode, h):
                 self._refresh(time, h, evaluate=False)
             direction = self._direction(residual)
             if iteration == 1:
                 scale = self.tolerance.scale(self.wrenches + direction)
-            correction = broyden(direction / scale, steps)
+            correction = direction / scale if halved else broyden(direction / scale, steps)
             size = float(np.abs(correction).max(initial=0.0))
             settled = self._settled(size, residual, scale)
             if settled and (
@@ -128,22 +131,38 @@ class PythonSolver(Solver):
             ):
                 self._tolerated = scale * min(size, 1.0)
                 return Solution(True, iteration, size, 0)
-            if size > convergence.DIVERGED * last or (size <= 1.0 and not settled):
+            if (size > convergence.DIVERGED * last and not halved) or (size <= 1.0 and not settled):
                 break
-            if size > convergence.SLOW * last and iteration in convergence.REFRESHED:
-                evaluate = iteration > convergence.REFRESHED[0]
-                self._endured += evaluate
-                late = self._endured > convergence.PATIENCE or convergence.is_too_slow(size, last, iteration)
-                if late or not evaluate:
-                    self._endured = 0 if evaluate else self._endured
-                    bodies = iteration == convergence.LAST_REFRESHED
-                    self._refresh(time, h, evaluate=evaluate, bodies=bodies)
-                    steps.clear()
-                    correction = self._direction(residual) / scale
-            last = size
+            rough = size * self.tolerance.relative > convergence.ROUGH
+            may_halve = rough and iteration > convergence.REFRESHED[0] and halvings < convergence.HALVINGS
+            if may_halve and steps and convergence.overshoots(correction, steps[-1], last):
+                # back half of the step before, where matrices are made anew; no iteration of its own
+                steps = [0.5 * steps[-1]]
+                self.wrenches -= steps[0] * scale
+                last, halved, halvings, iteration = 0.5 * last, True, halvings + 1, iteration - 1
+                continue
+            if halved:
+                steps.clear()
+            elif self._refreshed(time, h, size, last, iteration):
+                steps.clear()
+                correction = self._direction(residual) / scale
+            last, halved = size, False
             steps.append(correction)
             self.wrenches += correction * scale
         return Solution(False, iteration, size, int(np.argmax(np.abs(correction))))
+
+    def _refreshed(self, time: float, h: float, size: float, last: float, iteration: int) -> bool:
+        """Have matrices refreshed where a contraction is slow, and say so; evaluated anew only where that pays."""
+        if size <= convergence.SLOW * last or iteration not in convergence.REFRESHED:
+            return False
+        evaluate = iteration > convergence.REFRESHED[0]
+        self._endured += evaluate
+        late = self._endured > convergence.PATIENCE or convergence.is_too_slow(size, last, iteration)
+        if evaluate and not late:
+            return False
+        self._endured = 0 if evaluate else self._endured
+        self._refresh(time, h, evaluate=evaluate, bodies=iteration == convergence.LAST_REFRESHED)
+        return True
 
     def _is_enough(self, size: float, last: float, residual: Vector, scale: Vector) -> bool:
         """Whether no further sweep is worth it after a small correction; one beyond 1 is rounding."""

@@ -6,6 +6,7 @@ What follows from the rest, such as interface Jacobians, is no part: a run that 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from ctypes import Array, Structure
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
 
@@ -33,10 +34,12 @@ def plain(value: Any) -> Any:  # noqa: ANN401 - of any type that records are mad
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
         return {name: plain(one) for name, one in value._asdict().items()}
+    if isinstance(value, Structure):
+        return {name: plain(getattr(value, name)) for name, *_ in value._fields_}
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, Mapping):
         return {name: plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
+    if isinstance(value, list | tuple | Array):
         return [plain(one) for one in value]
     return value

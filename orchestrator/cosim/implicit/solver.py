@@ -145,7 +145,10 @@ class Solver(ABC):
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
         """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
-        solution = self._attempt(self._iterate, time, h, guess)
+        return self.insisted(self._attempt(self._iterate, time, h, guess), time, h, guess)
+
+    def insisted(self, solution: Solution, time: float, h: float, guess: Vector) -> Solution:
+        """What a first iteration from a guess came to, or where it did not converge, what others come to."""
         if not solution.converged:
             self.forget()
             self.jacobian.outdate((self.mode, h), bodies=True)

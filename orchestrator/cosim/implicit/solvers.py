@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..coupling_library import library
+from ..native.library import library
 from ..network import Network
 from .convergence import Tolerance
 from .native_solver import NativeSolver

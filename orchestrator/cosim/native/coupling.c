@@ -3,7 +3,7 @@
 
 #define _POSIX_C_SOURCE 199309L
 
-#include "prediction.h"
+#include "loop.h"
 
 #ifdef _WIN32
 #include <windows.h>
@@ -216,21 +216,54 @@ static int too_slow(const Network *n) {
     return n->correction * pow(n->correction / n->last, (double)(n->limits.most - n->iteration)) > 1.0;
 }
 
+/* Whether a correction takes back the step before without being smaller. */
+static int overshoots(const Network *n, const double *step) {
+    if (n->kept == 0 || !(n->correction >= n->limits.overshot * n->last)) return 0;
+    const double *before = n->steps + (n->kept - 1) * n->size;
+    const double back = -dot(before, step, n->size);
+    const double length = sqrt(n->squares[n->kept - 1] * dot(step, step, n->size));
+    return back > n->limits.overshot * length;
+}
+
+/* Go back half of the step before, where matrices are made anew; no iteration of its own. */
+static int halve(Network *n) {
+    const double *before = n->steps + (n->kept - 1) * n->size;
+    for (size_t i = 0; i < n->size; i++) {
+        n->steps[i] = 0.5 * before[i];
+        n->wrenches[i] -= n->steps[i] * n->scale[i];
+    }
+    n->squares[0] = 0.25 * n->squares[n->kept - 1];
+    n->kept = 1;
+    n->last *= 0.5;
+    n->halved = 1;
+    n->halvings++;
+    n->iteration--;
+    return GOES_ON;
+}
+
 /* From residual and factors to the next wrenches. */
 static int correct(Network *n) {
     double *step = n->steps + n->kept * n->size;
+    const size_t halved = n->halved;
+    n->halved = 0;
+    if (halved) assemble(n);
     scaled_direction(n, step);
-    update(n, step);
+    if (!halved) update(n, step);
     n->correction = largest_of(step, n->size, &n->worst_row);
     if (n->correction <= 1.0) {
         if (!is_credible(n)) return NOT_CONVERGED;
         if (n->iteration == n->limits.most) return CONVERGED;
         if (leaves_little(n) && (n->last <= 1.0 || agrees(n))) return CONVERGED;
-        return apply(n, step); /* once more */
+        return halved ? restart(n) : apply(n, step); /* once more */
     }
-    const int near = n->correction * n->tolerance.relative <= n->limits.near;
+    const double relative = n->correction * n->tolerance.relative;
+    const int near = relative <= n->limits.near;
     if (near && within_round_off(n)) return CONVERGED;
-    if (!isfinite(n->correction) || n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
+    if (!isfinite(n->correction)) return NOT_CONVERGED;
+    if (!halved && n->correction > n->limits.diverged * n->last) return NOT_CONVERGED;
+    const int may_halve = n->iteration > n->limits.refreshed[0] && n->halvings < n->limits.halvings;
+    if (relative > n->limits.rough && may_halve && overshoots(n, step)) return halve(n);
+    if (halved) return restart(n);
     for (size_t k = 0; k < 3; k++)
         if (n->iteration == n->limits.refreshed[k] && n->correction > n->limits.slow * n->last) {
             if (k > 0) return too_slow(n) || ++n->endured > n->limits.patience ? WANTS_EVALUATION : apply(n, step);
@@ -261,6 +294,7 @@ static int proceed(Network *n, int ready) {
 EXPORT void coupling_sizes(size_t *sizes) {
     sizes[0] = sizeof(Participant);
     sizes[1] = sizeof(Network);
+    sizes[2] = sizeof(Loop);
 }
 
 /* Bodies under the wrenches, then connections over the motions, all from their saved states; 1 or 0. */
@@ -274,7 +308,7 @@ EXPORT int coupling_sweep(Network *n, double time, double h) {
 EXPORT int coupling_iterate(Network *n, double time, double h, int ready) {
     n->time = time;
     n->h = h;
-    n->iteration = n->kept = 0;
+    n->iteration = n->kept = n->halved = n->halvings = 0;
     n->last = n->correction = INFINITY;
     return proceed(n, ready);
 }
@@ -349,6 +383,47 @@ EXPORT int coupling_observe(Network *n) {
         for (size_t i = 0; i < n->participants; i++) n->energies[kind] += n->observations[*row++];
     }
     return 1;
+}
+
+/* Solve the next step of a run, or go on with the matrices that it wanted. */
+static int solve_next(Loop *l) {
+    Network *n = l->network;
+    const int wanted = (int)l->wanted;
+    l->wanted = PAUSED;
+    if (wanted != PAUSED) {
+        l->ready_step = l->h;
+        return coupling_resume(n, wanted == NEEDS_EVALUATION);
+    }
+    l->h = next_step(l);
+    coupling_predict(n, l->time + 0.5 * l->h, l->h, n->wrenches);
+    return coupling_iterate(n, l->time, l->h, l->ready_step == l->h);
+}
+
+/* One plain step; PAUSED where there is nothing to tell of it. */
+static int follow_step(Loop *l) {
+    const int status = solve_next(l);
+    l->status = (size_t)status;
+    if (status == WANTS_MATRICES || status == WANTS_EVALUATION)
+        return (int)(l->wanted = status == WANTS_MATRICES ? NEEDS_MATRICES : NEEDS_EVALUATION);
+    if (status != CONVERGED) return UNSOLVED;
+    if (!coupling_observe(l->network)) return FAILED;
+    const int judged = judge_step(l);
+    if (judged == PAUSED) l->rejected++;
+    if (judged != STANDS) return judged;
+    if (has_crossed(l, l->h) || l->time + l->h >= l->break_time - l->rules->break_reached) return STANDS;
+    if (!coupling_accept(l->network, l->time + 0.5 * l->h, l->h)) return FAILED;
+    count_step(l, l->h);
+    return PAUSED;
+}
+
+/* Make plain steps until the end, until there is no room for more rows, or until one is not plain; why it stopped. */
+EXPORT int coupling_follow(Loop *l) {
+    while (l->wanted != PAUSED || l->time < l->until - l->rules->time_rounding) {
+        const int status = follow_step(l);
+        if (status != PAUSED) return status;
+        if (l->made == l->capacity || l->time >= l->stop || is_due(l) || (l->plan && l->made == l->planned)) break;
+    }
+    return PAUSED;
 }
 
 /* Mobility (coordinates, wrenches) of the step just made; slope: room for all outputs. FMI status. */

@@ -18,8 +18,8 @@ typedef struct {
 
 /* Numbers of the iteration, see cosim/implicit/convergence.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, near, credible, agreed;
-    size_t patience, most, refreshed[3];
+    double slow, diverged, steepest, round_off, near, credible, agreed, overshot, rough;
+    size_t patience, most, halvings, refreshed[3];
 } Limits;
 
 typedef struct {
@@ -66,7 +66,7 @@ typedef struct {
     Matrix matrix;
     History history;
     double time, h, last, correction, seconds, reach; /* reach (m): largest coordinate of a port */
-    size_t iteration, kept, endured, sweeps, worst_row, singular, failed, failed_call;
+    size_t iteration, kept, halved, halvings, endured, sweeps, worst_row, singular, failed, failed_call;
     int failed_status;
 } Network;
 

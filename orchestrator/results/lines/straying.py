@@ -79,10 +79,14 @@ def folded_back(result: Result) -> dict[str, Peak]:
 
 
 def bent(result: Result) -> dict[str, Peak]:
-    """How far (rad) the axes of a line in both its bodies, by name, parted, where that is more than a hinge does."""
+    """How far (rad) the axes of a line in both its bodies, by name, parted, where that is more than a hinge does.
+
+    Beams carry no one direction, so their lines are left out.
+    """
     found = {}
     for line in result.hinge_lines:
-        if len(line.axis) == 3 and len(line.parts) == 2:
+        is_beam = any(result.has(part, "node_position") for part in line.parts)
+        if len(line.axis) == 3 and len(line.parts) == 2 and not is_beam:
             inboard, outboard = (_carried(result, part, np.array(line.axis)) for part in line.parts)
             apart = np.linalg.norm(inboard - outboard, axis=1)[rows_joined(result, line)]
             largest = int(np.argmax(apart))

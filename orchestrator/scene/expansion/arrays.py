@@ -9,10 +9,10 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, ValidationError
 
 from components.contract.errors import unknown
-from components.contract.frames import Quaternion, Vector3, exponential, norm, rotate, scaled
+from components.contract.frames import Quaternion, Vector3, exponential, rotate, scaled
 
 from ..layers import Tree
-from ..table import Axis, Direction, Name, Table
+from ..table import Axis, Name, Table
 from ..units import to_si
 
 _PARTS = ("body", "connection", "hinge_line", "ccl", "damper")
@@ -37,7 +37,7 @@ class Array(Table):
 
     name: Name
     count: Annotated[int, Field(ge=1, le=1000)]
-    axis: Axis | Direction = (0.0, 0.0, 1.0)
+    axis: Axis = (0.0, 0.0, 1.0)
     body: _Entries = ()
     connection: _Entries = ()
     hinge_line: _Entries = ()
@@ -46,7 +46,7 @@ class Array(Table):
 
     def turn(self, number: int) -> Quaternion:
         """Of the copy of a number."""
-        return exponential(scaled(2.0 * pi * (number - 1) / self.count / norm(self.axis), self.axis))
+        return exponential(scaled(2.0 * pi * (number - 1) / self.count, self.axis))
 
 
 def expanded(tree: Tree) -> tuple[Tree, list[str]]:

@@ -7,22 +7,37 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components.contract.frames import Vector3, exponential, multiply, normalized
+from components.contract.frames import Vector3, exponential, multiply, normalized, rotate, skew
 from components.flexible.modal import ModalData
 
-from ..bodies import StartPose, body_model, written_poses
+from ..bodies import StartPose, body_model, motions, moved, written_poses
 from ..schema import CheckedScene
-from .constraints import Constraint, Matrix, Vector, constraints
+from .constraints import Constraint, Matrix, Vector, constraints, farthest
 
 _CLOSED = 1e-12
 _OPEN = 1e-9
 """m, rad; what stays open by more than this is told."""
 _ROUNDS = 60
-_RANK = 1e-10
+RANK = 1e-10
+"""Singular values against the largest below which constraints count as implied by others."""
 _LONGEST = 0.5
 """m, rad; no body moves by more in one round."""
 _STAGES = 16
 """Positions on the way to where motions lead, so that loops stay on the side where they start."""
+
+
+class Weight(NamedTuple):
+    """What a body's displacements are weighed with: mass (kg), mean moment of inertia (kg m2), centre of mass (m)."""
+
+    mass: float = 1.0
+    inertia: float = 1.0
+    center: Vector3 = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def of(cls, model: ModalData) -> Weight:
+        """That of a rigid body."""
+        x, y, z = model.center_of_mass.tolist()
+        return cls(model.mass, float(np.trace(model.inertia)) / 3.0, (x, y, z))
 
 
 class Closed(NamedTuple):
@@ -53,13 +68,15 @@ def _closed(
 ) -> Closed:
     """Closed with motions at these shares of their travel, one after the other."""
     start = poses = written_poses(scene, points)
-    placed = [body for body in scene.bodies if body.place is not None and body.name in poses]
-    held = [c for c in constraints(scene, points, poses) if _acts(c, {body.name for body in placed})]
+    driven = motions(scene)
+    placed = [b for b in scene.bodies if b.place is not None and b.name in poses and b.name not in driven]
+    held = [c for c in constraints(scene, points, poses) if acts(c, {body.name for body in placed})]
     if not held:
         return Closed(poses, {}, 0.0)
     names = [body.name for body in placed]
-    weights = np.concatenate([_weights(body_model(body, flexible=False)) for body in placed])
+    weights = [Weight.of(body_model(body, flexible=False)) for body in placed]
     for share in shares:
+        poses = poses | _carried(scene, start, share)
         now = [c._replace(distance=c.distance + share * c.travel) for c in held]
         poses = close(now, poses, names, weights)
     left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
@@ -67,19 +84,31 @@ def _closed(
     return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
 
 
+def _carried(scene: CheckedScene, start: Mapping[str, StartPose], share: float) -> dict[str, StartPose]:
+    """Placed bodies that follow a motion, at a share of the farthest that their laws lead."""
+    return {
+        name: moved(start[name], motion, *(share * farthest(law, scene.header.until) for law in motion.laws))
+        for name, motion in motions(scene).items()
+        if name != scene.base.name
+    }
+
+
 def close(
-    held: Sequence[Constraint], poses: Mapping[str, StartPose], names: Sequence[str], weights: Vector
+    held: Sequence[Constraint],
+    poses: Mapping[str, StartPose],
+    names: Sequence[str],
+    weights: Sequence[Weight],
 ) -> dict[str, StartPose]:
     """Poses where the constraints are fulfilled as far as they can be, by the least displacements of the named bodies.
 
-    weights: roots of the masses and inertias that displacements are weighed with (6 a body).
+    weights: of these bodies, for their displacements.
     """
     found = dict(poses)
     for _ in range(_ROUNDS):
         open_by, slopes = jacobian(held, found, names)
         if np.abs(open_by).max() < _CLOSED:
             break
-        step = -np.linalg.lstsq(slopes / weights, open_by, rcond=_RANK)[0] / weights
+        step = -least_displacements(slopes, open_by, [found[name] for name in names], weights)
         longest = float(np.abs(step).max())
         found = displaced(found, names, step * min(1.0, _LONGEST / max(longest, 1e-300)))
     return found
@@ -122,13 +151,23 @@ def displaced(poses: Mapping[str, StartPose], names: Sequence[str], step: Vector
     return result
 
 
-def _acts(constraint: Constraint, placed: set[str]) -> bool:
+def acts(constraint: Constraint, placed: set[str]) -> bool:
+    """Whether a constraint holds one of these bodies."""
     return bool({constraint.inboard.body, constraint.outboard.body} & placed)
 
 
-def _weights(model: ModalData) -> Vector:
-    """Roots of mass and of the mean moment of inertia about the origin of a body, for its six displacements."""
-    mass, center = model.mass, model.center_of_mass
-    inertia = float(np.trace(model.inertia)) / 3.0 + mass * float(center @ center)
-    weights: Vector = np.sqrt(np.array((mass,) * 3 + (inertia,) * 3))
-    return weights
+def least_displacements(
+    slopes: Matrix, sought: Vector, poses: Sequence[StartPose], weights: Sequence[Weight]
+) -> Vector:
+    """Displacements of the bodies' origins and turns (6 a body) that make the sought change, as little as can be.
+
+    slopes: (rows, 6 a body). Displacements of centres of mass are weighed by mass and turns by the mean moment of
+    inertia, so that it is the same wherever bodies have their origins.
+    """
+    unit = np.zeros((slopes.shape[1], slopes.shape[1]))
+    for k, (pose, weight) in enumerate(zip(poses, weights, strict=True)):
+        arm = skew(np.array(rotate(pose.orientation, weight.center)))
+        moving = np.block([[np.eye(3), arm], [np.zeros((3, 3)), np.eye(3)]])
+        unit[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = moving / np.repeat(np.sqrt(weight[:2]), 3)
+    found: Vector = unit @ np.linalg.lstsq(slopes @ unit, sought, rcond=RANK)[0]
+    return found

@@ -51,7 +51,8 @@ class Seated(NamedTuple):
 class Constraint(NamedTuple):
     """What a connection holds: along and about the axes of its inboard port (each 0 or 1); a distance (m) it commands.
 
-    driven: it is a motion, not a joint. travel: the farthest (m) that its law leads from there during the scene.
+    driven: it is a motion, not a joint. travel: the farthest (m) that its law leads from there during the scene. rate:
+    (m/s) that it commands at the start.
     """
 
     connection: str
@@ -62,6 +63,7 @@ class Constraint(NamedTuple):
     distance: float
     driven: bool
     travel: float = 0.0
+    rate: float = 0.0
 
     def names(self) -> list[str]:
         """One a row."""
@@ -111,11 +113,12 @@ def constraints(
         )
         if is_motion:
             along, about = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-            distance, travel = _commanded(connection, scene.header.until)
+            commanded = _commanded(connection, scene.header.until)
         else:
-            (along, about), distance, travel = CONSTRAINED[str(connection.preset)], 0.0, 0.0
+            (along, about), commanded = CONSTRAINED[str(connection.preset)], (0.0, 0.0, 0.0)
         if any((*along, *about)):
-            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion, travel)
+            distance, *led = commanded
+            yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion, *led)
 
 
 def hinge_constraints(
@@ -152,11 +155,16 @@ def _seated(
     return Seated(seat.body, add(points[seat.body][seat.point], seat.offset), multiply(turn, line))
 
 
-def _commanded(connection: Connection, until: float) -> tuple[float, float]:
-    """Distance (m) that a motion commands at the start, and how far from it the law leads until a time (s)."""
+def _commanded(connection: Connection, until: float) -> tuple[float, float, float]:
+    """Distance (m) that a motion commands at the start, how far from it the law leads until a time (s), its rate."""
     structure, start = component_values(connection, "mean")
     law = MotionLaw(structure["law"])
+    offset = float(np.ravel(start.get("offset", 0.0))[0])
+    return law.value(0.0) + offset, farthest(law, until), law.rate(0.0)
+
+
+def farthest(law: MotionLaw, until: float) -> float:
+    """How far from its start a law leads until a time (s), with its sign."""
     first = law.value(0.0)
     times = [*np.linspace(0.0, until, _SAMPLES).tolist(), *(t for t in law.breaks if 0.0 <= t <= until)]
-    travel = max((law.value(time) - first for time in times), key=abs)
-    return first + float(np.ravel(start.get("offset", 0.0))[0]), travel
+    return max((law.value(time) - first for time in times), key=abs)

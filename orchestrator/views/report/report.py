@@ -10,9 +10,11 @@ from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.key_figures import headline, headline_rows
 from ...results.parts import json_of
+from ...results.point_loads import event_loads
 from ...results.result import Result
 
-_SCENE = ("scene", "scene_tree", "flexible")
+_FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
+_SCENE = ("scene", "scene_tree", *_FIDELITIES)
 _DIGEST = "fmu."
 
 
@@ -61,6 +63,20 @@ def _numbers(result: Result) -> Iterator[str]:
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))
+    loads = [
+        (f"{one.time:.6f}", one.joint, f"{one.before:.4g}", f"{one.after:.4g}", _ratio(one.ratio), one.unit)
+        for one in event_loads(result)
+    ]
+    if loads:
+        yield paragraph(
+            "What each joint carried at the most in the second before an event and in the one after:"
+        )
+        headings = ("time, s", "joint", "before", "after", "after / before", "unit")
+        yield table(headings, loads, numeric=(0, 2, 3, 4))
+
+
+def _ratio(value: float | None) -> str:
+    return "" if value is None else f"{value:.3g}"
 
 
 def _animation(result: Result, count: int) -> Iterator[str]:
@@ -111,16 +127,20 @@ def _provenance(result: Result) -> Iterator[str]:
     known = dict(result.provenance)
     digests = {name: known.pop(name) for name in list(known) if name.startswith(_DIGEST)}
     yield heading("Provenance")
-    flexible = json_of(known.get("flexible", "[]"))
-    bodies = ", ".join(map(str, flexible)) if isinstance(flexible, list) else ""
+    bodies = [(words, _names(known.get(fidelity, "[]"))) for fidelity, words in _FIDELITIES.items()]
     versions = [(name, text) for name, text in known.items() if name not in _SCENE]
     statistics = [(name.replace("_", " "), f"{value}") for name, value in result.statistics.items()]
-    yield table(("what", "value"), [("flexible bodies", bodies or "none"), *versions, *statistics])
+    yield table(("what", "value"), [*bodies, *versions, *statistics])
     tree = _scene_tree(result)
     yield folded("scene, all layers merged", _indented(tree) or known.get("scene", ""))
     if digests:
         text = "\n".join(f"{name.removeprefix(_DIGEST)}  {digest}" for name, digest in digests.items())
         yield folded("SHA-256 of the FMUs", text)
+
+
+def _names(text: str) -> str:
+    names = json_of(text)
+    return (", ".join(map(str, names)) if isinstance(names, list) else "") or "none"
 
 
 def _scene_tree(result: Result) -> dict[str, object]:
