@@ -127,7 +127,7 @@ def try_wing(
 ) -> Trial:
     """Run the wing of a seed, and its reference; at the wing's own tolerance unless one is given."""
     scene = load_wing(seed, bodies)
-    flexible = {body.name: body.flexible for body in scene.bodies}
+    flexible = {body.name: body.default_fidelity != "rigid" for body in scene.bodies}
     kinds = {line.name: line_latch(scene, line, flexible, "mean").kind for line in scene.hinge_lines}
     wanted = tolerance or scene.header.tolerance
     told = partial(

@@ -107,7 +107,7 @@ def main(arguments: list[str]) -> None:
     """Print the table."""
     kind = "rigid" if "--rigid" in arguments else "flexible"
     assembly = assemble(load_scene(find_scene("amos3")), **{kind: {"all"}})
-    settings = Settings(tolerance=TOLERANCE, largest_step=assembly.largest_step)
+    settings = Settings(tolerance=TOLERANCE, largest_step=assembly.largest_step, compiled=False)
     kernels = kernel_times(assembly)
     with tempfile.TemporaryDirectory() as name:
 

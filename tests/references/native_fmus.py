@@ -11,10 +11,10 @@ import pytest
 from components.contract.roles import LAGGED
 from fmus import native_library
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.coupling_library import library
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.master import Settings
+from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
 from orchestrator.run.run import as_fmus
 from tests.references.coupled import completed, mastered

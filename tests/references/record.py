@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from orchestrator.cosim.cosimulation import SCENE_CHANNELS
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.rows import recorded_layout
 
 Vector = NDArray[np.float64]
 
@@ -27,6 +28,12 @@ class Record:
         """Keep a copy."""
         self.times.append(time)
         self.rows.append([value.copy() for value in values])
+
+    def extend(self, times: Vector, rows: Vector) -> None:
+        """Keep copies."""
+        sizes = [recorded_layout(part.observation_layout).size for part in self.network.participants]
+        for time, row in zip(times.tolist(), rows, strict=True):
+            self.append(time, np.split(row, np.cumsum(sizes)))
 
     def event(self, time: float, component: str, text: str) -> None:
         """Keep it."""

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from orchestrator.analysis.statics.configuration import configuration, with_angles
 from orchestrator.analysis.statics.linear_model import linearise, normal_modes
-from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
+from orchestrator.analysis.statics.mechanism import Mechanism
+from orchestrator.analysis.statics.placed_body import PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant

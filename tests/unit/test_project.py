@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import tomllib
 from pathlib import Path
 
@@ -280,6 +281,22 @@ def test_readme_snippets_run(tmp_path, monkeypatch):
     assert found["result"].latch_times == pytest.approx(shown, abs=0.006)
     known = re.findall(r"fanfold\.(\w+)", section("From Python"))
     assert set(known) <= set(orchestrator.__all__)
+
+
+def test_the_scene_of_the_readme_deploys(tmp_path):
+    """As it stands: no warning, both lines latch, the free spacecraft and the hinges between panels are told of."""
+    blocks = re.findall(r"(?:^    .*\n|^\n)+", section("Scenes"), re.MULTILINE)
+    (whole,) = [textwrap.dedent(block) for block in blocks if "[scene]" in block]
+    path = tmp_path / "scene.toml"
+    path.write_text(whole, encoding="utf-8")
+    found = orchestrator.check_scene(path)
+    assert (found.problems, found.warnings) == ((), ())
+    result = orchestrator.simulate(path, rigid="all")
+    assert result.complete
+    assert result.warnings == ()
+    assert set(result.latch_times) == {"HL1", "HL2"}
+    told = {number.quantity for number in result.headline.numbers()}
+    assert {"attitude peak", "port force peak", "hinge torque peak"} <= told
 
 
 def test_readme_tells_every_room():

@@ -37,6 +37,8 @@ _FIRST_ROW = "before its first communication point"
 _LONGEST = 600
 _RESUMED = 0.7
 """Probability that a resumed run is not killed again."""
+_SAME = ("estimated_errors", "steps", "iterations", "rejected_steps")
+"""Statistics that do not tell of times."""
 _FANFOLD = (sys.executable, "-c", "from orchestrator.cli.main import main; main()")
 
 
@@ -83,7 +85,7 @@ def _kill_and_go_on(dice: Random, command: tuple[str, ...], whole: Whole, folder
             return left, fault
         start = ("resume", str(path))
         if dice.random() < _RESUMED:
-            return "a checkpoint", _run(folder, *start) or _differences(whole.result, path)
+            return "a checkpoint", _run(folder, *start) or differences(whole.result, path)
 
 
 def _environment(folder: Path) -> dict[str, str]:
@@ -126,8 +128,8 @@ def _left(path: Path) -> tuple[str, str]:
     return "everything" if result.complete else "rows", ""
 
 
-def _differences(one: Path, other: Path) -> str:
-    """The first signal in which two results differ."""
+def differences(one: Path, other: Path) -> str:
+    """The first signal in which two results differ, or what they tell of their runs."""
     a, b = Result.open(one), Result.open(other)
     if not b.complete or not np.array_equal(a.time, b.time) or a.events != b.events:
         return (
@@ -137,7 +139,8 @@ def _differences(one: Path, other: Path) -> str:
         for variable in a.variables(component):
             if not np.array_equal(a.signal(component, variable), b.signal(component, variable)):
                 return f"{component}.{variable} differs"
-    return ""
+    told = [name for name in _SAME if a.statistics.get(name) != b.statistics.get(name)]
+    return f"{told[0]}: {a.statistics.get(told[0])} and {b.statistics.get(told[0])}" if told else ""
 
 
 if __name__ == "__main__":

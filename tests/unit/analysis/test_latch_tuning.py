@@ -13,7 +13,7 @@ import orchestrator as fanfold
 from components import catalogue
 from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.latch_tuning import augmented_rotation, find_line, pair, series, tune, without
-from orchestrator.assembly.assemble import choose_fidelity
+from orchestrator.assembly.fidelities import bending
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.edits import edited
@@ -197,7 +197,7 @@ def test_two_flexible_panels_make_half_of_one(tmp_path):
     right = ('{ name = "right", inboard = "right"', '{ name = "right", inboard = "hl_right"')
     text = edited(PANELS, mirrored, turned, left, right)
     scene = scene_of(tmp_path, text)
-    tuning = tune(scene, find_line(scene, "HL"), choose_fidelity(scene, (), ()))
+    tuning = tune(scene, find_line(scene, "HL"), bending(scene, (), ()))
     assert tuning.frequency == pytest.approx(clamped_frequency(), rel=5e-5)
     assert tuning.inertia == pytest.approx(6.2514 / 2.0, rel=1e-4)
     elements = catalogue.entry("workbench_panel").finite_elements()
@@ -215,7 +215,7 @@ def test_a_clamped_panel_has_the_stiffness_of_the_sheet(tmp_path):
     sides = [(f'"hl_{side}" }}', f'"hl_{side}", {stiff} }}') for side in ("left", "right")]
     text = edited(PANELS, *sides)
     scene = scene_of(tmp_path, text)
-    tuning = tune(scene, find_line(scene, "HL"), choose_fidelity(scene, (), ()))
+    tuning = tune(scene, find_line(scene, "HL"), bending(scene, (), ()))
     # the sheet's frequency is that of another mesh, given to 1e-4 of itself: twice that, and as much for the mesh
     assert tuning.structure == pytest.approx(4147.8, rel=5e-4)
 
@@ -227,7 +227,7 @@ def test_third_line_of_amos3_is_two_panels_in_series():
     its far end; together below 3 %.
     """
     scene = load_scene(find_scene("amos3"))
-    tuning = tune(scene, find_line(scene, "HL3"), choose_fidelity(scene, (), ()))
+    tuning = tune(scene, find_line(scene, "HL3"), bending(scene, (), ()))
     assert tuning.structure == pytest.approx(2074.0, rel=0.03)
     stiff = tune(scene, find_line(scene, "HL3"), {"panel2": True})
     # one side rigid: the other side's own, equation 2.7 with an infinite stiffness

@@ -12,7 +12,8 @@ from components.flexible.reduction import fixed_interface_frequencies
 from orchestrator.analysis.statics.configuration import configuration, loaded, placed
 from orchestrator.analysis.statics.connection_at_rest import Connection, at_rest
 from orchestrator.analysis.statics.linear_model import linearise, modal_damping, normal_modes
-from orchestrator.analysis.statics.mechanism import Mechanism, PlacedBody
+from orchestrator.analysis.statics.mechanism import Mechanism
+from orchestrator.analysis.statics.placed_body import PlacedBody
 from orchestrator.assembly import Part
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError, find_scene, load_scene

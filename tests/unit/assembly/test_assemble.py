@@ -15,7 +15,11 @@ from tests.unit.scene.scene_cases import SCENES, TWO_PANELS, amos3, load_text, p
     [
         ({"wing"}, set(), "there is no body 'wing'; bodies are inner, outer"),
         ({"inner"}, {"inner"}, "body.inner: it cannot be both rigid and flexible"),
-        (set(), {"inner"}, "only a body of the catalogue, or with a panel or frame, can be flexible"),
+        (
+            set(),
+            {"inner"},
+            "only a body of the catalogue, or with a panel, frame, beam or import, can be flexible",
+        ),
     ],
 )
 def test_impossible_fidelities_are_sentences(tmp_path, rigid, flexible, sentence):

@@ -116,6 +116,11 @@ BAD = {
         "time = 1\nset = { root = { motor_constant_torque = 0 } }",
         "event.a.set.root.motor_constant_torque: is nothing already; what drives this hinge is motor_stiffness",
     ),
+    "a spring that is none": (
+        "time = 1\nset = { root = { motor_wind_up = '5 rad' } }\n[[hinge_line]]\nname = 'root_line'\n"
+        "motor = { stowed = 1.5, deployed = 1.5 }",
+        "event.a.set.root.motor_wind_up: has no effect, as the motor is no spring",
+    ),
     "a latch that is none": (
         "time = 1\nset = { root = { latch_stiffness = 5 } }",
         "event.a.set.root.latch_stiffness: has no effect, as the latch is none",

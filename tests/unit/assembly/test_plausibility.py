@@ -3,6 +3,7 @@
 from math import pi
 
 import pytest
+from scipy.optimize import brentq
 
 from orchestrator.assembly.plausibility import doubts, loop_travels
 from orchestrator.scene import find_scene, load_scene
@@ -87,6 +88,27 @@ def test_friction_beyond_the_motor_is_told(preload, motor, angle):
     assert told == pytest.approx(angle, abs=0.5)  # the places that are looked at
     assert f"hinge_line.HL1: at {told:g} deg its motor gives" in sentence
     assert "unless something else drives it, it stops there" in sentence
+
+
+def test_the_harness_takes_between_its_points_what_it_does_in_a_run():
+    """Closed form: over (0, 0), (30, 0), (90, 2) the slopes of the monotone cubic are 0, 0 and 1/18 N.m/deg.
+
+    The last is the three-point formula's, so that it takes (8 s^2 - 2 s^3) / 3 N.m at s of its second stretch.
+    """
+    settings = [
+        "hinge_line.HL1.friction_preload=0 N.m",
+        'hinge_line.HL1.motor={ angle = ["0 deg", "90 deg"], torque = ["1 N.m", "1 N.m"] }',
+        'hinge_line.HL1.harness.angle=["0 deg", "30 deg", "90 deg"]',
+        'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m", "2 N.m"]',
+    ]
+    (sentence,) = doubts(load_scene(find_scene("amos3"), (), settings))
+    told = float(sentence.partition("at ")[2].partition(" deg")[0])
+    reached = brentq(lambda s: 8.0 * s**2 - 2.0 * s**3 - 3.0, 0.0, 1.0)
+    late = told - (30.0 + 60.0 * reached)
+    assert 0.0 <= late <= 0.5  # the places that are looked at; by a straight line it would be 60 deg
+    share = (told - 30.0) / 60.0
+    taken = (8.0 * share**2 - 2.0 * share**3) / 3.0
+    assert f"take {taken:.4g} N.m" in sentence
 
 
 PANEL = """

@@ -13,11 +13,11 @@ from components import REGISTRY, ComponentError
 from components.drag import PlateDrag, mean_squares
 from fmus import build_fmu, native_library
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.coupling_library import library
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.native_solver import NativeSolver
 from orchestrator.cosim.master import Settings
+from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
 from tests.references.coupled import base, between, completed, mastered, rigid
 from tests.references.relative_motion import inputs, port_motion, work, wrenches

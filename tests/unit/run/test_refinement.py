@@ -17,6 +17,7 @@ from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, EstimatedErr
 from orchestrator.results.key_figures import headline
 from orchestrator.results.result import Result
 from orchestrator.results.result_file import with_statistics
+from orchestrator.run import refinement
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.refinement import error_in_tolerances, refined, smaller_tolerance
 from orchestrator.run.run import run
@@ -47,10 +48,10 @@ def claiming(outcome, errors):
     return replace(outcome, result=result, headline=headline(result))
 
 
-def off_by(outcome, tolerances):
-    """The same that says that its first latch time is off by so many tolerances."""
+def off_by(outcome, likely, most=None):
+    """The same that says that its first latch time is off by so many tolerances, likely and at the most."""
     line, time = next(iter(outcome.headline.latch_times.items()))
-    error = EstimatedError(*(tolerances * ASKED.tolerance * time for _ in range(2)))
+    error = EstimatedError(*(tolerances * ASKED.tolerance * time for tolerances in (likely, most or likely)))
     return claiming(outcome, {("latch time", line): error})
 
 
@@ -86,6 +87,29 @@ def test_a_run_that_misses_is_repeated(outcome, tmp_path, unknown):
     assert unknown or re.search(
         r": the latch time of \w+ is likely to be off by 60 times the tolerance", sentence
     )
+
+
+def test_numbers_of_latch_ups_are_held_to_what_they_may_be_off_by(outcome):
+    """Rule: such a run is repeated though nothing is likely to be wrong; for the load of an interface it is not."""
+    quantity, peaks = "interface force peak", outcome.headline.interface_force_peaks
+    error = EstimatedError(*(n * ASKED.tolerance * max(peaks) for n in (5.0, 75.0)))
+    loaded = claiming(outcome, {(quantity, "xyz"[peaks.index(max(peaks))]): error})
+    assert refined(smooth_scene(), loaded, ASKED, UNTIL) == (loaded, ASKED)
+    said = []
+    settings = refined(smooth_scene(), off_by(outcome, 5.0, 75.0), ASKED, UNTIL, warn=said.append)[1]
+    assert settings.tolerance == smaller_tolerance(1e-3, 75.0)
+    assert re.search(
+        r": the latch time of \w+ may be off by 75 times the tolerance of 0.001; it is run", said[0]
+    )
+
+
+def test_errors_that_do_not_fall_lead_to_the_smallest_tolerance(outcome, monkeypatch):
+    """Rule: a hundredth of the tolerance asked for is tried before it is given up, and nothing beyond it."""
+    said = []
+    monkeypatch.setattr(refinement, "with_estimates", lambda _, found, *__: off_by(found, 20.0))
+    settings = refined(smooth_scene(), off_by(outcome, 20.0), ASKED, UNTIL, warn=said.append)[1]
+    assert settings.tolerance == pytest.approx(1e-5)
+    assert len(said) == 2
 
 
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):

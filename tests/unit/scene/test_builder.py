@@ -195,7 +195,7 @@ def test_help_names_every_key(method):
     """Completeness: `help` of a method names every key of its table."""
     function = getattr(fanfold.Scene, method)
     told = set(re.findall(r"\w+", f"{inspect.signature(function)} {function.__doc__}"))
-    keys = {key for table in TABLES[method] for key in table.model_fields}
+    keys = {field.alias or key for table in TABLES[method] for key, field in table.model_fields.items()}
     assert keys <= told
 
 

@@ -125,7 +125,7 @@ hinge_line = [{ name = "root_line", hinges = [{ name = "rot", harness = true }] 
     found = problems_of(written(tmp_path, "above.toml", layer))
     assert found == (
         "above.toml: body.iner: there is no body 'iner' to change; those are inner, outer; "
-        "for a new one, give either a catalogue entry, a table panel or frame, or a table rigid "
+        "for a new one, give either a catalogue entry, a table panel, frame, beam or import, or a table rigid "
         "above.toml: hinge_line.root_line.hinges.rot: there is no hinge 'rot' to change; those are root; "
         "a new one needs inboard, outboard"
     )

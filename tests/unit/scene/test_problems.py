@@ -95,6 +95,11 @@ BAD = {
         "hinge_line.root_line: give a table harness and mark the hinges",
     ),
     "no hinges": (HINGES, "hinges = []", "hinge_line.root_line: a line needs at least one hinge"),
+    "hinges as a table": (
+        HINGES,
+        "hinges = { root = ['root', 'root'] }",
+        "it must be an array of tables, [{ ... }, { ... }], with keys name, inboard, outboard,",
+    ),
     "angles": ('"180 deg"', '"-1 deg"', "latch_angle, by default aligned_angle"),
     "same name": ('name = "loop"', 'name = "root"', "root_line.hinges.root: two components are named"),
     "same body name": ('name = "outer"', 'name = "inner"', "body.inner: two components are named 'inner'"),
@@ -127,7 +132,7 @@ BAD = {
         "aligned_angle = '1 rad'\n"
         'hinges = [{ name = "extra_hinge", inboard = "root", outboard = "tip_left" }]\n'
         '[[hinge_line]]\nname = "middle_line"',
-        "hinge_line.extra.outboard: inner is that of another line already",
+        "hinge_line.extra.outboard: inner is that of root_line already, whose angle says where it stands; what closes",
     ),
     "hinges off the line": (
         "right = [0.0, -0.5, 0.0]",
@@ -181,7 +186,7 @@ BAD = {
 
 # mistakes that leave other tables without what they name: those are told as well
 FOLLOWED = {
-    "missing table", "no hinges", "same body name",
+    "missing table", "no hinges", "hinges as a table", "same body name",
     "unknown entry", "disconnected", "base outboard", "two inboard lines",
 }  # fmt: skip
 

@@ -57,3 +57,10 @@ def test_an_angle_that_reads_like_degrees_needs_its_unit(value):
 def test_other_plain_angles_are_radians(value):
     """As programs write them: SI, as all plain numbers of a scene."""
     assert written(value, "rad") == value
+
+
+@pytest.mark.parametrize("value", ["1e31 m", -1e200, 1e308])
+def test_sizes_beyond_all_bounds_are_refused(value):
+    """Found by the benchmark of mutated scenes: products of such lengths and masses overflowed."""
+    with pytest.raises(ValueError, match=r"it must be at most 1e\+30 m, so check the unit"):
+        to_si(value, "m")

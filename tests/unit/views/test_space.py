@@ -15,6 +15,8 @@ BOXES = [
     (9.1, 1.1, 0.0),
     (1.0, 9.0, 0.5),
     (2.28, 0.9, 9.12),
+    (0.216, 1.4, 2.0),
+    (0.06, 1.5, 1.6),
 ]
 
 
@@ -31,6 +33,8 @@ def test_tick_labels_do_not_collide(box, shift):
     boxes = [text.get_window_extent() for text in texts if text.get_text()]
     boxes = [box for box in boxes if figure.bbox.overlaps(box)]  # others are of edges that are not shown
     assert {text.get_text()[0] for text in texts} >= set("xyz")
+    digits = [text.get_text().split(" = ")[-1].strip("-0.").replace(".", "") for text in texts]
+    assert max(map(len, digits)) <= 2  # a middle of 0.108 was told as such
     overlaps = [(k, j) for k in range(len(boxes)) for j in range(k) if boxes[k].overlaps(boxes[j])]
     assert not overlaps
 

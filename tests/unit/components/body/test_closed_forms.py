@@ -104,5 +104,5 @@ def test_a_bent_body_turns_as_it_is_told(coupling):
     x = body.initial(c, no_wrench(body))
     state = body.state_layout
     spin, eta = x[state["spin"]], np.array(BENT)
-    assert body._inertia.angular_velocity(spin, eta, np.zeros(4)) == pytest.approx(rate, rel=1e-12)
+    assert body.inertia.angular_velocity(spin, eta, np.zeros(4)) == pytest.approx(rate, rel=1e-12)
     assert x[state["angular_velocity"]] == pytest.approx(rate, rel=1e-15)

@@ -174,7 +174,7 @@ def test_all_problems_at_once():
 @pytest.mark.parametrize("table", [{}, {"panel": 3}, {"frame": []}, {"rigid_twin": {"mass": 1.0}}])
 def test_no_body(table):
     """Messages: a table without a body."""
-    with pytest.raises(TableError, match=r"give a table panel, a table frame, or both|it must be a table"):
+    with pytest.raises(TableError, match=r"give a table panel, .* or a table beam|it must be a table"):
         read_body(table, si)
 
 
@@ -201,6 +201,14 @@ def test_sandwich():
     np.testing.assert_allclose([plate.bending, plate.membrane], expected, rtol=1e-12)
     assert sheets.per_force == pytest.approx(1 / 0.4e-3)
     assert sheets.per_moment == pytest.approx(1 / (0.2e-3 * 0.0202))
+
+
+def test_tubes_of_frames_follow_from_poissons_ratio():
+    """Closed form of an isotropic material: G = E / (2 (1 + nu)), as for beams of large deformation."""
+    moduli = {name: value for name, value in TUBE.items() if name != "shear_modulus"}
+    found = frame("tube", {**moduli, "poisson_ratio": 0.25}).frame
+    expected = frame("tube", {**TUBE, "shear_modulus": 28e9}).frame
+    assert [path.section for path in found.members] == [path.section for path in expected.members]
 
 
 def test_skins_of_another_thickness_are_another_body(tmp_path, monkeypatch):

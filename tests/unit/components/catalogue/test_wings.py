@@ -63,7 +63,8 @@ def test_flexible_body_and_rigid_twin(name):
 
 def test_catalogue_is_complete():
     """Bookkeeping: these are the bodies; what they are like is none by itself."""
-    assert set(catalogue.entries()) == {*WINGS, "workbench_panel"}
+    membranes = {"antenna_membrane", "antenna_membrane_isolated"}
+    assert set(catalogue.entries()) == {*WINGS, "workbench_panel", *membranes}
     for name, (_, _, points) in WINGS.items():
         assert catalogue.entry(name).points == points
     for template in ("honeycomb_panel", "tube_frame"):

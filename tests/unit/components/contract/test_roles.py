@@ -62,7 +62,7 @@ def test_what_has_the_name_of_a_role_is_declared_as_it(kind):
 @pytest.mark.parametrize("kind", EXAMPLES)
 def test_roles_of_observations_have_their_units(kind):
     for quantity in EXAMPLES[kind].observation_layout.quantities:
-        if quantity.role in (roles.LOAD, roles.INTERFACE_LOAD, roles.PORT_LOAD):
+        if quantity.role in (roles.LOAD, roles.INTERFACE_LOAD, roles.PORT_LOAD, roles.HINGE_LOAD):
             assert quantity.unit in ("N", "N.m")
             assert quantity.size in (1, 3)
         elif quantity.role == roles.ATTITUDE:

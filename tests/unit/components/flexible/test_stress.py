@@ -75,7 +75,7 @@ def test_constant_curvature_next_to_an_insert():
     """What an insert carries is no part of the average: nodes on its edge keep the exact value."""
     elements = PlateElements(PLATE, [0.0, 0.4, 1.0], [0.0, 0.3, 1.0], 0.1)
     insert = ((0.0, 0.4), (0.0, 0.3))
-    nodes = elements.nodes({"fitting": insert})
+    nodes = elements.nodes([insert])
     w = np.zeros((3, 3))
     w[2, 0] = 0.5
     found = (nodes.resultants @ degrees_of_freedom(elements, w, np.zeros((1, 1)), np.zeros((1, 1)))).reshape(

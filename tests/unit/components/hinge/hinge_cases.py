@@ -46,7 +46,7 @@ def outboard(
 
 
 def observed(component: Hinge, c: Constants, x: Vector, u: Vector) -> dict[str, float]:
-    """Every observation by name; all of a hinge's are scalars."""
+    """Every scalar of the observations by name."""
     values = component.observe(c, x, u)
     return dict(zip(component.observation_layout.scalar_names(), values.tolist(), strict=True))
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.references.relative_motion import inputs, port_motion, with_moments
-from tests.unit.components.hinge.hinge_cases import hinge, observed
+from tests.unit.components.hinge.hinge_cases import CONSTANT_TORQUE, hinge, observed
 
 H = 0.01
 TURNS = (0.0, 1.0e-7, 2.0e-7, 3.0e-7)
@@ -73,16 +73,17 @@ def test_bushing_forces_of_a_rough_motion_are_those_of_the_means():
 def test_loads_one_step_earlier():
     """Closed form: between steps of one size the mean of both means and a third of what their slopes differ by."""
     component, c = hinge(
-        structure={"latch": "kinematic"},
+        structure={"latch": "kinematic", **CONSTANT_TORQUE},
         order=4.0,
         lock_stiffness=1e8,
         translational_stiffness=(1e6, 3e6, 4e6),
+        rotational_stiffness=(0.0, 2e6, 3e6),
     )
     x, wrenches = None, []
     for turn, moment in zip(TURNS, (0.0, 1e-7, -2e-7, 3e-7), strict=True):
         offset = (4e2 * turn, turn, 3e2 * turn)
-        u = inputs(component, port_motion(), port_motion(offset, (0.0, turn, 0.0)), latch_command=1.0)
-        u = with_moments(component, u, moment * np.array([[0.0] * 6, [1.0, 2.0, 3.0, 0.0, 1.0, 0.0]]))
+        u = inputs(component, port_motion(), port_motion(offset, (2 * turn, turn, turn)), latch_command=1.0)
+        u = with_moments(component, u, moment * np.array([[0.0] * 6, [1.0, 2.0, 3.0, 0.5, 1.0, -2.0]]))
         x = component.initial(c, u) if x is None else component.step(c, x, u, H)
         y = component.outputs(c, x, u)
         names = ("force", "torque", "force_slope", "torque_slope")
@@ -90,7 +91,10 @@ def test_loads_one_step_earlier():
     (f0, t0, fs0, ts0), (f1, t1, fs1, ts1) = wrenches[-2:]
     force, torque = 0.5 * (f0 + f1) + (fs0 - fs1) / 3.0, 0.5 * (t0 + t1) + (ts0 - ts1) / 3.0
     found = observed(component, c, x, u)
-    assert found["latch_torque_lagged"] == pytest.approx(torque[1], rel=1e-5)
+    assert found["latch_torque_lagged"] == pytest.approx(torque[1] - 2.0, rel=1e-5)
+    vectors = [[found[f"hinge_{name}_lagged[{i}]"] for i in (1, 2, 3)] for name in ("force", "torque")]
+    assert vectors[0] == pytest.approx(force, rel=1e-5)
+    assert vectors[1] == pytest.approx(torque, rel=1e-5)
     assert found["axial_force_lagged"] == pytest.approx(force[1], rel=1e-5)
     assert found["radial_force_lagged"] == pytest.approx(np.hypot(force[0], force[2]), rel=1e-5)
 

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
 import orchestrator as fanfold
@@ -79,8 +80,9 @@ def test_the_closed_form_keeps_the_energy():
 def test_verification_follows_the_closed_form(links):
     """From 0.1 s on, after the vibration of the mid joints that the start excites, within what the design asks.
 
-    Angle 0.02 deg, work 0.1 %; forces within 1.5 N and 1 %: at 0.1 s a hundredth of the 300 N of the start is left.
-    Links bend by micrometres, so those that can follow it as well.
+    Angle 0.02 deg, work 0.1 %; forces within 1.5 N and 1 %: at 0.1 s a hundredth of the 300 N of the start is left,
+    1.53 N at joints and 2.0 N of the motion, the same at a tolerance of 1e-5. Bushings, which the chain has not, take
+    up to 1.9 N of the motion. Links bend by micrometres, so those that can follow it as well.
     """
     result = run("verification", links)
     t, chain, top = reference(result, links)
@@ -93,12 +95,43 @@ def test_verification_follows_the_closed_form(links):
     force = np.hypot(result["x_base_1", "axial_force"][:], result["x_base_1", "radial_force"][:])
     closed_form = np.hypot(*chain.base.T)
     assert np.all(np.abs(force - closed_form)[after] < 1.5 + 0.01 * closed_form[after])
+    motion = (
+        8 * (chain.top[:, 1] + 2.0 * BUSHING * chain.angle / (2.0 * LINK * chain.cosine))
+        + top * chain.acceleration
+    )
+    found = result["motion", "motion_force"][:]
+    assert np.all(np.abs(found - motion)[after] < 1.5 + 0.01 * np.abs(motion)[after])
     assert np.interp(0.5, t, np.degrees(np.abs(angle)) / 2) == pytest.approx(30.0, abs=0.02)
-    half_way = np.interp(0.5, t, 8 * chain.top[:, 1] + top * chain.acceleration)
-    assert np.interp(0.5, t, result["motion", "motion_force"][:]) == pytest.approx(half_way, abs=1.5)
     assert np.interp(0.5, t, result["motion", "supplied_energy"][:]) == pytest.approx(
         np.interp(0.5, t, energy), rel=1e-3
     )
+
+
+def between(result, variable, t):
+    """Recorded values at other times, by cubics."""
+    time, values = np.array(result[variable].time), np.array(result[variable])
+    once = np.append(np.diff(time) > 0.0, True)
+    return CubicSpline(time[once], values[once])(t)
+
+
+def test_links_of_large_deformation_carry_what_modal_ones_do():
+    """Two formulations, as the design asks: joint forces within 1 % of the largest, the top within 1e-6 m.
+
+    After the vibration that the start excites, up to 30 deg. Links stay straight within micrometres, so four elements
+    do; beams have ports of order 2, whose errors at the tolerance of 1e-4 are 1 to 1.4 %.
+    """
+    scene = fanfold.load("antenna-unit", variant="verification")
+    scene = scene.with_settings({"array.corners.body.x_lower_{i}.beam.elements": 4})
+    beams = fanfold.simulate(scene, large_deformation="all", until=0.5, tolerance=2e-5, estimate=False)
+    modal, t = run("verification", "flexible"), np.linspace(0.1, 0.49, 400)
+    top, other = (between(result, ("top", "frame_position"), t) for result in (modal, beams))
+    assert np.abs(top - other).max() < 1e-6
+    for joint in ("x_base_1", "x_mid_1", "x_top_1"):
+        force, as_beams = (
+            np.hypot(*(between(result, (joint, f"{way}_force"), t) for way in ("axial", "radial")))
+            for result in (modal, beams)
+        )
+        assert np.abs(force - as_beams).max() < 0.01 * force.max(), joint
 
 
 @pytest.mark.parametrize("variant", ["verification", *VARIANTS])
@@ -159,6 +192,26 @@ def test_step_starts_with_the_acceleration_of_its_law():
     early = t[1:][steps] < 0.05
     assert acceleration[early].max() < 1.9 * 7.056
     assert result["motion", "commanded_acceleration"][0] == pytest.approx(7.056, abs=1e-9)
+
+
+def test_a_top_that_follows_the_law_itself():
+    """M8 by definition; the chains' forces are those through the stiff spring of the motion, away from the start.
+
+    The spring gives by micrometres, and rings at the jumps of the law: compared where STEP is smooth, and by means.
+    """
+    led, driven = run("kinematic_top"), run()
+    t = np.array(led["top", "shift"].time)
+    law = MotionLaw([{"profile": "step", "duration": 1.0, "change": 1.176}])
+    rising = t < 1.0
+    expected = [0.212 + law.value(s) for s in t[rising]]
+    assert led["top", "frame_position"][:][rising, 2] == pytest.approx(expected, abs=1e-12)
+    residual = np.abs(led["scene", "energy_residual"][:]).max()
+    assert residual < 1e-5 * np.abs(led["top", "supplied_energy"][:]).max()
+    window, forces = np.linspace(0.4, 0.7, 301), {}
+    for name, result in (("led", led), ("driven", driven)):
+        load = result["x_base_1", "radial_force"]
+        forces[name] = np.trapezoid(np.interp(window, load.time, load[:]), window) / 0.3
+    assert forces["led"] == pytest.approx(forces["driven"], rel=0.02)
 
 
 def gaps(scene, result):

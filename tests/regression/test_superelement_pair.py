@@ -1,0 +1,92 @@
+"""Nastran's superelements as FMUs: the public pair of pyYeti, welded and pushed, against its matrices assembled."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from scipy import linalg
+
+import orchestrator as fanfold
+from components.imported.body import ImportedBody
+from components.numerics.motion_law import MotionLaw
+from tests.references.native_fmus import needs_native
+
+pytestmark = needs_native
+PAIR = Path(str(files("pyyeti"))) / "tests" / "nas2cam_extseout"
+POINTS = {"a": 3, "b": 11, "c": 19, "d": 27}
+INCHES = {"length": "25.4 mm", "mass": "175.1268 kg"}
+PUSH = [{"profile": "step5", "start": 0.0, "duration": 0.3, "change": 10.0}]
+"""N, along z on point a: rigid motion and bending, small enough for linear theory to hold to 1e-6."""
+END, TOLERANCE = 1.0, 1e-4
+
+
+def scene():
+    """Both free in space, 24 coordinates shared by welds of 1e10 N/m, which move frequencies by less than 1e-6."""
+    pair = fanfold.Scene("pair", until=END, tolerance=TOLERANCE)
+    pair.base(points={"origin": (0, 0, 0)})
+    pair.joint(axial_stiffness="1e10 N/m", radial_stiffness="1e10 N/m", cross_stiffness="1e10 N.m/rad")
+    place = {"body": "base", "point": "origin"}
+    for name in ("inboard", "outboard"):
+        table = {"file": str(PAIR / f"{name}.asm"), "units": INCHES, "attachment_points": POINTS}
+        pair.body(name, fixed_interface_modes=22, place=place, damping_ratio=0.0, **{"import": table})
+    for point in POINTS:
+        ports = {"inboard": ("inboard", point), "outboard": ("outboard", point)}
+        pair.connection(f"weld_{point}", "hinge", preset="fixed", ports=ports)
+    pair.connection(
+        "push", "load", structure={"direction": (0, 0, 1), "force": PUSH}, ports={"body": ("outboard", "a")}
+    )
+    return pair
+
+
+def assembled():
+    """Stiffness and mass of both superelements on their shared coordinates, 6 a point, which come first."""
+    units, points = {"length": 0.0254, "mass": 175.1268}, tuple(POINTS.items())
+    paths = {name: str(PAIR / f"{name}.asm") for name in ("inboard", "outboard")}
+    parts = [ImportedBody((("file", path),), name, points, **units).data() for name, path in paths.items()]
+    size = 24 + sum(part.amplitudes for part in parts)
+    stiffness, mass, first = np.zeros((size, size)), np.zeros((size, size)), 24
+    for part in parts:
+        own = np.empty(len(part.dofs), dtype=int)
+        shared = [row for node in POINTS.values() for _, row in sorted(part.dofs_of(node).items())]
+        own[shared] = range(24)
+        inner = np.setdiff1d(np.arange(len(own)), shared)
+        own[inner] = first + np.arange(len(inner))
+        first += len(inner)
+        stiffness[np.ix_(own, own)] += part.stiffness.toarray()
+        mass[np.ix_(own, own)] += part.mass.toarray()
+    return stiffness, mass
+
+
+def work_of_the_push(steps):
+    """Times, and work (J) of the push on the assembled matrices: modes by themselves, exact for a straight force."""
+    eigenvalues, shapes = linalg.eigh(*assembled())
+    rates, shares = np.sqrt(np.maximum(eigenvalues[6:], 0.0)), shapes[2]
+    law, times = MotionLaw(PUSH), np.linspace(0.0, END, steps + 1)
+    force, h = np.array([law.value(time) for time in times]), END / steps
+    swing, swing_rate = np.zeros(len(rates)), np.zeros(len(rates))
+    rigid, rigid_rate = 0.0, 0.0
+    rigid_share, share = shares[:6] @ shares[:6], shares[6:]
+    places = [0.0]
+    for before, after in pairwise(force):
+        slope = (after - before) / h
+        still, drift = share * before / rates**2, share * slope / rates**2
+        off, off_rate = swing - still, swing_rate - drift
+        cosine, sine = np.cos(rates * h), np.sin(rates * h)
+        swing = off * cosine + off_rate * sine / rates + still + drift * h
+        swing_rate = off_rate * cosine - off * rates * sine + drift
+        rigid += rigid_rate * h + rigid_share * h**2 * (before / 2.0 + slope * h / 6.0)
+        rigid_rate += rigid_share * h * (before + after) / 2.0
+        places.append(rigid + share @ swing)
+    return times, np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(places)))
+
+
+def test_the_welded_pair_moves_as_its_matrices_say():
+    """Independent path: work of the push at every row, within the tolerance of the run."""
+    run = fanfold.simulate(scene(), estimate=False)
+    times, work = work_of_the_push(2000)
+    found, exact = run.signal("push", "supplied_energy"), np.interp(run.time, times, work)
+    assert exact[-1] > 0.05
+    np.testing.assert_allclose(found, exact, atol=TOLERANCE * exact[-1])

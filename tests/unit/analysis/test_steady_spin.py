@@ -1,0 +1,80 @@
+"""Modes of what stands on a base that turns at a constant rate: published frequencies and closed forms."""
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from tests.unit.components.body.test_second_order import BLADE
+
+LENGTH, BENDING, LINE_MASS = 2.0, 300.0, 0.8
+SCALE = np.sqrt(BENDING / LINE_MASS) / LENGTH**2
+"""rad/s"""
+MASS, ACROSS, AXIAL, RADIAL, TILT = 4.0, 0.3, 0.5, 1e3, 50.0
+"""Of the rotor: kg, kg.m2, N/m, N.m/rad."""
+SECTION = {
+    "axial": 1e8, "shear_y": 1e9, "shear_z": 1e9, "torsion": 200.0, "bending_y": BENDING, "bending_z": 4.0 * BENDING,
+    "line_mass": LINE_MASS, "inertia_y": 1e-8, "inertia_z": 1e-8,
+}  # fmt: skip
+
+
+def turning(rate):
+    """A scene on a base that turns about z from the start on."""
+    scene = fanfold.Scene("turning", until="1 s")
+    law = [{"profile": "ramp", "duration": 100.0, "change": 100.0 * rate}]
+    return scene, scene.base(points={"hub": (0, 0, 0)}, motion={"rotation": law})
+
+
+def blade(rate, second_order=12):
+    """Frequencies (rad/s) of a cantilever that turns about its root, by bending direction: flap z, lag y."""
+    scene, hub = turning(rate)
+    beam = {"length": LENGTH, "elements": 24, "attachment_points": {"root": 0}, "section": SECTION}
+    keys = {"fidelity": "flexible", "fixed_interface_modes": 12, "second_order_modes": second_order}
+    boom = scene.body("boom", place={"body": hub, "point": "hub"}, beam=beam, **keys)
+    ports = {"inboard": {"body": hub, "point": "hub"}, "outboard": {"body": boom, "point": "root"}}
+    scene.connection("clamp", "hinge", preset="fixed", axes={"x": (1, 0, 0)}, ports=ports)
+    scene.joint(axial_stiffness=1e9, radial_stiffness=1e9, cross_stiffness=1e8)
+    return 2.0 * np.pi * fanfold.modes(scene).frequencies
+
+
+@pytest.mark.parametrize("ratio", [2.0, 12.0])
+def test_a_turning_blade(ratio):
+    """Published flap frequencies (Wright and others 1982); in the plane, twice as fast at rest, less the rate squared.
+
+    Coriolis forces couple that bending to stretching, which the beam resists 1e5 times as much.
+    """
+    found = blade(ratio * SCALE) / SCALE
+    lag = np.sqrt(4.0 * BLADE[0.5 * ratio] ** 2 - ratio**2)
+    assert sorted(found[:2]) == pytest.approx(sorted((BLADE[ratio], lag)), rel=3e-4)
+
+
+def rotor(rate):
+    """Scene of a rigid body in its base, on springs alike in all directions across z, about which that turns."""
+    scene, hub = turning(rate)
+    rigid = {
+        "mass": MASS,
+        "center_of_mass": (0, 0, 0),
+        "inertia": (ACROSS, ACROSS, AXIAL),
+        "points": {"middle": (0, 0, 0)},
+    }
+    wheel = scene.body("wheel", place={"body": hub, "point": "hub"}, rigid=rigid)
+    ports = {"inboard": {"body": hub, "point": "hub"}, "outboard": {"body": wheel, "point": "middle"}}
+    scene.connection("mount", "hinge", preset="fixed", axes={"x": (0, 0, 1), "z": (1, 0, 0)}, ports=ports)
+    scene.joint(axial_stiffness=RADIAL, radial_stiffness=RADIAL, cross_stiffness=TILT)
+    return scene
+
+
+def test_a_rotor_whirls():
+    """Closed form: at rest it swings at sqrt(k/m) and tilts by A s^2 -+ C w s = k, in its own axes less or plus w."""
+    rate, swing = 3.0, np.sqrt(RADIAL / MASS)
+    fast, slow = np.abs(np.roots([ACROSS, -AXIAL * rate, -TILT]))
+    along = [swing, np.sqrt(TILT / AXIAL)]
+    expected = sorted([swing - rate, swing + rate, fast - rate, slow + rate, *along])
+    found = fanfold.modes(rotor(rate))
+    assert 2.0 * np.pi * found.frequencies == pytest.approx(expected, rel=1e-9)
+    assert [mode.share for mode in found.listed] == pytest.approx([1.0] * 6, rel=1e-12)
+
+
+def test_other_analyses_say_that_they_leave_it_out():
+    """Sentence: what is no mode takes the base as at rest."""
+    with pytest.warns(fanfold.FanfoldWarning, match="take base as at rest, though it turns"):
+        fanfold.frequency_response(rotor(3.0), low=1.0, high=2.0, steps=2)
