@@ -44,6 +44,9 @@ if TYPE_CHECKING:
     from .api.simulate import resume as resume
     from .api.simulate import scenes as scenes
     from .api.simulate import simulate as simulate
+    from .api.study import Study as Study
+    from .api.study import resume_study as resume_study
+    from .api.study import study as study
     from .api.warnings import FanfoldWarning as FanfoldWarning
     from .scene.builder import Scene as Scene
 
@@ -78,6 +81,9 @@ _HOMES = {
     "resume": "orchestrator.api.simulate",
     "scenes": "orchestrator.api.simulate",
     "simulate": "orchestrator.api.simulate",
+    "Study": "orchestrator.api.study",
+    "resume_study": "orchestrator.api.study",
+    "study": "orchestrator.api.study",
     "Scene": "orchestrator.scene.builder",
 }
 

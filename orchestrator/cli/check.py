@@ -97,8 +97,8 @@ def _check_scene(
 
 def _print(found: SceneCheck, folder: Path) -> None:
     """Doubts, tables, and the file of the picture."""
-    from .scene_tables import scene_tables
     from .tables import terminal
+    from .tables.scene import scene_tables
 
     console = terminal()
     for table in scene_tables(found):

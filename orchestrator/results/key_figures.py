@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from math import copysign, degrees, sqrt
+from math import degrees
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -25,7 +25,7 @@ from .lines.straying import Overrun, bent, folded_back, is_released, overruns
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
-from .signal import EVENT_WIDTH, Peak
+from .signal import EVENT_WIDTH, Peak, maxima_near
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -35,9 +35,6 @@ POINT_PEAKS = ("port force peak", "port torque peak", "hinge force peak", "hinge
 
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
-
-_SURE = 4.0
-"""A cubic shows a peak where it rises by more than so many times what it may be off by."""
 
 _SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degrees(1.0))}
 """Unit and factor of what people read in another unit."""
@@ -345,7 +342,7 @@ def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
     """The highest of all samples and of the cubics through the samples around every high one."""
     k = int(np.argmax(values))
     best = Peak(float(time[k]), float(values[k]))
-    near = (peak for s, top in tops(time, values, events) for peak in _interpolated(time[s], values[s], top))
+    near = (peak for s, top in tops(time, values, events) for peak in maxima_near(time[s], values[s], top))
     return max((best, *near), key=lambda found: found.value)
 
 
@@ -371,57 +368,6 @@ def _local_maxima(values: Vector, threshold: float) -> list[int]:
     padded = np.concatenate(([-np.inf], values, [-np.inf]))
     tops = (values >= padded[:-2]) & (values > padded[2:]) & (values >= threshold)
     return [int(k) for k in np.flatnonzero(tops)]
-
-
-def _interpolated(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
-    """The sample, and the maxima of the cubics on the two intervals beside it, each through four samples around it."""
-    yield Peak(float(time[top]), float(values[top]))
-    for left in (top - 1, top):
-        if 0 <= left < time.size - 1:
-            first = min(max(left - 1, 0), time.size - 4)
-            nodes = slice(first, first + 4)
-            for found in _cubic_maxima(time[nodes], values[nodes], time[left], time[left + 1]):
-                if found.value - values[top] > _SURE * _off(time, values, first, found.time):
-                    yield found
-
-
-def _off(time: Vector, values: Vector, first: int, at: float) -> float:
-    """What the cubic through four samples may be off by at a time: as it misses the samples beside them, in between.
-
-    The error of interpolation goes with the product of the distances to its samples. One through a kink misses by much.
-    """
-    nodes = slice(first, first + 4)
-    scale = time[first + 3] - time[first]
-    cubic = np.linalg.solve(np.vander((time[nodes] - at) / scale), values[nodes])
-
-    def distances(t: float) -> float:
-        return float(np.prod(np.abs(t - time[nodes])))
-
-    beside = [k for k in (first - 1, first + 4) if 0 <= k < time.size and distances(time[k])]
-    misses = (abs(np.polyval(cubic, (time[k] - at) / scale) - values[k]) / distances(time[k]) for k in beside)
-    return max(misses, default=np.inf) * distances(at)
-
-
-def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:
-    """Stationary points within [left, right] of the cubic through four samples."""
-    scale = time[3] - time[0]
-    if not np.all(np.diff(time) > 0.0):
-        return
-    cubic = np.linalg.solve(np.vander((time - left) / scale), values)
-    for root in _stationary(*cubic.tolist()):
-        if 0.0 <= root * scale <= right - left:
-            yield Peak(float(left + root * scale), float(np.polyval(cubic, root)))
-
-
-def _stationary(third: float, second: float, first: float, _: float) -> Iterator[float]:
-    """Where the slope of a cubic is zero, by its coefficients; without cancellation."""
-    square = second**2 - 3.0 * third * first
-    if square >= 0.0:
-        larger = -(second + copysign(sqrt(square), second))
-        if third:
-            yield larger / (3.0 * third)
-        if larger:
-            yield first / larger
 
 
 def _vectors(result: Result, role: str, unit: str) -> dict[str, Vector]:

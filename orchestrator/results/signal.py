@@ -1,9 +1,11 @@
-"""Signals of a result as arrays that know their unit and times, and how they are read at an instant."""
+"""Signals of a result as arrays that know their unit and times, at an instant and between rows."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
+from math import copysign, prod, sqrt
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -17,6 +19,8 @@ Side = Literal["before", "after"]
 """Which of the values that an instant may have: those before or those after what happens there."""
 EVENT_WIDTH = 2e-7
 """Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
+_SURE = 4.0
+"""A cubic shows a peak where it rises by more than so many times what it may be off by."""
 _BEYOND = 1e-9
 """Of the end time; round-off of summed steps."""
 
@@ -118,3 +122,80 @@ def _at(
     right = min(max(first, 1), time.size - 1)
     share = (asked - time[right - 1]) / (time[right] - time[right - 1])
     return np.asarray(values[right - 1] + min(max(share, 0.0), 1.0) * (values[right] - values[right - 1]))
+
+
+def maxima_near(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
+    """The sample, and the maxima of the cubics on the two intervals beside it, each through four samples around it."""
+    yield Peak(float(time[top]), float(values[top]))
+    for left in (top - 1, top):
+        if 0 <= left < time.size - 1:
+            first = min(max(left - 1, 0), time.size - 4)
+            nodes = slice(first, first + 4)
+            ends = float(time[left]), float(time[left + 1])
+            for found in _cubic_maxima(time[nodes], values[nodes], *ends):
+                rise = found.value - float(values[top])
+                if rise > 0.0 and rise > _SURE * _off(time, values, first, found.time):
+                    yield found
+
+
+def _off(time: Vector, values: Vector, first: int, at: float) -> float:
+    """What the cubic through four samples may be off by at a time: as it misses the samples beside them, in between.
+
+    The error of interpolation goes with the product of the distances to its samples. One through a kink misses by much.
+    """
+    nodes = slice(first, first + 4)
+    samples, scale = time[nodes].tolist(), float(time[first + 3] - time[first])
+    third, second, slope, value = _cubic(samples, values[nodes].tolist(), at, scale)
+
+    def distances(t: float) -> float:
+        return float(prod(abs(t - sample) for sample in samples))
+
+    def miss(k: int) -> float:
+        x, sample = float(time[k] - at) / scale, float(values[k])
+        return abs(((third * x + second) * x + slope) * x + value - sample)
+
+    beside = [k for k in (first - 1, first + 4) if 0 <= k < time.size]
+    misses = (miss(k) / far for k in beside if (far := distances(float(time[k]))))
+    return max(misses, default=np.inf) * distances(at)
+
+
+def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:
+    """Stationary points within [left, right] of the cubic through four samples."""
+    samples = time.tolist()
+    if not all(before < after for before, after in pairwise(samples)):
+        return
+    scale = samples[3] - samples[0]
+    third, second, slope, value = _cubic(samples, values.tolist(), left, scale)
+    for root in _stationary(third, second, slope):
+        if 0.0 <= root * scale <= right - left:
+            height = ((third * root + second) * root + slope) * root + value
+            yield Peak(left + root * scale, height)
+
+
+def _cubic(time: Sequence[float], values: Sequence[float], origin: float, scale: float) -> tuple[float, ...]:
+    """Coefficients, of the third power first, of the cubic through four samples in x = (t - origin) / scale.
+
+    By divided differences (Newton's form), in plain floats: signals have thousands of such stretches.
+    """
+    x0, x1, x2, x3 = ((t - origin) / scale for t in time)
+    v0, v1, v2, v3 = values
+    d01, d12, d23 = (v1 - v0) / (x1 - x0), (v2 - v1) / (x2 - x1), (v3 - v2) / (x3 - x2)
+    d012, d123 = (d12 - d01) / (x2 - x0), (d23 - d12) / (x3 - x1)
+    third = (d123 - d012) / (x3 - x0)
+    return (
+        third,
+        d012 - third * (x0 + x1 + x2),
+        d01 - d012 * (x0 + x1) + third * (x0 * x1 + x0 * x2 + x1 * x2),
+        v0 - x0 * (d01 - x1 * (d012 - x2 * third)),
+    )
+
+
+def _stationary(third: float, second: float, first: float) -> Iterator[float]:
+    """Where the slope of a cubic is zero, by its coefficients; without cancellation."""
+    square = second**2 - 3.0 * third * first
+    if square >= 0.0:
+        larger = -(second + copysign(sqrt(square), second))
+        if third:
+            yield larger / (3.0 * third)
+        if larger:
+            yield first / larger

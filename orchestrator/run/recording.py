@@ -69,7 +69,7 @@ class Recording:
 
     def _signals(self, result: Result, warn: Callable[[str], None]) -> set[Key]:
         every = {(name, variable) for name in result.components for variable in result.variables(name)}
-        matching = {one: {key for key in every if _matches(key, one)} for one in self.signals}
+        matching = {one: {key for key in every if matches(key, one)} for one in self.signals}
         unmatched = [one for one, keys in matching.items() if not keys]
         if unmatched:
             warn(
@@ -140,7 +140,8 @@ def _peaked(result: Result) -> Iterator[Vector]:
             yield np.linalg.norm(vector, axis=1)
 
 
-def _matches(key: Key, pattern: str) -> bool:
+def matches(key: Key, pattern: str) -> bool:
+    """Whether a signal is one of a pattern's, of its component or of COMPONENT.VARIABLE, as of file names."""
     return fnmatchcase(key[0], pattern) or fnmatchcase(".".join(key), pattern)
 
 

@@ -14,12 +14,14 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any, Literal
 
+import numpy as np
+
 from components import REGISTRY, ComponentError
 from components.cache.temporary import process_folder
 from fmus import Backend, Experiment, FmiVersion, build_fmu
 from fmus.archive import content_digest
 
-from ..assembly import Assembly
+from ..assembly import Assembly, Part
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
@@ -130,22 +132,47 @@ def as_fmus(
 
 @contextmanager
 def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Iterator[Loader]:
-    """A loader for runs of one assembly, one after the other: it makes the FMUs once, a later run has them reset.
+    """A loader for runs one after the other: it makes the FMUs once, a later run has them reset.
 
-    Assemblies may differ in the start values of parameters and inputs, not in their parts or in which are given.
+    An assembly with other parts, or other start values that are given, has its FMUs made anew.
     """
     with ExitStack() as stack:
         kept: list[FmuParticipant] = []
+        made: Sequence[Part] = ()
 
         @contextmanager
         def load(assembly: Assembly) -> Iterator[Sequence[Participant]]:
-            for participant, part in zip(kept, assembly.parts, strict=False):
-                participant.reset(part.start)
-            if not kept:
-                kept.extend(stack.enter_context(as_fmus(assembly, backend, isolate=isolate)))
+            nonlocal made
+            if _alike(made, assembly.parts):
+                for participant, part in zip(kept, assembly.parts, strict=True):
+                    participant.reset(part.start)
+            else:
+                stack.close()
+                kept[:] = stack.enter_context(as_fmus(assembly, backend, isolate=isolate))
+                made = assembly.parts
             yield kept
 
         yield load
+
+
+def _alike(parts: Sequence[Part], others: Sequence[Part]) -> bool:
+    """Whether parts are the same but for the start values of what both are given."""
+    return len(parts) == len(others) and all(
+        (a.name, a.kind, a.start.keys()) == (b.name, b.kind, b.start.keys())
+        and _equal(a.structure, b.structure)
+        for a, b in zip(parts, others, strict=True)
+    )
+
+
+def _equal(one: object, other: object) -> bool:
+    """Of structures: tables and lists of arrays, numbers and texts."""
+    if one is other:
+        return True
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_equal(one[key], other[key]) for key in one)
+    if isinstance(one, list | tuple) and isinstance(other, list | tuple):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    return type(one) is type(other) and np.array_equal(np.asarray(one), np.asarray(other))
 
 
 def run(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from itertools import chain
@@ -135,11 +136,12 @@ def simulate(
     progress: Progress = silent,
     warn: Warn = lambda sentence: None,
     start: Checkpoint | None = None,
+    fmus: Loader | None = None,
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
     estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
-    start: the checkpoint to go on from.
+    start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one of its own.
     """
     if options.checkpoint is not None and output is None:
         raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
@@ -154,7 +156,8 @@ def simulate(
     ]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
-    with kept_fmus(options.backend, isolate=options.isolate) as load:
+    own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
+    with own as load:
         with followed(progress, assembly.name, end) as watch:
             asked = options.asked(scene, estimate)
             outcome = run(assembly, output, settings, end, options.master, watch, warn, load, asked, start)

@@ -65,6 +65,14 @@ class Scene:
         found.check()
         return found
 
+    @classmethod
+    def of_tree(cls, file: str, tree: Tree) -> Self:
+        """The scene of a tree, such as one that a result has kept; file: what problems name it by."""
+        found = cls.__new__(cls)
+        found._layers = Layers(file, tree, {}, frozenset())
+        found._variants, found._settings, found._checked = (), (), None
+        return found
+
     @property
     def name(self) -> str:
         """Its name, after which results are called."""

@@ -70,8 +70,9 @@ def rigid_or_flexible(found, folder):
 
 def scatter(found, folder):
     """Around 11.65 s, the latch-up of the wing as it is meant."""
-    assert np.all(np.abs(found["times"] - 11.65) < 0.5)
-    assert np.std(found["times"]) > 0.01
+    times = found["found"].numbers["latch time HL1"]
+    assert np.all(np.abs(times - 11.65) < 0.5)
+    assert np.std(times) > 0.01
 
 
 def where_the_energy_goes(found, folder):

@@ -9,7 +9,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from ..results.key_figures import Headline, headline_rows
+from ...results.key_figures import Headline, headline_rows
 
 
 def terminal() -> Console:

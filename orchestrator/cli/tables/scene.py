@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rich.table import Table
 
-from ..analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck
-from ..scene.units import degrees_text
-from .tables import plain_table
+from ...analysis.scene_check import BodyOverview, LineOverview, LoopOverview, SceneCheck
+from ...scene.units import degrees_text
+from . import plain_table
 
 
 def scene_tables(found: SceneCheck) -> Iterator[Table]:

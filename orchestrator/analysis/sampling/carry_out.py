@@ -1,0 +1,125 @@
+"""Carrying a study out: samples over workers, a journal while it goes, a file when it is whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ...run.simulation import Options
+from ...scene.builder import Scene
+from .distributions import StudyError
+from .journal import Asked, Journal
+from .plan import Plan
+from .sample import Sample, Task, run_sample
+from .study import Study, plan_of
+from .varied import Settings
+from .workers import Job, Pool, carried_out, dask, local
+
+Watch = Callable[[int, int], None]
+"""Takes how many samples are done, and how many of them failed."""
+StudyProgress = Callable[[str, int], AbstractContextManager[Watch]]
+"""Opens a display for a study, given what it is called and how many samples it has."""
+
+
+def begin(
+    task: Task, plan: Plan, output: Path | None, workers: int, cluster: str | None, progress: StudyProgress
+) -> Study:
+    """Carry a study out; StudyError, SceneError or RunError before the first run where it cannot be.
+
+    output: its HDF5 file, beside which stand a table of the samples (.csv) and, until it is whole, its journal; None
+    for memory alone. workers: processes. cluster: address of a Dask scheduler, whose workers take the place of those.
+    """
+    asked = asked_of(task, plan)
+    nominal = [one.distribution.nominal for one in plan.varied]
+    task.scene.with_settings(_settings(task, plan, nominal)).check_one_run()
+    if output is None:
+        return _carried_out(task, asked, [], None, workers, cluster, progress)
+    if output.exists():
+        Study.open(output)  # replaces a study, and nothing else
+    with Journal.begin(output, asked) as journal:
+        return _saved(output, journal, _carried_out(task, asked, [], journal, workers, cluster, progress))
+
+
+def go_on(output: Path, workers: int, cluster: str | None, progress: StudyProgress) -> Study:
+    """Go on with the interrupted study of a file, with the samples that it lacks; StudyError where there is none."""
+    journal, asked, samples = Journal.resume(output)
+    with journal:
+        task = _task_of(asked)
+        found = _carried_out(task, asked, samples, journal, workers, cluster, progress)
+        return _saved(output, journal, found)
+
+
+def _carried_out(
+    task: Task,
+    asked: Asked,
+    samples: list[Sample],
+    journal: Journal | None,
+    workers: int,
+    cluster: str | None,
+    progress: StudyProgress,
+) -> Study:
+    done = {one.index for one in samples}
+    jobs = [job for job in _jobs(task, plan_of(asked)) if job[0] not in done]
+    pool: Pool = dask(cluster) if cluster else local
+    if workers < 1:
+        raise StudyError(f"{workers} workers do no work; give one at least")
+    name = f"{asked['tree']['scene']['name']}: {len(done) + len(jobs)} runs"
+    with progress(name, len(done) + len(jobs)) as show:
+        failed = sum(bool(one.message) for one in samples)
+        show(len(samples), failed)
+        here = workers == 1 and cluster is None
+        found = (
+            map(lambda job: run_sample(task, *job), jobs) if here else carried_out(task, jobs, workers, pool)
+        )
+        for sample in found:
+            samples.append(sample)
+            if journal is not None:
+                journal.append(sample)
+            failed += bool(sample.message)
+            show(len(samples), failed)
+    return Study.of(asked, samples)
+
+
+def _saved(output: Path, journal: Journal, study: Study) -> Study:
+    study.save_csv(output.with_suffix(".csv"))
+    path = study.save(output)
+    journal.remove()
+    return replace(study, path=path)
+
+
+def _jobs(task: Task, plan: Plan) -> list[Job]:
+    """Every sample with its settings; StudyError where the scene has nothing to multiply."""
+    return [(index, _settings(task, plan, row)) for index, row in enumerate(plan.samples().tolist())]
+
+
+def _settings(task: Task, plan: Plan, values: Sequence[float]) -> Settings:
+    """What drawn values mean; keys that vary together are one."""
+    tree = task.scene.tree
+    settings: Settings = {}
+    for one, value in zip(plan.varied, values, strict=True):
+        settings |= one.settings(tree, value)
+    return settings
+
+
+def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
+    """What a study is asked for, as JSON holds it."""
+    return {
+        **task.options.asked(task.scene.check(), task.estimate),
+        "signals": list(task.signals),
+        "points": task.points,
+        "until": task.until,
+        "varied": [one.text for one in plan.varied],
+        "method": plan.method,
+        "runs": plan.runs,
+        "levels": plan.levels,
+        "seed": plan.seed,
+    }
+
+
+def _task_of(asked: Asked) -> Task:
+    scene = Scene.of_tree(asked["file"], asked["tree"])
+    options = Options(**asked["options"])
+    return Task(scene, options, asked["estimate"], tuple(asked["signals"]), asked["points"])

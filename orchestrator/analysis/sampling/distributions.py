@@ -1,0 +1,152 @@
+"""Distributions of what a study varies, as people write them: "uniform(0.05, 0.2)", "normal(1.65 N.m, 0.05 N.m)"."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import log
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from components import FanfoldError
+from components.contract.component import Vector
+
+from ...scene.units import QUANTITY
+
+_CALL = re.compile(r"\s*([A-Za-z_]+)\s*\((.*)\)\s*", re.DOTALL)
+_SIGMAS = 3.0
+"""Standard deviations to either side that corners and one-at-a-time studies of unbounded distributions go to."""
+
+
+class StudyError(FanfoldError):
+    """A study that cannot be made, with what is wrong and what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Distribution:
+    """Of one number, in the unit in which it was written; unit is "" for plain numbers, which scenes take as SI.
+
+    text: as it was written. low, high: the range of worst cases, its bounds or three standard deviations from the
+    mean. nominal: its median. levels: the values of a discrete one, in rising order, else none.
+    """
+
+    text: str
+    unit: str
+    quantile: Callable[[Vector], Vector]
+    """values (N,) of probabilities (N,) between 0 and 1"""
+    low: float
+    high: float
+    levels: tuple[float, ...] = ()
+
+    @property
+    def nominal(self) -> float:
+        """Its median; of discrete values the middle one, or the one below the middle."""
+        if self.levels:
+            return self.levels[(len(self.levels) - 1) // 2]
+        return float(self.quantile(np.array([0.5]))[0])
+
+    def spread(self, count: int) -> Vector:
+        """Levels of a grid: those of a discrete distribution, else so many from low to high at even distances."""
+        return np.array(self.levels) if self.levels else np.linspace(self.low, self.high, count)
+
+
+def distribution(text: str) -> Distribution:
+    """What a text such as "uniform(1.6 N.m, 1.7 N.m)" means; StudyError with a sentence where it means none."""
+    call = _CALL.fullmatch(text)
+    if call is None or call[1] not in _MAKERS:
+        raise StudyError(f"{text!r} is no distribution; give one of {', '.join(_FORMS.values())}")
+    numbers, unit = _numbers(text, call[2])
+    maker, count = _MAKERS[call[1]]
+    if count is not None and len(numbers) != count:
+        raise StudyError(f"{text!r} has {len(numbers)} numbers; it is written {_FORMS[call[1]]}")
+    return maker(text, unit, numbers)
+
+
+def _numbers(text: str, inside: str) -> tuple[list[float], str]:
+    """Numbers between commas and the unit of all of them."""
+    numbers, units = [], set()
+    for part in inside.split(","):
+        found = QUANTITY.fullmatch(part)
+        if found is None or not np.isfinite(float(found[1])):
+            raise StudyError(f"{text!r}: {part.strip()!r} is no finite number")
+        numbers.append(float(found[1]))
+        units.add(found[2])
+    if len(units) > 1:
+        raise StudyError(f"{text!r}: its numbers have different units; write all of them in one")
+    return numbers, units.pop()
+
+
+def _uniform(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    low, high = numbers
+    _refuse(text, low < high, "the second number must be larger than the first")
+    return _bounded(text, unit, stats.uniform(low, high - low), low, high)
+
+
+def _triangular(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    low, mode, high = numbers
+    _refuse(text, low <= mode <= high and low < high, "its numbers must rise: lowest, most likely, highest")
+    found = stats.triang((mode - low) / (high - low), low, high - low)
+    return _bounded(text, unit, found, low, high)
+
+
+def _normal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    mean, deviation = numbers
+    _refuse(text, deviation > 0.0, "its standard deviation must be positive")
+    edge = _SIGMAS * deviation
+    return _bounded(text, unit, stats.norm(mean, deviation), mean - edge, mean + edge)
+
+
+def _lognormal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    median, ratio = numbers
+    _refuse(text, median > 0.0 and ratio > 1.0, "its median must be positive, and its ratio more than 1")
+    found, edge = stats.lognorm(log(ratio), scale=median), ratio**_SIGMAS
+    return _bounded(text, unit, found, median / edge, median * edge)
+
+
+def _truncated(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    mean, deviation, low, high = numbers
+    _refuse(text, deviation > 0.0, "its standard deviation must be positive")
+    _refuse(text, low < high, "the last number must be larger than the one before")
+    found = stats.truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
+    return _bounded(text, unit, found, low, high)
+
+
+def _values(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
+    levels = np.array(sorted(set(numbers)))
+
+    def quantile(probability: Vector) -> Vector:
+        found: Vector = levels[np.minimum((probability * len(levels)).astype(int), len(levels) - 1)]
+        return found
+
+    return Distribution(text, unit, quantile, levels[0], levels[-1], tuple(levels.tolist()))
+
+
+def _bounded(text: str, unit: str, found: Any, low: float, high: float) -> Distribution:  # noqa: ANN401 - SciPy's
+    return Distribution(text, unit, found.ppf, low, high)
+
+
+def _refuse(text: str, holds: bool, sentence: str) -> None:
+    if not holds:
+        raise StudyError(f"{text!r}: {sentence}")
+
+
+_Maker = Callable[[str, str, Sequence[float]], Distribution]
+_FORMS: Mapping[str, str] = {
+    "uniform": "uniform(LOW, HIGH)",
+    "normal": "normal(MEAN, DEVIATION)",
+    "truncated_normal": "truncated_normal(MEAN, DEVIATION, LOW, HIGH)",
+    "lognormal": "lognormal(MEDIAN, RATIO)",
+    "triangular": "triangular(LOW, MODE, HIGH)",
+    "values": "values(A, B, ...)",
+}
+_MAKERS: Mapping[str, tuple[_Maker, int | None]] = {
+    "uniform": (_uniform, 2),
+    "normal": (_normal, 2),
+    "truncated_normal": (_truncated, 4),
+    "lognormal": (_lognormal, 2),
+    "triangular": (_triangular, 3),
+    "values": (_values, None),
+}

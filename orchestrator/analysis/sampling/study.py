@@ -1,0 +1,234 @@
+"""What a study found: drawn values, headline numbers of every sample, chosen signals, and what follows from them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+import h5py
+import numpy as np
+from scipy.stats import binomtest
+
+from components.cache.disk import replace_file
+from components.contract.component import Vector
+
+from ...results.result import HDF5_ERRORS, reason
+from .distributions import StudyError
+from .journal import Asked
+from .plan import Plan, names
+from .sample import Sample
+from .varied import varied
+
+_FORMAT = "fanfold study"
+_CONFIDENCE = 0.95
+_MAIN = ("latch time", "latch impulse", "latch torque peak", "interface force peak", "interface torque peak")
+
+
+class Share(NamedTuple):
+    """A share of samples, and the bounds of the probability that it stands for at 95 % confidence."""
+
+    share: float
+    low: float
+    high: float
+    samples: int
+    among: int
+
+
+@dataclass(frozen=True)
+class Study:
+    """Finished samples in rows; a sample that failed, or has no such number, has NaN.
+
+    asked: what the study was asked for. finished: of every sample, whether its run came to its end; messages: why not,
+    empty where it did or where it has not run. parameters (samples,): drawn values by name. numbers, errors (samples,):
+    headline numbers and their estimated errors, units by their names. latched (samples,): 1, 0 or NaN of every line
+    with a latch. signals (samples, T) at times (T,), s.
+    """
+
+    asked: Asked
+    finished: Vector
+    messages: tuple[str, ...]
+    parameters: Mapping[str, Vector]
+    numbers: Mapping[str, Vector]
+    errors: Mapping[str, Vector]
+    units: Mapping[str, str]
+    latched: Mapping[str, Vector]
+    times: Vector
+    signals: Mapping[str, Vector] = field(default_factory=dict)
+    path: Path | None = None
+
+    @classmethod
+    def of(cls, asked: Asked, samples: Iterable[Sample]) -> Self:
+        """From what samples left."""
+        plan = plan_of(asked)
+        drawn = plan.samples()
+        count, found = len(drawn), list(samples)
+        finished, messages = np.zeros(count, dtype=bool), [""] * count
+        numbers, errors, kept, signals = _Columns(count), _Columns(count), _Columns(count), _Columns(count)
+        units: dict[str, str] = {
+            one.name: one.distribution.unit or ("1" if one.factor else "") for one in plan.varied
+        }
+        times = np.linspace(0.0, asked["until"], asked["points"])
+        for one in found:
+            finished[one.index], messages[one.index] = not one.message, one.message
+            for name, (value, unit, error) in one.numbers.items():
+                numbers.put(name, one.index, value)
+                units[name] = unit
+                if error is not None:
+                    errors.put(name, one.index, error)
+            for name, latched in one.latched.items():
+                kept.put(name, one.index, latched)
+            for name, (values, unit) in one.signals.items():
+                signals.put(name, one.index, values)
+                units[name] = unit
+        parameters = dict(zip(names(plan.varied), drawn.T, strict=True))
+        tables = (parameters, numbers, errors, units, kept)
+        return cls(asked, finished, tuple(messages), *tables, times, signals)
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return str(self.asked["tree"]["scene"]["name"])
+
+    @property
+    def plan(self) -> Plan:
+        """How its values were chosen."""
+        return plan_of(self.asked)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every sample has run, to its end or not."""
+        return all(done or message for done, message in zip(self.finished, self.messages, strict=True))
+
+    @property
+    def failed(self) -> dict[int, str]:
+        """Samples whose runs failed, counted from 0, and why."""
+        return {k: message for k, message in enumerate(self.messages) if message}
+
+    def quantiles(self, number: str, probabilities: Sequence[float] = (0.05, 0.5, 0.95)) -> Vector:
+        """Quantiles of a headline number over the samples that have it; StudyError where there is no such number."""
+        values = self.numbers.get(number)
+        if values is None:
+            raise StudyError(f"there is no number {number!r}; numbers are {', '.join(self.numbers)}")
+        return np.quantile(values[np.isfinite(values)], probabilities)
+
+    @property
+    def main_numbers(self) -> list[str]:
+        """Numbers that a deployment is judged by first: of latches, and loads on the base in sum."""
+        return [name for name in self.numbers if name.startswith(_MAIN)]
+
+    def not_latching(self) -> dict[str, Share]:
+        """By line with a latch, how many samples do not latch, and the bounds of its probability.
+
+        Bounds are those of Clopper and Pearson (1934), which hold for samples drawn at random.
+        """
+        found = {}
+        for line, values in self.latched.items():
+            known = values[np.isfinite(values)]
+            missed, count = int((known == 0.0).sum()), len(known)
+            bounds = binomtest(missed, count).proportion_ci(_CONFIDENCE)
+            found[line] = Share(missed / count, float(bounds.low), float(bounds.high), missed, count)
+        return found
+
+    def to_dataframe(self) -> Any:  # noqa: ANN401 - pandas may be absent
+        """Samples as a table (pandas.DataFrame): drawn values, numbers, latched lines, messages."""
+        try:
+            import pandas as pd
+        except ImportError:
+            raise StudyError(
+                "a data frame needs pandas, which is not installed: pip install pandas"
+            ) from None
+        latched = {f"{line} latched": values for line, values in self.latched.items()}
+        columns = {**self.parameters, **self.numbers, **latched, "message": list(self.messages)}
+        return pd.DataFrame(columns, index=pd.RangeIndex(len(self.messages), name="sample"))
+
+    def save_csv(self, path: str | Path) -> Path:
+        """Write drawn values and numbers into a table of text, one sample a row; the path."""
+        path = Path(path)
+        columns = {**self.parameters, **self.numbers}
+        heads = [f"{name}, {unit}" if (unit := self.units.get(name)) else name for name in columns]
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["sample", *heads, *(f"{line} latched" for line in self.latched), "message"])
+            for k, message in enumerate(self.messages):
+                values = [_cell(column[k]) for column in columns.values()]
+                latched = [_cell(column[k]) for column in self.latched.values()]
+                writer.writerow([k, *values, *latched, message])
+        return path
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything into an HDF5 file, which takes its name when it is whole; the path."""
+        path = Path(path)
+        with h5py.File(path.name, "w", driver="core", backing_store=False) as file:
+            file.attrs.update(format=_FORMAT, asked=json.dumps(self.asked))
+            file["finished"], file["times"] = self.finished, self.times
+            file.create_dataset("messages", data=list(self.messages), dtype=h5py.string_dtype("utf-8"))
+            for table in _TABLES:
+                group = file.create_group(table, track_order=True)
+                for name, values in getattr(self, table).items():
+                    # a slash would be a folder of the file
+                    column = group.create_dataset(name.replace("/", "\\"), data=values)
+                    column.attrs["unit"] = self.units.get(name, "")
+            file.flush()
+            replace_file(path, file.id.get_file_image())
+        return path
+
+    @classmethod
+    def open(cls, path: str | Path) -> Self:
+        """Read from its HDF5 file; StudyError where that is none."""
+        path = Path(path)
+        units: dict[str, str] = {}
+        try:
+            with h5py.File(path) as file:
+                if file.attrs.get("format") != _FORMAT:
+                    raise StudyError(f"{path}: this is not the file of a study")
+                tables: dict[str, dict[str, Vector]] = {table: {} for table in _TABLES}
+                for table, group in ((table, file[table]) for table in _TABLES):
+                    for entry, column in group.items():
+                        name = entry.replace("\\", "/")
+                        tables[table][name] = column[()]
+                        units[name] = str(column.attrs["unit"])
+                messages = tuple(text.decode() for text in file["messages"][()])
+                asked = json.loads(file.attrs["asked"])
+                finished, times = file["finished"][()], file["times"][()]
+        except HDF5_ERRORS as error:
+            raise StudyError(f"{path}: this study cannot be read ({reason(error)})") from None
+        parameters, numbers, errors, latched, signals = tables.values()
+        return cls(
+            asked, finished, messages, parameters, numbers, errors, units, latched, times, signals, path
+        )
+
+    def __repr__(self) -> str:
+        runs = f"{int(self.finished.sum())} of {len(self.finished)} runs"
+        return f"<Study of {self.scene}: {runs}, {', '.join(self.parameters)}>"
+
+
+class _Columns(dict[str, Vector]):
+    """Columns of so many rows by name, NaN where nothing was put."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        self._count = count
+
+    def put(self, name: str, row: int, value: float | Sequence[float]) -> None:
+        """Into a row of a column, which is made where there is none."""
+        if name not in self:
+            self[name] = np.full((self._count, *np.shape(value)), np.nan)
+        self[name][row] = value
+
+
+_TABLES = ("parameters", "numbers", "errors", "latched", "signals")
+
+
+def plan_of(asked: Asked) -> Plan:
+    """The plan that a study was asked for."""
+    chosen = tuple(varied(text) for text in asked["varied"])
+    return Plan(chosen, asked["method"], asked["runs"], asked["levels"], asked["seed"])
+
+
+def _cell(value: float) -> str:
+    """Of a table: as many digits as it takes, empty for NaN."""
+    return "" if np.isnan(value) else repr(float(value))

@@ -1,0 +1,89 @@
+"""What a study varies: keys of a scene that take one drawn value together, or their own values times it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ...scene.layers import Tree
+from ...scene.units import QUANTITY
+from .distributions import Distribution, StudyError, distribution
+
+Settings = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Varied:
+    """Keys of a scene and the distribution of the value that all of them get; factor: of the value that they have."""
+
+    keys: tuple[str, ...]
+    distribution: Distribution
+    factor: bool
+
+    @property
+    def name(self) -> str:
+        """What it is called in tables and pictures."""
+        return ",".join(self.keys) + ("*" if self.factor else "")
+
+    @property
+    def text(self) -> str:
+        """As it is written, KEY[,KEY...]=DISTRIBUTION or KEY[,KEY...]*=DISTRIBUTION."""
+        return f"{self.name}={self.distribution.text}"
+
+    def settings(self, tree: Tree, value: float) -> Settings:
+        """The settings that a drawn value means; tree: the scene without them. StudyError where it cannot be scaled."""
+        if not self.factor:
+            return dict.fromkeys(self.keys, _written(value, self.distribution.unit))
+        return {key: _scaled(key, _value_at(tree, key), value) for key in self.keys}
+
+
+def varied(text: str) -> Varied:
+    """What KEY=DISTRIBUTION or KEY*=DISTRIBUTION means, with keys between commas; StudyError where it means nothing."""
+    left, equals, right = text.partition("=")
+    factor = left.rstrip().endswith("*")
+    keys = tuple(key.strip() for key in left.rstrip().removesuffix("*").split(","))
+    if not equals or not all(keys):
+        raise StudyError(f"{text!r} is not of the form KEY=DISTRIBUTION or KEY*=DISTRIBUTION")
+    found = distribution(right.strip())
+    if factor and found.unit:
+        raise StudyError(f"{text!r}: a factor has no unit")
+    return Varied(keys, found, factor)
+
+
+def _written(value: float, unit: str) -> float | str:
+    """As scenes take it; whole numbers stay whole, as counts must be."""
+    if unit:
+        return f"{value!r} {unit}"
+    return int(value) if value.is_integer() else value
+
+
+def _value_at(tree: Tree, key: str) -> object:
+    """What a scene has under a key; a step into an array of tables is the name of an entry."""
+    found: object = tree
+    for step in key.split("."):
+        if isinstance(found, Mapping):
+            found = found.get(step)
+        elif isinstance(found, Sequence) and not isinstance(found, str):
+            named = (one for one in found if isinstance(one, Mapping) and one.get("name") == step)
+            found = next(named, None)
+    if found is None:
+        raise StudyError(
+            f"{key}: the scene has no value there to multiply; give it one, or vary it without *"
+        )
+    return found
+
+
+def _scaled(key: str, value: object, factor: float) -> object:
+    """A number, a text with a unit, or a list of them, times a factor."""
+    if isinstance(value, bool):
+        raise StudyError(f"{key}: {value} cannot be multiplied")
+    if isinstance(value, int | float):
+        return factor * value
+    if isinstance(value, list):
+        return [_scaled(key, one, factor) for one in value]
+    parts = QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if parts is None:
+        raise StudyError(
+            f"{key}: {value!r} is no number to multiply; name the numbers within it by their keys"
+        )
+    return f"{factor * float(parts[1])!r} {parts[2]}"

@@ -1,0 +1,101 @@
+"""Studies from Python: a scene run many times with drawn values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import fields
+from pathlib import Path
+from typing import Self
+
+from ..analysis.sampling.carry_out import StudyProgress, Watch, begin, go_on
+from ..analysis.sampling.influence import Influence, influence
+from ..analysis.sampling.plan import Plan
+from ..analysis.sampling.sample import Task
+from ..analysis.sampling.study import Study as Record
+from ..analysis.sampling.varied import varied
+from ..run.simulation import Options
+from ..scene.builder import Names, listed
+from .simulate import Quantity, SceneLike, in_si, load
+
+
+class Study(Record):
+    """What a study found; `study` returns one, `Study.open` reads one.
+
+    `parameters`, `numbers`, `latched` and `signals` are arrays over the samples by name, `units` their units, `failed`
+    says which samples did not come to their end, and why.
+    """
+
+    @classmethod
+    def of_record(cls, record: Record) -> Self:
+        """The same study with everything that is offered here."""
+        return cls(*(getattr(record, one.name) for one in fields(Record)))
+
+    def influence(self, number: str) -> Influence | None:
+        """How much each parameter moves a headline number; None where it does not change."""
+        return influence(self, number)
+
+    def plot_all(self, folder: str | Path, format: str = "png") -> list[Path]:
+        """Write every figure into a folder; the paths written."""
+        from ..views.study import plot_study
+
+        return plot_study(self, Path(folder), format)
+
+
+def study(
+    scene: SceneLike,
+    vary: Mapping[str, str] | Sequence[str],
+    *,
+    method: str = "latin-hypercube",
+    runs: int = 100,
+    levels: int = 5,
+    seed: int = 0,
+    workers: int = 1,
+    cluster: str | None = None,
+    rigid: Names = (),
+    flexible: Names = (),
+    large_deformation: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    estimate: bool = False,
+    signals: Names = (),
+    points: int = 201,
+    save: str | Path | None = None,
+    progress: StudyProgress | None = None,
+) -> Study:
+    """Run a scene many times with values drawn from distributions.
+
+    vary: distributions by key, such as {"friction.coefficient": "uniform(0.05, 0.2)"}; a key that ends in * is
+    multiplied by what is drawn, keys with commas between get the same. Distributions are uniform, normal,
+    truncated_normal, lognormal, triangular and values. method: "latin-hypercube", "random", "sobol", "sobol-indices",
+    "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
+    random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
+    Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
+    signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points. save: an HDF5 file, beside
+    which a table (.csv) is written; an interrupted study goes on with `resume_study`.
+
+    StudyError or SceneError where it cannot begin; samples that fail are kept in `failed`.
+    """
+    texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
+    plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
+    options = Options(
+        rigid=frozenset(listed(rigid)),
+        flexible=frozenset(listed(flexible)),
+        large_deformation=frozenset(listed(large_deformation)),
+        until=in_si(until, "s", "until"),
+        tolerance=tolerance,
+    )
+    task = Task(load(scene), options, estimate, listed(signals), points)
+    found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
+    return Study.of_record(found)
+
+
+def resume_study(
+    path: str | Path, *, workers: int = 1, cluster: str | None = None, progress: StudyProgress | None = None
+) -> Study:
+    """Go on with the interrupted study that was to be saved in a file; StudyError where there is none."""
+    return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent))
+
+
+def _silent(_: str, __: int) -> AbstractContextManager[Watch]:
+    return nullcontext(lambda done, failed: None)

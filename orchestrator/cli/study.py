@@ -1,0 +1,187 @@
+"""`fanfold study`: run a scene many times with drawn values."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+import orchestrator as fanfold
+
+from .options import SceneChoice, large_deformation_option, ordered_names, refuse_idle, scene_choice
+from .types import Number, OutputFile
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..api.study import Study
+
+_METHODS = ("latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners")
+_LINES = 12
+"""Failed samples that are told of one by one."""
+
+
+@click.command("study")
+@scene_choice
+@large_deformation_option
+@click.option(
+    "--vary", multiple=True, metavar="KEY=DISTRIBUTION",
+    help="What is drawn, such as 'friction.coefficient=uniform(0.05, 0.2)'; 'KEY*=normal(1, 0.03)' multiplies, "
+    "keys with commas between get the same; repeatable.",
+)  # fmt: skip
+@click.option("--method", type=click.Choice(_METHODS), default=_METHODS[0], show_default=True)
+@click.option(
+    "--runs", type=click.IntRange(min=1), default=100, show_default=True, help="Samples drawn at random."
+)
+@click.option(
+    "--levels", type=click.IntRange(min=2), default=5, show_default=True, help="Of each key of a grid."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True)
+@click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
+@click.option("--cluster", metavar="ADDRESS", help="Scheduler of a Dask cluster, such as tcp://host:8786.")
+@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
+@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of every run in seconds.")
+@click.option("--estimate", is_flag=True, help="Estimate the errors of headline numbers in every run.")
+@click.option(
+    "--signals", default="", callback=ordered_names, metavar="PATTERNS",
+    help="Signals to keep of every run, with commas between, such as 'hl1_*,panel1.frame_*'.",
+)  # fmt: skip
+@click.option(
+    "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Times of signals."
+)
+@click.option("--output", type=OutputFile(), help="File of the study (HDF5), by default SCENE.study.h5.")
+@click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    choice: SceneChoice,
+    large_deformation: frozenset[str],
+    vary: tuple[str, ...],
+    method: str,
+    runs: int,
+    levels: int,
+    seed: int,
+    workers: int,
+    cluster: str | None,
+    tolerance: float | None,
+    until: float | None,
+    estimate: bool,
+    signals: tuple[str, ...],
+    points: int,
+    output: Path | None,
+    plot: Path | None,
+    as_json: bool,
+) -> None:
+    """Run SCENE many times with values drawn from distributions: Monte Carlo, designs, grids, worst cases.
+
+    Every sample is written down as soon as it is finished; SCENE may be the file of an interrupted study to go on with.
+    """
+    refuse_idle("--points", "--signals")
+    refuse_idle("--levels", "--method")
+    if choice.scene.endswith(".h5"):
+        if vary or choice.variants or choice.settings:
+            raise click.UsageError("a study that goes on is what it was; give no --vary, --variant or --set")
+        path = Path(choice.scene)
+        found = fanfold.resume_study(path, workers=workers, cluster=cluster, progress=samples_bar)
+    else:
+        scene = choice.load()
+        path = output or Path(".".join((scene.name, *scene.chosen, "study.h5")))
+        found = fanfold.study(
+            scene,
+            vary,
+            **choice.fidelities,
+            large_deformation=large_deformation,
+            method=method,
+            runs=runs,
+            levels=levels,
+            seed=seed,
+            workers=workers,
+            cluster=cluster,
+            until=until,
+            tolerance=tolerance,
+            estimate=estimate,
+            signals=signals,
+            points=points,
+            save=path,
+            progress=samples_bar,
+        )
+    pictures = found.plot_all(plot) if plot else []
+    if as_json:
+        click.echo(json.dumps({**_content(found), "pictures": [str(one) for one in pictures]}))
+    else:
+        _report(found, pictures)
+
+
+@contextmanager
+def samples_bar(name: str, count: int) -> Iterator[Callable[[int, int], None]]:
+    """A progress bar on standard error: samples, failed ones, time that remains."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[failed]} failed"),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True), refresh_per_second=5) as bar:
+        task = bar.add_task(name, total=count, failed=0)
+        yield lambda done, failed: bar.update(task, completed=done, failed=failed)
+
+
+def _content(study: Study) -> dict[str, object]:
+    return {
+        "scene": study.scene,
+        "samples": len(study.messages),
+        "failed": {str(k): message for k, message in study.failed.items()},
+        "quantiles": {
+            name: dict(zip(("5%", "50%", "95%"), study.quantiles(name).tolist(), strict=True))
+            for name in study.numbers
+        },
+        "units": {name: study.units.get(name, "") for name in study.numbers},
+        "not_latching": {line: share._asdict() for line, share in study.not_latching().items()},
+        "output": str(study.path),
+    }
+
+
+def _report(study: Study, pictures: list[Path]) -> None:
+    from .tables import terminal
+
+    console = terminal()
+    console.print(_table(study))
+    for line, share in study.not_latching().items():
+        told = f"{line} does not latch in {share.samples} of {share.among} samples"
+        if study.plan.is_random:
+            told += f"; probability between {share.low:.2%} and {share.high:.2%} at 95 % confidence"
+        console.print(told)
+    failed = list(study.failed.items())
+    for index, message in failed[:_LINES]:
+        console.print(f"sample {index} failed: {message}")
+    if len(failed) > _LINES:
+        console.print(f"... and {len(failed) - _LINES} more; the table of samples tells why")
+    assert study.path is not None
+    console.print(f"study in {study.path}, table of samples in {study.path.with_suffix('.csv')}")
+    if pictures:
+        console.print(f"figures: {', '.join(str(one) for one in pictures)}")
+
+
+def _table(study: Study) -> Table:
+    from rich.table import Table
+
+    runs = int(study.finished.sum())
+    table = Table(title=f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
+    table.add_column("number")
+    for heading in ("5 %", "median", "95 %"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("unit")
+    table.add_column("moved most by")
+    for name in study.main_numbers:
+        moved = study.influence(name)
+        first = moved.ranked[0] if moved is not None and moved.changes else ""
+        values = (f"{value:.5g}" for value in study.quantiles(name))
+        table.add_row(name, *values, study.units[name], first)
+    return table

@@ -1,0 +1,118 @@
+"""What is drawn: distributions and designs against their definitions, and what cannot be, told in sentences."""
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from orchestrator.analysis.sampling.distributions import StudyError, distribution
+from orchestrator.analysis.sampling.plan import METHODS, Plan
+from orchestrator.analysis.sampling.varied import varied
+
+TWO = (varied("friction.coefficient=uniform(0.05, 0.2)"), varied("a.b,a.c*=normal(1, 0.03)"))
+
+
+@pytest.mark.parametrize(
+    ("text", "median", "low", "high", "upper"),
+    [
+        ("uniform(0.05, 0.25)", 0.15, 0.05, 0.25, 0.05 + 0.2 * 0.975),
+        ("normal(1.65 N.m, 0.05 N.m)", 1.65, 1.5, 1.8, 1.65 + 0.05 * norm.ppf(0.975)),
+        ("lognormal(2, 1.1)", 2.0, 2.0 / 1.331, 2.0 * 1.331, 2.0 * 1.1 ** norm.ppf(0.975)),
+        # area below the mode is half of the triangle
+        ("triangular(0, 1, 2)", 1.0, 0.0, 2.0, 2.0 - np.sqrt(0.05)),
+        ("truncated_normal(0, 1, -1, 1)", 0.0, -1.0, 1.0, norm.ppf(norm.cdf(-1) + 0.975 * (1 - 2 * norm.cdf(-1)))),
+        ("values(3, 1, 2)", 2.0, 1.0, 3.0, 3.0),
+    ],
+)  # fmt: skip
+def test_quantiles_are_those_of_the_definition(text, median, low, high, upper):
+    """Closed forms: median, worst cases and the 97.5 % quantile."""
+    found = distribution(text)
+    assert found.nominal == pytest.approx(median, rel=1e-12)
+    assert (found.low, found.high) == pytest.approx((low, high), rel=1e-12)
+    assert found.quantile(np.array([0.975]))[0] == pytest.approx(upper, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("gamma(1, 2)", "is no distribution; give one of uniform(LOW, HIGH)"),
+        ("0.1", "is no distribution"),
+        ("uniform(0.2, 0.1)", "the second number must be larger than the first"),
+        ("uniform(0.1)", "has 1 numbers; it is written uniform(LOW, HIGH)"),
+        ("uniform(a, 1)", "'a' is no finite number"),
+        ("uniform(nan, 1)", "'nan' is no finite number"),
+        ("uniform(1 N.m, 2)", "different units"),
+        ("normal(1, 0)", "standard deviation must be positive"),
+        ("triangular(0, 3, 2)", "must rise"),
+        ("lognormal(2, 0.9)", "ratio more than 1"),
+    ],
+)
+def test_what_is_no_distribution_is_a_sentence(text, said):
+    with pytest.raises(StudyError) as refused:
+        distribution(text)
+    assert said in str(refused.value)
+    assert text in str(refused.value)
+
+
+def test_factors_multiply_what_the_scene_has():
+    """Definition: numbers, texts with units and lists of them, each under its own key."""
+    tree = {"a": {"b": 2.0, "c": "4 N.m", "d": ["1 N.m", "3 N.m"]}, "body": [{"name": "p", "m": 5}]}
+    factor = varied("a.b,a.c,a.d,body.p.m*=uniform(0, 2)")
+    assert factor.settings(tree, 0.5) == {
+        "a.b": 1.0,
+        "a.c": "2.0 N.m",
+        "a.d": ["0.5 N.m", "1.5 N.m"],
+        "body.p.m": 2.5,
+    }
+    assert varied("a.c=uniform(1 N.m, 2 N.m)").settings(tree, 1.5) == {"a.c": "1.5 N.m"}
+    assert varied("a.n=values(5, 10)").settings(tree, 5.0) == {"a.n": 5}
+    for text, said in (
+        ("a.x*=uniform(0, 1)", "a.x: the scene has no value there"),
+        ("a*=uniform(0, 1)", "a: {"),
+        ("a.b*=uniform(1 N, 2 N)", "a factor has no unit"),
+        ("a.b", "is not of the form KEY=DISTRIBUTION"),
+    ):
+        with pytest.raises(StudyError) as refused:
+            varied(text).settings(tree, 1.0)
+        assert said in str(refused.value)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_plan_is_the_same_again_and_has_as_many_samples_as_it_says(method):
+    plan, again = (Plan(TWO, method, runs=8, levels=3, seed=4) for _ in range(2))
+    samples = plan.samples()
+    assert samples.shape == (plan.count, 2)
+    np.testing.assert_array_equal(samples, again.samples())
+    assert (samples[:, 0].min() >= 0.05) & (samples[:, 0].max() <= 0.2)
+
+
+def test_designs_are_what_they_are_called():
+    """Definitions: one sample in each stratum, worst cases three deviations away, all combinations."""
+    strata = np.sort((Plan(TWO, "latin-hypercube", runs=8).samples()[:, 0] - 0.05) / 0.15 * 8).astype(int)
+    assert strata.tolist() == list(range(8))
+    np.testing.assert_allclose(
+        Plan(TWO, "one-at-a-time").samples(),
+        [[0.125, 1], [0.05, 1], [0.2, 1], [0.125, 0.91], [0.125, 1.09]],
+    )
+    corners = Plan(TWO, "corners").samples()
+    assert {tuple(np.round(row, 6)) for row in corners[1:]} == {
+        (a, b) for a in (0.05, 0.2) for b in (0.91, 1.09)
+    }
+    grid = Plan((*TWO[:1], varied("n=values(1, 2, 5)")), "grid", levels=2).samples()
+    assert grid.tolist() == [[a, b] for a in (0.05, 0.2) for b in (1.0, 2.0, 5.0)]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"varied": ()}, "nothing is varied"),
+        ({"varied": TWO[:1] * 2}, "friction.coefficient: varied twice"),
+        ({"method": "guess"}, "there is no method 'guess'; methods are random, latin-hypercube"),
+        ({"method": "sobol", "runs": 100}, "give a power of two: 64 or 128"),
+        ({"method": "grid", "levels": 100_000}, "this takes 10,000,000,000 runs"),
+        ({"runs": 0}, "0 runs are none"),
+    ],
+)
+def test_what_is_no_plan_is_a_sentence(options, said):
+    with pytest.raises(StudyError) as refused:
+        Plan(**{"varied": TWO, **options})
+    assert said in str(refused.value)

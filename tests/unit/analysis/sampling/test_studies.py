@@ -1,0 +1,244 @@
+"""Studies: the same samples wherever they run, nothing lost by kills, influence against closed forms, the command."""
+
+import csv
+import json
+import os
+import signal
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from orchestrator.analysis.sampling import workers
+from orchestrator.analysis.sampling.carry_out import asked_of
+from orchestrator.analysis.sampling.distributions import StudyError
+from orchestrator.analysis.sampling.influence import influence
+from orchestrator.analysis.sampling.journal import Journal, journal_file
+from orchestrator.analysis.sampling.plan import Plan
+from orchestrator.analysis.sampling.sample import Sample, Task, run_sample
+from orchestrator.analysis.sampling.study import Study
+from orchestrator.analysis.sampling.varied import varied
+from orchestrator.cli.main import main
+from orchestrator.run.simulation import Options
+from tests.unit.scene.scene_cases import SCENES
+
+WING = SCENES / "two_panels.toml"
+VARY = {"friction.coefficient": "uniform(0.05, 0.2)", "hinge_line.root_line.motor.stowed*": "normal(1, 0.05)"}
+ASKED = {"rigid": "all", "until": 0.3, "tolerance": 1e-2, "runs": 4}
+
+
+@pytest.fixture(scope="module")
+def here():
+    """In this process."""
+    return fanfold.study(WING, VARY, signals="root.angle", points=7, **ASKED)
+
+
+def task():
+    options = Options(rigid=frozenset({"all"}), until=0.3, tolerance=1e-2)
+    return Task(fanfold.load(WING), options, signals=("root.angle",), points=7)
+
+
+def settings_of(study, index):
+    tree = fanfold.load(WING).tree
+    drawn = ((one, float(study.parameters[one.name][index])) for one in study.plan.varied)
+    return {key: value for one, v in drawn for key, value in one.settings(tree, v).items()}
+
+
+def same(one, other):
+    assert one.parameters.keys() == other.parameters.keys()
+    for table in ("parameters", "numbers", "latched", "signals"):
+        a, b = getattr(one, table), getattr(other, table)
+        assert a.keys() == b.keys()
+        for name in a:
+            np.testing.assert_array_equal(a[name], b[name])
+    assert (one.finished == other.finished).all()
+    assert one.messages == other.messages
+
+
+def test_a_sample_is_the_run_of_its_values(here):
+    """Same numbers, bit for bit, as the run of the scene with these values, whose FMUs ran nothing before."""
+    values = {name: column[2] for name, column in here.parameters.items()}
+    scene = fanfold.load(WING)
+    settings = {
+        "friction.coefficient": values["friction.coefficient"],
+        "hinge_line.root_line.motor.stowed": 1.6 * values["hinge_line.root_line.motor.stowed*"],
+    }
+    result = fanfold.simulate(
+        scene.with_settings(settings), rigid="all", until=0.3, tolerance=1e-2, estimate=False
+    )
+    for number in result.headline.numbers():
+        assert here.numbers[" ".join(filter(None, number.key))][2] == number.value
+    np.testing.assert_array_equal(
+        here.signals["root.angle"][2],
+        np.interp(np.linspace(0.0, 0.3, 7), result.time, result["root", "angle"]),
+    )
+
+
+def test_a_killed_worker_takes_no_sample_with_it(here):
+    """Kill: one of two processes dies after the first sample; all samples come, as in one process."""
+    opened = []
+
+    @contextmanager
+    def watched(count):
+        with workers.local(count) as pool:
+            opened.append(pool)
+            yield pool
+
+    shared = task()
+    jobs = [(k, settings_of(here, k)) for k in range(4)]
+    found = []
+    for sample in workers.carried_out(shared, jobs, 2, watched):
+        if not found:
+            os.kill(next(iter(opened[0]._processes)), signal.SIGKILL)
+        found.append(sample)
+    assert len(opened) == 2
+    assert sorted(sample.index for sample in found) == [0, 1, 2, 3]
+    same(Study.of(asked_of(shared, here.plan), found), here)
+
+
+class Deadly(fanfold.Scene):
+    """A scene that ends the process it is run in where friction is 0.1."""
+
+    def with_settings(self, settings):
+        if dict(settings).get("friction.coefficient") == 0.1:
+            os._exit(1)
+        return super().with_settings(settings)
+
+
+def test_the_sample_that_ends_processes_is_known():
+    """One of three ends whatever runs it: it is named, and the others come."""
+    shared = replace(task(), scene=Deadly.load(WING))
+    jobs = [(k, {"friction.coefficient": value}) for k, value in enumerate((0.05, 0.1, 0.2))]
+    found = {sample.index: sample for sample in workers.carried_out(shared, jobs, 2, workers.local)}
+    assert sorted(found) == [0, 1, 2]
+    assert (found[0].message, found[2].message) == ("", "")
+    assert "the process that ran it died, twice" in found[1].message
+
+
+def test_a_cluster_gives_the_same_samples(here):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        found = fanfold.study(
+            WING, VARY, signals="root.angle", points=7, cluster=cluster.scheduler_address, **ASKED
+        )
+    same(found, here)
+
+
+def test_an_interrupted_study_goes_on(here, tmp_path):
+    """Kill: a journal whose last line was cut off; what it lacks runs, and the file is that of a whole study."""
+    path = tmp_path / "study.h5"
+    with Journal.begin(path, here.asked) as journal:
+        journal.append(run_sample(task(), 3, settings_of(here, 3)))
+        with pytest.raises(StudyError, match="another study is writing here"):
+            fanfold.resume_study(path)
+    with journal_file(path).open("a") as file:
+        file.write('{"index": 0, "mess')
+    with pytest.raises(StudyError, match="an interrupted study stands here; go on with it by `fanfold study"):
+        fanfold.study(WING, VARY, save=path, **ASKED)
+    found = fanfold.resume_study(path)
+    same(found, here)
+    same(fanfold.Study.open(path), here)
+    assert not journal_file(path).exists()
+    rows = list(csv.reader(path.with_suffix(".csv").open()))
+    assert rows[0][:3] == ["sample", "friction.coefficient", "hinge_line.root_line.motor.stowed*, 1"]
+    assert [float(row[1]) for row in rows[1:]] == here.parameters["friction.coefficient"].tolist()
+
+
+def test_failed_samples_are_named_and_stop_nothing(tmp_path):
+    """A value that no scene can have, among others that it can."""
+    vary = {"friction.coefficient": "values(-1, 0.05, 0.1)"}
+    found = fanfold.study(
+        WING, vary, method="grid", rigid="all", until=0.05, tolerance=1e-2, save=tmp_path / "s.h5"
+    )
+    assert found.finished.tolist() == [False, True, True]
+    assert "friction.coefficient" in found.failed[0]
+    assert np.isnan(found.numbers["end time"][0])
+
+
+def test_what_cannot_begin_is_refused_before_the_first_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(workers, "ANSWER", 0.5)
+    (tmp_path / "notes.h5").write_text("notes")
+    for vary, options, said in (
+        ({"friction.coeficient": "uniform(0, 1)"}, {}, "did you mean coefficient"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"save": tmp_path / "notes.h5"}, "cannot be read"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"workers": 0}, "0 workers do no work"),
+        ({"friction.coefficient": "uniform(0, 1)"}, {"cluster": "tcp://127.0.0.1:9"}, "no Dask scheduler answers"),
+    ):  # fmt: skip
+        with pytest.raises(fanfold.FanfoldError) as refused:
+            fanfold.study(WING, vary, **options)
+        assert said in str(refused.value)
+    with pytest.raises(StudyError, match=r"there is no journal no\.h5\.journal"):
+        fanfold.resume_study(tmp_path / "no.h5")
+
+
+def synthetic(here, method, numbers, runs=256):
+    """A study whose numbers are functions of its parameters."""
+    texts = ["a=uniform(0, 1)", "b=uniform(0, 1)"]
+    plan = Plan(tuple(map(varied, texts)), method, runs)
+    asked = {**here.asked, "varied": texts, "method": method, "runs": runs}
+    samples = [
+        Sample(k, numbers={name: (f(*row), "N", None) for name, f in numbers.items()}, latched={"L": k > 0})
+        for k, row in enumerate(plan.samples().tolist())
+    ]
+    return fanfold.Study.of_record(Study.of(asked, samples))
+
+
+def test_influence_is_that_of_closed_forms(here):
+    """A + 3 b: ends of straight lines, variance shares 1 to 9; a b: 3/7 each alone, 4/7 in all."""
+    numbers = {
+        "latch time sum": lambda a, b: a + 3.0 * b,
+        "latch time product": lambda a, b: a * b,
+        "same": lambda a, b: 2.0,
+    }
+    line = synthetic(here, "latin-hypercube", numbers).influence("latch time sum")
+    assert line.ranked == ["b", "a"]
+    assert line.explained == pytest.approx(1.0, abs=1e-12)
+    # quantiles of 256 strata lie within a stratum of those of the distribution
+    assert line.changes["b"] == pytest.approx((-1.35, 1.35), abs=3.0 / 128)
+    single = synthetic(here, "one-at-a-time", numbers)
+    assert single.influence("latch time sum").changes == {"a": (-0.5, 0.5), "b": (-1.5, 1.5)}
+    assert influence(single, "same") is None
+    shares = synthetic(here, "sobol-indices", numbers, runs=1024)
+    # errors of a quasi-random sum of this size, Saltelli et al. 2010, figure 2
+    assert shares.influence("latch time sum").shares["b"] == pytest.approx((0.9, 0.9), abs=0.02)
+    assert shares.influence("latch time product").shares["a"] == pytest.approx((3 / 7, 4 / 7), abs=0.02)
+
+
+def test_the_share_that_does_not_latch_has_clopper_pearson_bounds(here):
+    """Closed form for 1 of 256: 1 - 0.975^(1/256) below, and the root of P(X <= 1) = 0.025 above."""
+    share = synthetic(here, "random", {"latch time L": lambda a, b: a}).not_latching()["L"]
+    assert (share.samples, share.among) == (1, 256)
+    assert share.low == pytest.approx(1.0 - 0.975 ** (1 / 256), rel=1e-9)
+    p = share.high
+    assert (1 - p) ** 256 + 256 * p * (1 - p) ** 255 == pytest.approx(0.025, rel=1e-6)
+
+
+def test_command(tmp_path, monkeypatch):
+    """From the terminal: file, table, figures, JSON; the same as from Python."""
+    monkeypatch.chdir(tmp_path)
+    arguments = ["study", str(WING), "--rigid", "all", "--until", "0.3", "--tolerance", "1e-2", "--runs", "4"]
+    for key, text in VARY.items():
+        arguments += ["--vary", f"{key}={text}"]
+    found = CliRunner().invoke(main, [*arguments, "--plot", "pictures", "--json"])
+    assert found.exit_code == 0, found.output
+    told = json.loads(found.stdout)
+    study = fanfold.Study.open(told["output"])
+    assert told["quantiles"]["end time"]["50%"] == 0.3
+    assert study.plan.count == 4
+    assert (tmp_path / "two_panels.study.csv").is_file()
+    shown = CliRunner().invoke(main, ["study", str(WING), "--vary", "friction.coefficient=uniform(1)"])
+    assert shown.exit_code == 1
+    assert "it is written uniform(LOW, HIGH)" in shown.stderr
+    again = CliRunner().invoke(main, ["study", told["output"]])
+    assert "there is no journal" in again.stderr
+
+
+def test_figures_are_drawn(here, tmp_path):
+    drawn = synthetic(here, "latin-hypercube", {"latch time L": lambda a, b: a + b})
+    drawn = replace(drawn, times=np.linspace(0, 1, 7), signals={"root.angle": np.ones((256, 7))})
+    written = drawn.plot_all(tmp_path)
+    assert [path.stem for path in written] == ["distributions", "tornado", "scatter", "signals"]
+    assert all(path.stat().st_size > 10_000 for path in written)
