@@ -31,7 +31,15 @@ from .body_parts.interface import Interface
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import correct_step, static_deflection
+from .body_parts.second_order import (
+    MAX_ITERATIONS,
+    correct_step,
+    own_tension,
+    refuse_unsettled,
+    settled,
+    static_deflection,
+)
+from .body_parts.tension import TensionForms
 from .body_parts.variables import observations, parameters, states
 from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
 from .contract.frames import (
@@ -52,9 +60,7 @@ _R, _Q, _P, _L, _W, _D = (
     _AT[name] for name in ("position", "orientation", "momentum", "spin", "angular_velocity", "heat")
 )
 _ETA = _AT.size
-_MAX_ITERATIONS = 40
 _ANGLE_TOLERANCE = 1e-13
-_MODAL_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
 
 
@@ -124,6 +130,7 @@ class Body(Component):
         check_mass(data)
         self.inertia = InertiaCoupling(data, inertia_coupling)
         self._placed = BodyPorts(data, ports)
+        self.tension = TensionForms(data.tension_forms) if len(data.tension_forms) else None
         self.arms = self._placed.arms
         self._interface: Interface | None = None
         structure: dict[str, Any] = {
@@ -259,7 +266,7 @@ class Body(Component):
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         world_arms = self.arms @ a0.T
         momentum, start, omega, inverse = x[_L], x[_W], x[_W], self.inertia.inverse
-        for _ in range(_MAX_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
             a1 = a_mid @ half
@@ -282,8 +289,9 @@ class Body(Component):
         world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
         before = after = inertia.at(eta0)
         omega, end, eta1, rate_mean = start, start, eta0, pi0 - start @ before.b
+        own = own_tension(self.tension, eta0)
         _, moment_slope = load.moments(world_arms, world_arms)
-        for _ in range(_MAX_ITERATIONS):
+        for _ in range(MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
             a_mid = a0 @ half
             a1 = a_mid @ half
@@ -295,10 +303,13 @@ class Body(Component):
             turning = inertia.solve(mid, moment_slope @ a_mid - mid.b @ slope)
             force = force + inertia.forces(mid, start, end, (h / 6.0) * turning, rate_mean)
             slope = slope - turning @ mid.b
+            if own is not None:
+                own = own.after(eta1)
+                own.forms.add_force(own.start, own.end, force)
             rate0, last = pi0 - drag, eta1
             if self.data.second_order_modes:
                 residual = prop.end(eta0, rate0, force, slope)[0] - last
-                correct_step(self._placed, prop, wrenches, residual, force, slope)
+                correct_step(self._placed, prop, wrenches, own, residual, force, slope)
             eta1, rate1 = prop.end(eta0, rate0, force, slope)
             rate_mean = 0.5 * (rate0 + rate1) - (h / 6.0) * slope
             after, arms = inertia.at(eta1), self.arms + self._placed.displacements(eta1)
@@ -307,10 +318,13 @@ class Body(Component):
             end = inertia.solve(after, spin - after.b @ (rate1 + drag))
             updated = 0.5 * (start + end) - (h / 6.0) * turning
             change, omega = float(abs(updated - omega).max()), updated
-            if h * change < _ANGLE_TOLERANCE and self._settled(eta0, last, eta1):
+            if h * change < _ANGLE_TOLERANCE and (
+                not self.data.second_order_modes or settled(eta0, last, eta1)
+            ):
                 break
         else:
-            self._refuse_unsettled(h)
+            if self.data.second_order_modes:
+                refuse_unsettled(h)
         modal_moment = prop.moment(eta0, rate0, force, slope)
         growth = after.b - before.b
         torque = spin - momentum @ a0 - symmetric_product(after.inertia - before.inertia, trapezoid)
@@ -329,20 +343,6 @@ class Body(Component):
             eta_mean,
         )
 
-    def _refuse_unsettled(self, h: float) -> None:
-        if self.data.second_order_modes:
-            raise ComponentError(
-                f"a step of {h:g} s finds neither turn nor deflection in {_MAX_ITERATIONS} iterations;"
-                " take smaller steps or loads"
-            )
-
-    def _settled(self, start: Vector, last: Vector, end: Vector) -> bool:
-        """Whether the iteration has found the modal coordinates; loads do not depend on them without second order."""
-        if not self.data.second_order_modes:
-            return True
-        scale = max(float(abs(start).max()), float(abs(end).max()))
-        return float(abs(end - last).max()) <= _MODAL_TOLERANCE * scale
-
     def _static_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
         """One implicit step of the gradient flow x' = h M^-1 f that static equilibrium iterates.
 
@@ -359,7 +359,7 @@ class Body(Component):
         eta = x[_ETA : _ETA + m] if self.data.second_order_modes else np.zeros(m)
         for _ in range(3):
             if m:
-                eta = static_deflection(self._placed, 1.0 / c.frequency**2, a1, eta, wrench)
+                eta = static_deflection(self._placed, self.tension, 1.0 / c.frequency**2, a1, eta, wrench)
                 arms = self.arms + self._placed.displacements(eta)
             moment = sum_of_moments(arms @ a1.T, force) + torque.sum(0)
             turn = h * h * (self.inertia.inverse @ (moment @ a1))
@@ -405,6 +405,8 @@ class Body(Component):
         rate = self.inertia.modal_rate(x[_W], eta, pi)
         kinetic = 0.5 * (x[_P] @ x[_P] / self.data.mass + x[_W] @ (x[_L] @ a) + rate @ pi)
         strain = 0.5 * float((self.data.frequency * eta) @ (self.data.frequency * eta))
+        if self.tension is not None:
+            strain += self.tension.energy(eta)
         energies = np.array((kinetic, strain - self.data.mass * float(c.gravity @ x[_R])))
         position, spin = x[_R] - a @ self.data.center_of_mass, x[_L] + np.cross(x[_R], x[_P])
         found = np.concatenate((position, x[_Q], x[_P], spin, energies, x[_D], eta))
@@ -437,6 +439,9 @@ class Body(Component):
         friction = 2.0 * c.damping_ratio * c.frequency * rate
         load = self._placed.modal_force(self._placed.conjugate(a, a, eta, force, torque), eta)
         load = load + self.inertia.forces(self.inertia.at(eta), omega, omega, np.zeros(3), rate)
+        if self.tension is not None:
+            here = self.tension.at(eta)
+            self.tension.add_force(here, here, load)
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
         return np.concatenate(
             (
@@ -463,6 +468,7 @@ class Body(Component):
             "port_orientation": self._placed.orientation,
             "second_order_modes": self.data.second_order_modes,
             "second_order": self._placed.second_order,
+            "tension_forms": self.data.tension_forms,
             "is_base": self._interface is not None,
             **self.inertia.native_data(),
         }

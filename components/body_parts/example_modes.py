@@ -12,7 +12,7 @@ from ..flexible.modal import ModalData
 def example_modal_data() -> ModalData:
     """Modes of a 3x2 grid of point masses: smooth made-up shapes, rigid motions projected out.
 
-    Pairs of three of them displace and turn the points to second order, by made-up numbers as well.
+    Pairs of three of them displace and turn the points to second order and stretch the body, by made-up numbers as well.
     """
     grid = np.array([(x, y, 0.1 * x * y) for x in (0.0, 0.5, 1.0) for y in (-0.4, 0.4)])
     masses = np.linspace(0.8, 1.2, len(grid))
@@ -32,4 +32,6 @@ def example_modal_data() -> ModalData:
     )
     point, axis, one, other = np.indices((2, 6, 3, 3))
     pairs = 0.1 * np.cos(1.0 + 2.0 * point + axis + one * other) / (1.0 + one + other)
-    return replace(data, second_order_points=pairs)
+    form, one, other = np.indices((2, 3, 3))
+    forms = 120.0 * np.sin(1.0 + form + one + other) * (1.0 + one) * (1.0 + other)
+    return replace(data, second_order_points=pairs, tension_forms=forms)

@@ -1,6 +1,7 @@
 """Newton's iteration of the modal coordinates where the forces on the modes depend on them.
 
-From force to coordinates and back an iteration leads away where tension is stronger than bending.
+From force to coordinates and back an iteration leads away where tension is stronger than bending. Tension comes from loads
+on ports, and where bending stretches the body from its own modes.
 """
 
 from __future__ import annotations
@@ -9,9 +10,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contract.component import Vector
+from ..contract.component import ComponentError, Vector
 from ..numerics.oscillators import Propagator
 from .ports import BodyPorts
+from .tension import Tension, TensionForms
+
+MAX_ITERATIONS = 40
+_MODAL_TOLERANCE = 1e-13
+
+
+class OwnTension(NamedTuple):
+    """Tension that bending makes, over a step: the body's forms, and what they are at both ends."""
+
+    forms: TensionForms
+    start: Tension
+    end: Tension
+
+    def after(self, eta: Vector) -> OwnTension:
+        """The same with its end at modal coordinates (M,)."""
+        return self._replace(end=self.forms.at(eta))
+
+
+def own_tension(forms: TensionForms | None, eta: Vector) -> OwnTension | None:
+    """At rest at modal coordinates (M,); None where bending does not stretch."""
+    if forms is None:
+        return None
+    found = forms.at(eta)
+    return OwnTension(forms, found, found)
 
 
 class _Response(NamedTuple):
@@ -25,6 +50,7 @@ def correct_step(
     placed: BodyPorts,
     prop: Propagator,
     wrenches: tuple[Vector, Vector],
+    own: OwnTension | None,
     residual: Vector,
     force: Vector,
     slope: Vector,
@@ -36,14 +62,30 @@ def correct_step(
     """
     # forces act at the mean of the coordinates at both ends
     tension, slope_tension = (0.5 * placed.tension(wrench) for wrench in wrenches)
+    if own is not None:
+        tension = tension + 0.5 * own.forms.tangent(own.start, own.end)
     s = len(tension)
     responses = _Response(prop.b1[:s], tension), _Response(prop.c1[:s], slope_tension)
     for acting, change in zip((force, slope), _corrections(residual[:s], *responses), strict=True):
         acting[:s] += change
 
 
+def refuse_unsettled(h: float) -> None:
+    """Refuse a step (s) whose iteration has come to no end."""
+    raise ComponentError(
+        f"a step of {h:g} s finds neither turn nor deflection in {MAX_ITERATIONS} iterations;"
+        " take smaller steps or loads"
+    )
+
+
+def settled(start: Vector, last: Vector, end: Vector) -> bool:
+    """Whether an iteration of a step from `start` (M,) has found the modal coordinates at its end."""
+    scale = max(float(abs(start).max()), float(abs(end).max()))
+    return float(abs(end - last).max()) <= _MODAL_TOLERANCE * scale
+
+
 def static_deflection(
-    placed: BodyPorts, compliance: Vector, a: Vector, eta: Vector, wrench: Vector
+    placed: BodyPorts, forms: TensionForms | None, compliance: Vector, a: Vector, eta: Vector, wrench: Vector
 ) -> Vector:
     """Modal coordinates (M,) under world wrenches (K, 6) on a body turned by a, from those before.
 
@@ -51,6 +93,10 @@ def static_deflection(
     """
     conjugate = placed.conjugate(a, a, eta, wrench[:, :3], wrench[:, 3:])
     force, tension = placed.modal_force(conjugate, eta), placed.tension(conjugate)
+    if forms is not None:
+        here = forms.at(eta)
+        forms.add_force(here, here, force)
+        tension = tension + forms.tangent(here, here)
     s = len(tension)
     (change,) = _corrections((compliance * force - eta)[:s], _Response(compliance[:s], tension))
     force[:s] += change

@@ -27,7 +27,7 @@ from ..contract.frames import skew
 from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.joined import joined
 from ..flexible.modal import ModalData
-from ..flexible.plate import Panel
+from ..flexible.plate import Geometry, Panel
 from ..flexible.reduction import craig_bampton
 from ..flexible.stress import FaceSheets
 from ..imported.body import ImportedBody
@@ -103,7 +103,8 @@ class BodyDefinition:
     ) -> ModalData:
         """Craig-Bampton body: so many fixed-interface modes and six a attachment point, less the rigid motions.
 
-        second_order_modes: so many of the lowest displace it to second order too.
+        second_order_modes: so many of the lowest displace it to second order too; those of plates of von Karman's
+        geometry stretch them besides, and 0 are then all that bend them.
         """
         self._check(masses)
 
@@ -116,7 +117,10 @@ class BodyDefinition:
                     raise ComponentError(
                         "second_order_modes: matrices tell nothing of strains to second order; leave it out"
                     )
-            return craig_bampton(model, self.attachment_points, count, self.nodes, second_order_modes)
+            geometry: Geometry = "linear" if self.panel is None else self.panel.plate.geometry
+            return craig_bampton(
+                model, self.attachment_points, count, self.nodes, second_order_modes, geometry
+            )
 
         return _cached(reduced, self, fixed_interface_modes, masses, second_order_modes)
 

@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from ..flexible.beam_frame import BeamSection, tube_section
 from ..flexible.laminate import Layer, laminate_stiffness
-from ..flexible.plate import HingeArm, Panel, Plate, sandwich_stiffness
+from ..flexible.plate import Geometry, HingeArm, Panel, Plate, sandwich_stiffness
 from ..flexible.stress import FaceSheets
 from .beam_reader import read_beam, read_material
 from .definition import BodyDefinition, PointMasses, RigidTwin
@@ -23,6 +23,7 @@ from .tables import Convert, Table, TableError, stated
 
 _Edge = Literal["inboard", "outboard"]
 _EDGES: tuple[_Edge, ...] = ("inboard", "outboard")
+_GEOMETRIES: tuple[Geometry, ...] = ("linear", "von_karman")
 _SIDES = (("left", 1.0), ("right", -1.0))
 _UNKNOWN: tuple[float, ...] = (nan, nan, nan, nan)
 _NO_SECTION = BeamSection(0.0, 0.0, 0.0, 0.0)
@@ -115,7 +116,11 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
             told = f"is {list(values)} in {name}; 11, 22, 66 and 11 x 22 - 12 x 12 of a plate are positive"
             table.note(kind, told)
     prestress = table.number("prestress", "N/m", "zero or positive", 0.0)
-    plate = Plate(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane), prestress)
+    geometry = table.text("geometry", _GEOMETRIES, "linear")
+    plate = Plate(
+        *(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane), prestress),
+        geometry="von_karman" if geometry == "von_karman" else "linear",
+    )
     return plate, _face_sheets(table, sheets)
 
 

@@ -6,17 +6,20 @@ v,y + w,y^2 / 2, u,y + v,x + w,x w,y) (Timoshenko and Woinowsky-Krieger, section
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from ..contract.component import Vector
 
 SparseMatrix: TypeAlias = "sparse.csr_array[np.float64, tuple[int, int]]"
+
+_ALL = slice(None)
 
 
 @dataclass(frozen=True)
@@ -35,9 +38,22 @@ class MembraneStrain:
         slopes = tuple((reduce(left), reduce(right)) for left, right in self.slopes)
         return MembraneStrain(reduce(self.linear), slopes, self.stiffness)
 
-    def of_pairs(self, shapes: Vector) -> Vector:
-        """Strains (P, S (S + 1) / 2) that every two of shapes (n, S) make, those of `pairs` in order."""
-        first, second = pairs(shapes.shape[1])
+    def parts(self, most: int) -> Iterator[MembraneStrain]:
+        """The same in parts of about so many rows, whose strains do no work on one another's stress."""
+        count, label = connected_components(self.stiffness, directed=False)
+        rows = np.argsort(label, kind="stable")
+        ends = np.cumsum(np.bincount(label, minlength=count))
+        first = 0
+        while first < rows.size:
+            last = ends[min(np.searchsorted(ends, first + most), count - 1)]
+            chosen = rows[first:last]
+            slopes = tuple((left[chosen], right[chosen]) for left, right in self.slopes)
+            yield MembraneStrain(self.linear[chosen], slopes, self.stiffness[chosen][:, chosen])
+            first = last
+
+    def of_pairs(self, shapes: Vector, some: slice = _ALL) -> Vector:
+        """Strains (P, S (S + 1) / 2) that every two of shapes (n, S) make, those of `pairs` in order, or some of them."""
+        first, second = (index[some] for index in pairs(shapes.shape[1]))
         total = np.zeros((self.linear.shape[0], first.size))
         for left, right in self.slopes:
             one, other = np.asarray(left @ shapes), np.asarray(right @ shapes)

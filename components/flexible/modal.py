@@ -68,6 +68,8 @@ class ModalData:
     """(M, M, 3, 3) I9[j, k] = sum m skew(phi_j) skew(phi_k)"""
     second_order_points: Vector = field(default_factory=lambda: np.zeros((0, 6, 0, 0)))
     """(N, 6, S, S) translation and rotation of the points by pairs of the S lowest modes, or empty"""
+    tension_forms: Vector = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    """(P, S, S) of bending that stretches: adds 1/2 sum (1/2 eta^T S_p eta)^2 to the strain energy; or empty"""
     display_positions: Vector = field(default_factory=lambda: np.zeros((0, 3)))
     """(D, 3) coarse grid for pictures, m"""
     display_shapes: Vector = field(default_factory=lambda: np.zeros((0, 3, 0)))
@@ -168,7 +170,8 @@ class ModalData:
         }
         points = len(values["point_names"])
         second_order = _second_order_modes(np.size(arrays["second_order_points"]), modes, points)
-        shapes = _shapes(modes, second_order, points, np.size(arrays["display_positions"]) // 3)
+        forms = np.size(arrays["tension_forms"]) // max(second_order, 1) ** 2
+        shapes = _shapes(modes, second_order, points, np.size(arrays["display_positions"]) // 3, forms)
         for name, shape in shapes.items():
             array = np.asarray(arrays[name], dtype=float)
             if array.size != np.prod(shape):
@@ -184,9 +187,8 @@ class ModalData:
     def keep_modes(self, keep: ArrayLike) -> Self:
         """The body with some modes only: a boolean mask (M,) or mode indices from 0, ascending."""
         index = np.arange(self.frequency.size)[np.asarray(keep)]
-        pairs = np.ix_(
-            range(len(self.second_order_points)), range(6), *2 * (index[index < self.second_order_modes],)
-        )
+        low = index[index < self.second_order_modes]
+        pairs = np.ix_(range(len(self.second_order_points)), range(6), low, low)
         return replace(
             self,
             frequency=self.frequency[index],
@@ -197,6 +199,7 @@ class ModalData:
             invariant8=self.invariant8[index],
             invariant9=self.invariant9[np.ix_(index, index)],
             second_order_points=self.second_order_points[pairs],
+            tension_forms=self.tension_forms[np.ix_(range(len(self.tension_forms)), low, low)],
             display_shapes=self.display_shapes[:, :, index],
         )
 
@@ -234,7 +237,9 @@ def _second_order_modes(size: int, modes: int, points: int) -> int:
     return count
 
 
-def _shapes(modes: int, second_order: int, points: int, display: int) -> dict[str, tuple[int, ...]]:
+def _shapes(
+    modes: int, second_order: int, points: int, display: int, forms: int
+) -> dict[str, tuple[int, ...]]:
     """Shapes of the floating-point fields of `ModalData`."""
     m = modes
     return {
@@ -249,6 +254,7 @@ def _shapes(modes: int, second_order: int, points: int, display: int) -> dict[st
         "invariant8": (m, 3, 3),
         "invariant9": (m, m, 3, 3),
         "second_order_points": (points if second_order else 0, 6, second_order, second_order),
+        "tension_forms": (forms, second_order, second_order),
         "display_positions": (display, 3),
         "display_shapes": (display, 3, m),
     }

@@ -14,6 +14,9 @@ from typing import Literal
 from .beam_frame import BeamSection
 from .finite_elements import Rectangle
 
+Geometry = Literal["linear", "von_karman"]
+"""Whether bending stretches the mid-plane of a plate, which matters where it bends by more than its thickness."""
+
 _ROUNDING = 1e-9  # m
 _MOST_ELEMENTS = 20_000  # half a minute, and modes far beyond those that a deployment needs
 
@@ -49,6 +52,7 @@ class Plate:
     """A11, A22, A12, A66, N/m"""
     prestress: float = 0.0
     """tension in every direction of the plane, which adds T/2 (w,x² + w,y²) to the energy, N/m"""
+    geometry: Geometry = "linear"
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,9 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, SparseMatrix, factorize
 from .modal import ModalData, default_damping, inertia_invariants
+from .plate import Geometry
 from .second_order import check_second_order, second_order_inertia, second_order_shapes, symmetric
+from .von_karman import bending_modes, tension_forms
 
 
 def _times(matrix: SparseMatrix, vectors: Vector) -> Vector:
@@ -148,14 +150,18 @@ def craig_bampton(
     number_of_fixed_interface_modes: int,
     nodes: Sequence[str] = (),
     second_order_modes: int = 0,
+    geometry: Geometry = "linear",
 ) -> ModalData:
     """Reduced body with default damping; `nodes` are further points a scene may load, without modes.
 
     second_order_modes: so many of the lowest modes displace the body to second order too, which stiffens it under
-    tension and spin.
+    tension and spin. geometry: with "von_karman" what bends stretches; then 0 modes are those that bend a plate.
     """
     frequency, modes = orthonormal_modes(model, attachment_points, number_of_fixed_interface_modes)
     check_second_order(second_order_modes, frequency.size)
+    stretches = geometry == "von_karman"
+    if stretches and not second_order_modes:
+        second_order_modes = bending_modes(model, modes)
     names = (*attachment_points, *nodes)
     motion = np.array([_times(model.point_motions[name], modes) for name in names])
     arms = model.positions - model.center_of_mass
@@ -182,13 +188,18 @@ def craig_bampton(
         display_shapes=_times(model.display_displacement, modes).reshape(-1, 3, frequency.size),
         display_faces=model.display_faces,
     )
-    return _to_second_order(data, model, modes[:, :second_order_modes]) if second_order_modes else data
+    if not second_order_modes:
+        return data
+    return _to_second_order(data, model, modes[:, :second_order_modes], stretches)
 
 
-def _to_second_order(data: ModalData, model: FiniteElementModel, modes: Vector) -> ModalData:
-    """The body with what pairs of its lowest modes (n, S) do, at the points and to the inertia."""
+def _to_second_order(data: ModalData, model: FiniteElementModel, modes: Vector, stretches: bool) -> ModalData:
+    """The body with what pairs of its lowest modes (n, S) do, at the points, to the inertia and where they stretch it."""
     count, response = modes.shape[1], second_order_shapes(model, modes)
     points = [_times(model.point_motions[name], response) for name in data.point_names]
     invariant9 = data.invariant9.copy()
     invariant9[:count, :count] += second_order_inertia(model, response, count)
-    return replace(data, invariant9=invariant9, second_order_points=symmetric(np.array(points), count))
+    data = replace(data, invariant9=invariant9, second_order_points=symmetric(np.array(points), count))
+    if not stretches:
+        return data
+    return replace(data, tension_forms=tension_forms(model, modes, data.frequency[:count], response))

@@ -8,10 +8,13 @@ the mean-axis frame to second order (modal derivatives: Wu and Tiso 2016).
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, factorize
 from .membrane_strain import pairs
+
+_AT_ONCE = 64  # pairs of modes, whose strains take much memory
 
 
 def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
@@ -19,11 +22,16 @@ def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
     held = next(iter(model.attachment_dofs.values()))
     interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
     strain = model.strain
-    load = -np.asarray(strain.linear.T @ (strain.stiffness @ strain.of_pairs(shapes)))
-    response = np.zeros_like(load)
+    load_of = sparse.csr_array(strain.linear.T @ strain.stiffness)
     # loads of strains are in equilibrium, so that six held degrees of freedom carry nothing
-    response[interior] = factorize(model.stiffness[interior][:, interior]).solve(load[interior])
-    return model.without_rigid_motions(response)
+    factor = factorize(model.stiffness[interior][:, interior])
+    response = np.zeros((len(shapes), pairs(shapes.shape[1])[0].size))
+    for start in range(0, response.shape[1], _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        load = -np.asarray(load_of @ strain.of_pairs(shapes, some))
+        response[interior, some] = factor.solve(load[interior])
+        response[:, some] = model.without_rigid_motions(response[:, some])
+    return response
 
 
 def symmetric(values: Vector, count: int) -> Vector:
@@ -37,8 +45,8 @@ def symmetric(values: Vector, count: int) -> Vector:
 def second_order_inertia(model: FiniteElementModel, response: Vector, count: int) -> Vector:
     """What invariant 9 gains, (S, S, 3, 3) kg m2: the symmetric part of sum m skew(s) skew(Psi_jk)."""
     arms = model.masses[:, None] * (model.positions - model.center_of_mass)
-    motion = np.asarray(model.displacement @ response).reshape(len(arms), 3, -1)
-    moment = symmetric(np.einsum("qa,qbp->abp", arms, motion), count)
+    sums = sparse.csr_array(sparse.kron(arms.T, np.eye(3))) @ model.displacement  # row 3 a + b
+    moment = symmetric(np.asarray(sums @ response).reshape(3, 3, -1), count)
     both = 0.5 * (moment + moment.transpose(1, 0, 2, 3)) - np.einsum("ccjk,ab->abjk", moment, np.eye(3))
     gained: Vector = both.transpose(2, 3, 0, 1)
     return gained

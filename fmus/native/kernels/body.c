@@ -73,6 +73,7 @@ static void modal_energies(Body *body, const double *x, double *kinetic, double 
         *kinetic += 0.5 * rate[j] * work.pi[j];
         *strain += 0.5 * (frequency[j] * work.eta[j]) * (frequency[j] * work.eta[j]);
     }
+    if (body->forms) *strain += tension_energy(body, work.eta, &work);
 }
 
 /* Pose of the construction frame, momenta, energies and modal coordinates. */

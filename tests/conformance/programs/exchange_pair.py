@@ -26,7 +26,7 @@ AGREEMENT, CANCELLED = 1e-11, 1e-3
 def body(**changes):
     structure = Body.example().structure
     if changes:  # lower levels of coupling are for modes of first order
-        structure["modal"] = {**structure["modal"], "second_order_points": ()}
+        structure["modal"] = {**structure["modal"], "second_order_points": (), "tension_forms": ()}
     return Body(**{**structure, **changes})
 
 

@@ -27,6 +27,17 @@ static int copy_array(const Data *data, const char *name, size_t count, double *
     return 1;
 }
 
+/* Number of forms by which bending stretches, from the size of their array. */
+static int read_forms(Body *body, const Data *data, Reason *why) {
+    size_t numbers = 0, square = body->second_order * body->second_order;
+    if (!data_any(data, "tension_forms", &numbers, why)) return 0;
+    if (numbers && (square == 0 || numbers % square != 0 || numbers / square > square))
+        return refuse(why, "the body's data have %lu numbers of tension_forms; it takes %lu a form, for at most as many forms",
+                      (unsigned long)numbers, (unsigned long)square);
+    body->forms = numbers ? numbers / square : 0;
+    return 1;
+}
+
 /* Numbers of ports and of modes, from the sizes of two arrays. */
 static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *why) {
     size_t arms = 0, modes = 0;
@@ -47,6 +58,7 @@ static int read_sizes(Body *body, const Data *data, const Sizes *sizes, Reason *
         return refuse(why, "the body's data have %g modes of second order; it has %lu modes", second_order[0],
                       (unsigned long)modes);
     body->second_order = (size_t)second_order[0];
+    if (!read_forms(body, data, why)) return 0;
     body->ports = arms / 3;
     body->modes = modes;
     body->padded_modes = padded(modes);
@@ -70,7 +82,8 @@ static int remembered_allocate(Remembered *remembered, size_t modes, size_t size
 /* Working memory that is too large for the stack; 0 without memory. */
 static int allocate_work(Body *body, Memory *memory) {
     size_t numbers = WORK_SIZE(body->padded_modes, body->coordinates) +
-                     PAIRS_SIZE(padded(body->second_order), body->padded_modes, body->coordinates);
+                     PAIRS_SIZE(padded(body->second_order), body->padded_modes, body->coordinates) +
+                     TENSIONS_SIZE(body->forms, padded(body->second_order));
     if (numbers <= LOCAL_WORK_SIZE) return 1;
     body->work = allocate(memory, numbers * sizeof(double));
     body->work_complex = allocate(memory, numbers * sizeof(double complex));
@@ -88,10 +101,11 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->shapes = allocate(memory, 2 * l * mode);
     body->second_place = allocate(memory, (n + 1) * sizeof *body->second_place);
     body->pairs = allocate(memory, (2 * l * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
+    body->tension_forms = allocate(memory, (body->forms * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
     body->coupling.slope = allocate(memory, 6 * mode);
     if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms ||
         !body->port_orientation || !body->shapes || !body->second_place || !body->pairs ||
-        !body->coupling.slope || !allocate_work(body, memory) ||
+        !body->tension_forms || !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
         !remembered_allocate(&body->at_start, n + 1, sizeof(double), memory) ||
         !remembered_allocate(&body->at_end, n + 1, sizeof(double), memory) ||
@@ -149,11 +163,24 @@ static int read_second_order(Body *body, const Data *data, Reason *why) {
     return 1;
 }
 
+/* Of every mode of second order the rows of all forms. */
+static int read_tension_forms(Body *body, const Data *data, Reason *why) {
+    const size_t count = body->second_order, rows = padded(count), length = body->forms * rows;
+    const double *values = finite_array(data, "tension_forms", body->forms * count * count, why);
+    if (!values) return 0;
+    for (size_t p = 0; p < body->forms; p++)
+        for (size_t s = 0; s < count; s++)
+            for (size_t t = 0; t < count; t++)
+                body->tension_forms[s * length + p * rows + t] = values[(p * count + s) * count + t];
+    return 1;
+}
+
 static int read_ports(Body *body, const Data *data, Reason *why) {
     return copy_array(data, "arms", 3 * body->ports, body->arms, why) &&
            copy_array(data, "port_orientation", 4 * body->ports, body->port_orientation, why) &&
            read_shapes(body, data, "translation", 0, why) &&
-           read_shapes(body, data, "rotation", body->coordinates, why) && read_second_order(body, data, why);
+           read_shapes(body, data, "rotation", body->coordinates, why) && read_second_order(body, data, why) &&
+           read_tension_forms(body, data, why);
 }
 
 static int read_level(Body *body, const Data *data, Reason *why) {

@@ -32,6 +32,8 @@ typedef struct {
     size_t second_order;      /* modes whose pairs displace the ports, 0 without */
     double *pairs;            /* by every two of them, padded, 2 coordinates */
     unsigned short *second_place; /* where they are among the modes here */
+    size_t forms;             /* of bending that stretches, 0 without */
+    double *tension_forms;    /* by every mode of second order, padded, a row a form of as many */
     unsigned short *order;    /* mode j here is mode order[j] of the state and of the data */
     double start_position[3], start_orientation[4], start_velocity[3], start_angular_velocity[3];
     double *start_modal; /* in the order of the state */
@@ -59,6 +61,7 @@ typedef struct {
     CouplingScratch coupling; /* at given modal coordinates, in a step at those of its end; without b_rate */
     CouplingScratch mid;      /* at the mean ones of a step */
     real *pairs;              /* what `pairs_of` divides */
+    real *tensions;           /* what `tensions_of` divides */
 } Work;
 
 /* `split` holds values and slopes, at most 6 modes or 2 coordinates of sums and as many weights */
@@ -68,6 +71,8 @@ typedef struct {
 /* what `pairs_of` takes besides, for so many modes of second order, padded */
 #define PAIRS_SIZE(rows, modes, coordinates) \
     ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 5 * (rows) + (modes) : 0)
+/* what `tensions_of` takes besides, for so many forms */
+#define TENSIONS_SIZE(forms, rows) ((forms) ? 6 * (forms) * (rows) + 3 * padded(forms) + 3 * (rows) : 0)
 
 /* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
    large bodies, of 50 modes and more, is their own. */
@@ -123,6 +128,7 @@ static inline Work work_of(const Body *body, LocalWork *local) {
     work.mid.b_rate = taken(&next, 3 * n);
     work.coupling.split = work.mid.split = (double *)next;
     work.pairs = next + WORK_SPLIT(n, l);
+    work.tensions = work.pairs + PAIRS_SIZE(padded(body->second_order), n, l);
     return work;
 }
 

@@ -4,7 +4,7 @@
 #ifndef FANFOLD_BODY_SECOND_ORDER_H
 #define FANFOLD_BODY_SECOND_ORDER_H
 
-#include "body_model.h"
+#include "body_tension.h"
 #include "dense.h"
 
 #define MODAL_TOLERANCE 1e-13
@@ -109,6 +109,7 @@ static inline void correct_forces(const Body *body, const double *gain, const do
     const Pairs pairs = pairs_of(body, work);
     const size_t count = pairs.count;
     tensions(body, slope_gain != NULL, work, &pairs);
+    if (body->forms) add_tension_tangent(body, work, pairs.tension);
     for (size_t s = 0; s < count; s++) {
         const size_t place = body->second_place[s];
         const double own = share * gain[place], sloped = slope_gain ? share * slope_gain[place] : 0.0;

@@ -132,6 +132,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
     Course moment = moment_over(load, &turned->moments_start, &turned->moments_start);
     if (body->second_order) hold_pairs(body, work);
+    if (body->forms) hold_tensions(body, work->eta_start, work);
     for (int i = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         couple_mean(body, work, turned->inertia);
@@ -139,9 +140,11 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         if (body->second_order) memcpy(pairs_of(body, work).last, work->eta, n * sizeof(real));
         if (load->sloped) bend = bend_of(body, moment.slope, h, axes->mid, turned->inertia, work);
         coupled_forces(body, start, turned->end, bend, work);
+        if (body->forms) add_tension_forces(body, work, work->force);
         propagate(prop, n, work);
         if (load->sloped) propagate_slopes(prop, n, work);
         if (body->second_order) propagate_corrected(body, prop, load->sloped, work);
+        if (body->forms) tensions_at_end(body, work->eta, work);
         evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
         for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
@@ -272,6 +275,10 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
         if (n) {
             if (body->second_order) hold_pairs(body, &work);
             modal_force(body, &load, a, a, work.deflection + l, &work);
+            if (body->forms) {
+                hold_tensions(body, work.eta, &work);
+                add_tension_forces(body, &work, work.port_force);
+            }
             if (body->second_order) memcpy(pairs_of(body, &work).last, work.eta, n * sizeof(real));
             for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
             if (body->second_order) {
