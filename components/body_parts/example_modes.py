@@ -12,7 +12,7 @@ from ..flexible.modal import ModalData
 def example_modal_data() -> ModalData:
     """Modes of a 3x2 grid of point masses: smooth made-up shapes, rigid motions projected out.
 
-    Pairs of three of them displace and turn the points to second order and stretch the body, by made-up numbers as well.
+    By made-up numbers as well, pairs of three of them displace and turn the points and stretch the body.
     """
     grid = np.array([(x, y, 0.1 * x * y) for x in (0.0, 0.5, 1.0) for y in (-0.4, 0.4)])
     masses = np.linspace(0.8, 1.2, len(grid))

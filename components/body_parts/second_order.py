@@ -1,7 +1,7 @@
 """Newton's iteration of the modal coordinates where the forces on the modes depend on them.
 
-From force to coordinates and back an iteration leads away where tension is stronger than bending. Tension comes from loads
-on ports, and where bending stretches the body from its own modes.
+From force to coordinates and back an iteration leads away where tension is stronger than bending. Tension comes from
+loads on ports, and where bending stretches the body from its own modes.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""Forces on the modes of a body whose bending stretches it, energy 1/2 sum_p N_p^2 of tensions N_p = 1/2 eta^T S_p eta.
+"""Forces on the modes of a body whose bending stretches it: energy 1/2 sum N_p^2, tensions N_p = 1/2 eta^T S_p eta.
 
-Over a step they act as means of the tensions at both ends on the slopes of these at the mean coordinates: N is quadratic,
-and its change is exactly that slope times the change of the coordinates, so that their work is the energy exactly.
+Over a step they act as means of the tensions at both ends on the slopes of these at the mean coordinates: N is
+quadratic, and its change is exactly that slope times the change of the coordinates, so that their work is the energy
+exactly (a discrete gradient: Gonzalez 1996).
 """
 
 from __future__ import annotations

@@ -45,14 +45,14 @@ class MembraneStrain:
         ends = np.cumsum(np.bincount(label, minlength=count))
         first = 0
         while first < rows.size:
-            last = ends[min(np.searchsorted(ends, first + most), count - 1)]
+            last = int(ends[min(int(np.searchsorted(ends, first + most)), count - 1)])
             chosen = rows[first:last]
             slopes = tuple((left[chosen], right[chosen]) for left, right in self.slopes)
             yield MembraneStrain(self.linear[chosen], slopes, self.stiffness[chosen][:, chosen])
             first = last
 
     def of_pairs(self, shapes: Vector, some: slice = _ALL) -> Vector:
-        """Strains (P, S (S + 1) / 2) that every two of shapes (n, S) make, those of `pairs` in order, or some of them."""
+        """Strains (P, S (S + 1) / 2) that every two of shapes (n, S) make, in the order of `pairs`, or some of them."""
         first, second = (index[some] for index in pairs(shapes.shape[1]))
         total = np.zeros((self.linear.shape[0], first.size))
         for left, right in self.slopes:

@@ -194,7 +194,7 @@ def craig_bampton(
 
 
 def _to_second_order(data: ModalData, model: FiniteElementModel, modes: Vector, stretches: bool) -> ModalData:
-    """The body with what pairs of its lowest modes (n, S) do, at the points, to the inertia and where they stretch it."""
+    """The body with what pairs of its lowest modes (n, S) do: at the points, to inertia, and by stretching it."""
     count, response = modes.shape[1], second_order_shapes(model, modes)
     points = [_times(model.point_motions[name], response) for name in data.point_names]
     invariant9 = data.invariant9.copy()

@@ -216,7 +216,9 @@ def _bodies(
 def _model_words(body: Body, fidelity: Fidelity) -> str:
     if fidelity == "flexible":
         second = f", {body.second_order_modes} of second order" if body.second_order_modes else ""
-        return f"flexible, {body.fixed_interface_modes} fixed-interface modes{second}"
+        panel = body_definition(body).panel
+        stretching = ", stretched by bending" if panel and panel.plate.geometry == "von_karman" else ""
+        return f"flexible, {body.fixed_interface_modes} fixed-interface modes{second}{stretching}"
     beam = body_definition(body).beam if fidelity == "large_deformation" else None
     return "rigid" if beam is None else f"large deformation, {beam.elements} elements"
 

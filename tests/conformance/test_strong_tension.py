@@ -1,14 +1,16 @@
-"""Bodies with second-order modes whose ends are pulled harder than bending holds: native FMUs against the component."""
+"""Bodies whose tension is stronger than their bending, by loads or as it stretches them: FMUs against the component."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
+from components.body import Body
 from components.contract.component import ComponentError
 from fmus import native_library
 from tests.conformance.programs.driver import OK, Fmu, Reference, built
 from tests.unit.components.body.test_second_order import EULER, beam
+from tests.unit.components.clamped_membrane import clamped_membrane
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="no native library was built")
 H = 5e-3
@@ -23,23 +25,48 @@ def pulled(rng, pull):
     return u
 
 
-@pytest.fixture
-def pair():
-    """The FMU of a beam and the component."""
-    body = beam(6, gyration_radius=0.05).body
+def started(body):
+    """The FMU of a body and the component."""
     fmu, reference = Fmu(str(built(body, "pulled", backend="native"))), Reference(body)
     assert fmu.start() == OK
     reference.start()
     return fmu, reference
 
 
-def test_steps_and_their_derivatives_are_equal(pair):
-    """Ten times the Euler load: outputs to round-off; derivatives within the truncation of central differences."""
-    fmu, reference = pair
+@pytest.fixture
+def pair():
+    """Of a beam."""
+    return started(beam(6, gyration_radius=0.05).body)
+
+
+def membrane():
+    """A foil that its ports bend by thicknesses."""
+    data = clamped_membrane(7)
+    return Body(data.to_arrays(), [{"name": name, "point": name} for name in data.point_names])
+
+
+def pushed(rng, force):
+    """Inputs (24,): forces across the foil that bend it, and small wrenches in all directions, with slopes."""
+    u = force * np.tile([1e-2, 1e-2, 1e-2, 1e-4, 1e-4, 1e-4], 4) * rng.standard_normal(24)
+    u[2], u[8] = -force, force
+    return u
+
+
+@pytest.mark.parametrize(
+    ("build", "loads"),
+    [
+        (lambda: beam(6, gyration_radius=0.05).body, lambda rng: pulled(rng, 10.0 * EULER)),
+        (membrane, lambda rng: pushed(rng, 30.0)),
+    ],
+    ids=["beam", "membrane"],
+)
+def test_steps_and_their_derivatives_are_equal(build, loads):
+    """Ten times the Euler load, six thicknesses: outputs to round-off; derivatives as central differences truncate."""
+    fmu, reference = started(build())
     rng = np.random.default_rng(4)
     outputs, first = (reference.firsts[2], reference.sizes[2]), reference.firsts[1]
     for k in range(20):
-        reference.u = u = pulled(rng, 10.0 * EULER)
+        reference.u = u = loads(rng)
         state = fmu.slave.getFMUstate()
         fmu.set(first, u)
         assert fmu.step(k * H, H) == OK, fmu.log

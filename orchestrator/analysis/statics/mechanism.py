@@ -137,7 +137,7 @@ class Mechanism:
         for name, body in self.bodies.items():
             rows = self.rows[name]
             damping[rows, rows], stiffness[rows, rows] = body.modal_matrices()
-            stiffness[rows, rows] += body.geometric_stiffness(wrenches[name])
+            stiffness[rows, rows] += body.geometric_stiffness(wrenches[name]) + body.tension_stiffness()
             if self.spin is not None:
                 stiffness[rows, rows] += self.spin.stiffness(body)
         for name, connection in self.connections.items():

@@ -165,6 +165,14 @@ class PlacedBody:
             result[pairs, pairs] -= np.tensordot(conjugate, self._second_order[k], 1)
         return result
 
+    def tension_stiffness(self) -> Vector:
+        """What bending that stretches adds to the stiffness (size, size) of the modes, where they are."""
+        result = np.zeros((self.size, self.size))
+        if self.body is not None and (forms := self.body.tension) is not None:
+            here, low = forms.at(self.eta), slice(6, 6 + forms.count)
+            result[low, low] = -forms.tangent(here, here)
+        return result
+
     def mass(self) -> Vector:
         """Mass matrix (size, size) of the undeformed body, zero for a fixed base."""
         result = np.zeros((self.size, self.size))
