@@ -34,12 +34,12 @@ from .body_parts.ports import BodyPorts
 from .body_parts.second_order import (
     MAX_ITERATIONS,
     correct_step,
-    own_tension,
+    correct_stretching_step,
     refuse_unsettled,
     settled,
     static_deflection,
 )
-from .body_parts.tension import TensionForms
+from .body_parts.tension import TensionForms, own_tension
 from .body_parts.variables import observations, parameters, states
 from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
 from .contract.frames import (
@@ -289,7 +289,7 @@ class Body(Component):
         world_arms = (self.arms + self._placed.displacements(eta0)) @ a0.T
         before = after = inertia.at(eta0)
         omega, end, eta1, rate_mean = start, start, eta0, pi0 - start @ before.b
-        own = own_tension(self.tension, eta0)
+        own, modal_moment = own_tension(self.tension, eta0), np.zeros(self.modes)
         _, moment_slope = load.moments(world_arms, world_arms)
         for _ in range(MAX_ITERATIONS):
             half = rotation_matrix(exponential(tuple((0.5 * h * omega).tolist())))
@@ -303,13 +303,19 @@ class Body(Component):
             turning = inertia.solve(mid, moment_slope @ a_mid - mid.b @ slope)
             force = force + inertia.forces(mid, start, end, (h / 6.0) * turning, rate_mean)
             slope = slope - turning @ mid.b
-            if own is not None:
-                own = own.after(eta1)
-                own.forms.add_force(own.start, own.end, force)
             rate0, last = pi0 - drag, eta1
-            if self.data.second_order_modes:
+            if own is not None:
+                own = own.after(eta1, modal_moment)
+                own.add_forces(force, slope)
+                residuals = (
+                    prop.end(eta0, rate0, force, slope)[0] - last,
+                    prop.moment(eta0, rate0, force, slope) - modal_moment,
+                )
+                correct_stretching_step(self._placed, prop, wrenches, own, residuals, force, slope)
+                modal_moment = prop.moment(eta0, rate0, force, slope)
+            elif self.data.second_order_modes:
                 residual = prop.end(eta0, rate0, force, slope)[0] - last
-                correct_step(self._placed, prop, wrenches, own, residual, force, slope)
+                correct_step(self._placed, prop, wrenches, residual, force, slope)
             eta1, rate1 = prop.end(eta0, rate0, force, slope)
             rate_mean = 0.5 * (rate0 + rate1) - (h / 6.0) * slope
             after, arms = inertia.at(eta1), self.arms + self._placed.displacements(eta1)
@@ -440,8 +446,7 @@ class Body(Component):
         load = self._placed.modal_force(self._placed.conjugate(a, a, eta, force, torque), eta)
         load = load + self.inertia.forces(self.inertia.at(eta), omega, omega, np.zeros(3), rate)
         if self.tension is not None:
-            here = self.tension.at(eta)
-            self.tension.add_force(here, here, load)
+            load[: self.tension.count] -= self.tension.at(eta).gradient
         turning = left_product(tuple(x[_Q].tolist()))[:, 1:] @ omega
         return np.concatenate(
             (

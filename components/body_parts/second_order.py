@@ -13,30 +13,10 @@ import numpy as np
 from ..contract.component import ComponentError, Vector
 from ..numerics.oscillators import Propagator
 from .ports import BodyPorts
-from .tension import Tension, TensionForms
+from .tension import OwnTension, TensionForms
 
 MAX_ITERATIONS = 40
 _MODAL_TOLERANCE = 1e-13
-
-
-class OwnTension(NamedTuple):
-    """Tension that bending makes, over a step: the body's forms, and what they are at both ends."""
-
-    forms: TensionForms
-    start: Tension
-    end: Tension
-
-    def after(self, eta: Vector) -> OwnTension:
-        """The same with its end at modal coordinates (M,)."""
-        return self._replace(end=self.forms.at(eta))
-
-
-def own_tension(forms: TensionForms | None, eta: Vector) -> OwnTension | None:
-    """At rest at modal coordinates (M,); None where bending does not stretch."""
-    if forms is None:
-        return None
-    found = forms.at(eta)
-    return OwnTension(forms, found, found)
 
 
 class _Response(NamedTuple):
@@ -50,7 +30,6 @@ def correct_step(
     placed: BodyPorts,
     prop: Propagator,
     wrenches: tuple[Vector, Vector],
-    own: OwnTension | None,
     residual: Vector,
     force: Vector,
     slope: Vector,
@@ -62,12 +41,36 @@ def correct_step(
     """
     # forces act at the mean of the coordinates at both ends
     tension, slope_tension = (0.5 * placed.tension(wrench) for wrench in wrenches)
-    if own is not None:
-        tension = tension + 0.5 * own.forms.tangent(own.start, own.end)
     s = len(tension)
     responses = _Response(prop.b1[:s], tension), _Response(prop.c1[:s], slope_tension)
     for acting, change in zip((force, slope), _corrections(residual[:s], *responses), strict=True):
         acting[:s] += change
+
+
+def correct_stretching_step(
+    placed: BodyPorts,
+    prop: Propagator,
+    wrenches: tuple[Vector, Vector],
+    own: OwnTension,
+    residuals: tuple[Vector, Vector],
+    force: Vector,
+    slope: Vector,
+) -> None:
+    """The same of a body whose bending stretches it, whose forces depend on first moments of the rates as well.
+
+    residuals: of the coordinates at the end and of the moments, each (M,).
+    """
+    by_end, slope_by_end, by_moment = own.tangents()
+    by_end = by_end + 0.5 * placed.tension(wrenches[0])
+    slope_by_end = slope_by_end + 0.5 * placed.tension(wrenches[1])
+    s = len(by_end)
+    b, c, d = (gain[:s, None] for gain in (prop.b1, prop.c1, prop.d))
+    matrix = np.eye(2 * s) - np.block(
+        [[b * by_end + c * slope_by_end, b * by_moment], [d * slope_by_end - c * by_end, -c * by_moment]]
+    )
+    end, moment = np.split(_solved(matrix, np.concatenate([residual[:s] for residual in residuals])), 2)
+    force[:s] += by_end @ end + by_moment @ moment
+    slope[:s] += slope_by_end @ end
 
 
 def refuse_unsettled(h: float) -> None:
@@ -95,8 +98,8 @@ def static_deflection(
     force, tension = placed.modal_force(conjugate, eta), placed.tension(conjugate)
     if forms is not None:
         here = forms.at(eta)
-        forms.add_force(here, here, force)
-        tension = tension + forms.tangent(here, here)
+        force[: forms.count] -= here.gradient
+        tension = tension - forms.curvature(here.tension, here.slope)
     s = len(tension)
     (change,) = _corrections((compliance * force - eta)[:s], _Response(compliance[:s], tension))
     force[:s] += change
@@ -106,8 +109,13 @@ def static_deflection(
 def _corrections(residual: Vector, *responses: _Response) -> list[Vector]:
     """By what the forces of each response (S,) change; values that are not finite where no coordinates are found."""
     matrix = np.eye(residual.size) - sum(r.gain[:, None] * r.tangent for r in responses)
-    try:
-        change = np.linalg.solve(matrix, residual)
-    except np.linalg.LinAlgError:
-        change = np.full_like(residual, np.nan)
+    change = _solved(matrix, residual)
     return [r.tangent @ change for r in responses]
+
+
+def _solved(matrix: Vector, right: Vector) -> Vector:
+    try:
+        found: Vector = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        found = np.full_like(right, np.nan)
+    return found

@@ -170,7 +170,7 @@ class PlacedBody:
         result = np.zeros((self.size, self.size))
         if self.body is not None and (forms := self.body.tension) is not None:
             here, low = forms.at(self.eta), slice(6, 6 + forms.count)
-            result[low, low] = -forms.tangent(here, here)
+            result[low, low] = forms.curvature(here.tension, here.slope)
         return result
 
     def mass(self) -> Vector:

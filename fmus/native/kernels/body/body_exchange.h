@@ -43,7 +43,7 @@ static inline void exchange_modal_rates(Body *body, const real *x, const Load *l
     coupled_forces(body, omega, omega, (Vector3){0.0, 0.0, 0.0}, work);
     if (body->forms) {
         hold_tensions(body, work->eta_mean, work);
-        add_tension_forces(body, work, work->force);
+        subtract_held_gradient(body, work, work->force);
     }
     modal_force(body, load, a, a, work->deflection + l, work);
     for (size_t j = 0; j < m; j++) {

@@ -72,7 +72,8 @@ typedef struct {
 #define PAIRS_SIZE(rows, modes, coordinates) \
     ((rows) ? 10 * (rows) * (coordinates) + 4 * (coordinates) + 3 * (rows) * (rows) + 5 * (rows) + (modes) : 0)
 /* what `tensions_of` takes besides, for so many forms */
-#define TENSIONS_SIZE(forms, rows) ((forms) ? 6 * (forms) * (rows) + 3 * padded(forms) + 3 * (rows) : 0)
+#define TENSIONS_SIZE(forms, rows) \
+    ((forms) ? 7 * (forms) * (rows) + 4 * padded(forms) + 5 * (rows) * (rows) + 8 * (rows) : 0)
 
 /* Working memory lies on the stack, where all bodies of a process find the same, warm in the cache; only that of
    large bodies, of 50 modes and more, is their own. */

@@ -109,7 +109,12 @@ static inline void correct_forces(const Body *body, const double *gain, const do
     const Pairs pairs = pairs_of(body, work);
     const size_t count = pairs.count;
     tensions(body, slope_gain != NULL, work, &pairs);
-    if (body->forms) add_tension_tangent(body, work, pairs.tension);
+    if (body->forms) {
+        const Tensions own = tensions_of(body, work);
+        curvature_at_end(body, &own, pairs.matrix);
+        for (size_t s = 0; s < count; s++)
+            for (size_t t = 0; t < count; t++) pairs.tension[s * pairs.rows + t] -= pairs.matrix[s * pairs.rows + t];
+    }
     for (size_t s = 0; s < count; s++) {
         const size_t place = body->second_place[s];
         const double own = share * gain[place], sloped = slope_gain ? share * slope_gain[place] : 0.0;
@@ -125,6 +130,45 @@ static inline void correct_forces(const Body *body, const double *gain, const do
             force[body->second_place[s]] += share * pairs.tension[s * pairs.rows + t] * pairs.some[t];
             if (slope_gain)
                 slope[body->second_place[s]] += share * pairs.slope_tension[s * pairs.rows + t] * pairs.some[t];
+        }
+}
+
+/* The same over a step of a body whose bending stretches it, whose forces depend on first moments of the rates as well. */
+static inline void correct_stretching_forces(const Body *body, const Propagator *prop, int sloped, const Work *work,
+                                             real *force, real *slope) {
+    const Pairs pairs = pairs_of(body, work);
+    const Tensions own = tensions_of(body, work);
+    const size_t n = own.count, rows = own.rows, size = 2 * n;
+    double *by_end = pairs.tension, *slope_by_end = pairs.slope_tension;
+    tensions(body, sloped, work, &pairs);
+    curvature_at_end(body, &own, pairs.matrix);
+    divided_curvature(body, &own);
+    for (size_t i = 0; i < n * rows; i++) {
+        by_end[i] = 0.5 * by_end[i] - (1.0 / 3.0) * own.by_moment[i] - (1.0 / 6.0) * pairs.matrix[i];
+        slope_by_end[i] = 0.5 * (slope_by_end[i] - pairs.matrix[i]);
+        own.by_moment[i] *= 0.5;
+    }
+    for (size_t s = 0; s < n; s++) {
+        const size_t place = body->second_place[s];
+        const double b = prop->b1[place], c = prop->c1[place], d = prop->d[place];
+        double *upper = own.matrix + s * size, *lower = own.matrix + (n + s) * size;
+        for (size_t t = 0; t < n; t++) {
+            const size_t i = s * rows + t;
+            upper[t] = (s == t) - b * by_end[i] - c * slope_by_end[i];
+            upper[n + t] = -b * own.by_moment[i];
+            lower[t] = c * by_end[i] - d * slope_by_end[i];
+            lower[n + t] = (s == t) + c * own.by_moment[i];
+        }
+        own.residual[s] = work->eta[place] - pairs.last[place];
+        own.residual[n + s] = work->moment[place] - own.moment[s];
+    }
+    factorise_dense(own.matrix, size, own.pivots);
+    solve_dense(own.matrix, size, own.pivots, (double *)own.residual, sizeof(real) / sizeof(double));
+    for (size_t s = 0; s < n; s++)
+        for (size_t t = 0; t < n; t++) {
+            const size_t i = s * rows + t, place = body->second_place[s];
+            force[place] += by_end[i] * own.residual[t] + own.by_moment[i] * own.residual[n + t];
+            slope[place] += slope_by_end[i] * own.residual[t];
         }
 }
 

@@ -109,9 +109,15 @@ static inline Vector3 bend_of(const Body *body, Vector3 moment_slope, double h, 
 static inline void propagate_corrected(const Body *body, const Propagator *prop, int sloped, const Work *work) {
     const size_t n = body->padded_modes;
     for (size_t j = 0; j < n; j++) work->port_force[j] = 0.0;
-    correct_forces(body, prop->b1, sloped ? prop->c1 : NULL, 0.5, work, work->port_force, work->slope);
+    if (body->forms) {
+        moments_of_momenta(&body->oscillators, prop, n, work);
+        correct_stretching_forces(body, prop, sloped, work, work->port_force, work->slope);
+    } else {
+        correct_forces(body, prop->b1, sloped ? prop->c1 : NULL, 0.5, work, work->port_force, work->slope);
+    }
     propagate(prop, n, work);
-    if (sloped) propagate_slopes(prop, n, work);
+    if (sloped || body->forms) propagate_slopes(prop, n, work);
+    if (body->forms) moments_of_momenta(&body->oscillators, prop, n, work);
 }
 
 /* The same with modes: their exact propagation under the forces of mid-step is part of the iteration. Whether it has found
@@ -123,7 +129,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     real *turns = work->rates;
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
-    int done = 0;
+    int done = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
     start_modes(body, x, work, turned->inertia_end);
     deformed_arms(body, work->eta_start, work);
     memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
@@ -140,11 +146,14 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         if (body->second_order) memcpy(pairs_of(body, work).last, work->eta, n * sizeof(real));
         if (load->sloped) bend = bend_of(body, moment.slope, h, axes->mid, turned->inertia, work);
         coupled_forces(body, start, turned->end, bend, work);
-        if (body->forms) add_tension_forces(body, work, work->force);
+        if (body->forms) {
+            if (!load->sloped) memset(work->slope, 0, n * sizeof(real));
+            add_tension_forces(body, pairs_of(body, work).last, work, work->force, work->slope);
+        }
         propagate(prop, n, work);
-        if (load->sloped) propagate_slopes(prop, n, work);
+        if (sloped) propagate_slopes(prop, n, work);
         if (body->second_order) propagate_corrected(body, prop, load->sloped, work);
-        if (body->forms) tensions_at_end(body, work->eta, work);
+        if (body->forms) end_tensions(body, work->eta, work->moment, work);
         evaluate_coupling(body, work->eta, &work->coupling, turned->inertia_end);
         deformed_arms(body, work->eta, work);
         for (size_t e = 0; e < l; e++) turns[e] = 0.5 * (work->deflection_start[l + e] + work->deflection[l + e]);
@@ -161,7 +170,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     }
     remember_end(body, work, turned->inertia_end);
     turned->heat = dissipated(prop, body->oscillators.compliance, n, work);
-    if (load->sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
+    if (sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
     turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
     return done || !body->second_order || !REFUSING;
 }
@@ -277,7 +286,7 @@ static inline void static_step(Body *body, const double *x, const real *u, doubl
             modal_force(body, &load, a, a, work.deflection + l, &work);
             if (body->forms) {
                 hold_tensions(body, work.eta, &work);
-                add_tension_forces(body, &work, work.port_force);
+                subtract_held_gradient(body, &work, work.port_force);
             }
             if (body->second_order) memcpy(pairs_of(body, &work).last, work.eta, n * sizeof(real));
             for (size_t j = 0; j < n; j++) work.eta[j] = compliance[j] * work.port_force[j];
