@@ -115,7 +115,7 @@ def _corrections(residual: Vector, *responses: _Response) -> list[Vector]:
 
 def _solved(matrix: Vector, right: Vector) -> Vector:
     try:
-        found: Vector = np.linalg.solve(matrix, right)
+        found = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
     except np.linalg.LinAlgError:
         found = np.full_like(right, np.nan)
     return found
