@@ -33,8 +33,8 @@ from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
 from .body_parts.second_order import (
     MAX_ITERATIONS,
+    ModalPath,
     correct_step,
-    correct_stretching_step,
     refuse_unsettled,
     settled,
     static_deflection,
@@ -304,18 +304,9 @@ class Body(Component):
             force = force + inertia.forces(mid, start, end, (h / 6.0) * turning, rate_mean)
             slope = slope - turning @ mid.b
             rate0, last = pi0 - drag, eta1
-            if own is not None:
-                own = own.after(eta1, modal_moment)
-                own.add_forces(force, slope)
-                residuals = (
-                    prop.end(eta0, rate0, force, slope)[0] - last,
-                    prop.moment(eta0, rate0, force, slope) - modal_moment,
-                )
-                correct_stretching_step(self._placed, prop, wrenches, own, residuals, force, slope)
-                modal_moment = prop.moment(eta0, rate0, force, slope)
-            elif self.data.second_order_modes:
-                residual = prop.end(eta0, rate0, force, slope)[0] - last
-                correct_step(self._placed, prop, wrenches, residual, force, slope)
+            if self.data.second_order_modes:
+                path = ModalPath(eta0, rate0, eta1, modal_moment)
+                modal_moment = correct_step(self._placed, prop, wrenches, own, path, force, slope)
             eta1, rate1 = prop.end(eta0, rate0, force, slope)
             rate_mean = 0.5 * (rate0 + rate1) - (h / 6.0) * slope
             after, arms = inertia.at(eta1), self.arms + self._placed.displacements(eta1)

@@ -26,51 +26,52 @@ class _Response(NamedTuple):
     tangent: Vector
 
 
+class ModalPath(NamedTuple):
+    """Of a step: coordinates and rates at its start, and what was found of the end and of the rates' moments, (M,)."""
+
+    start: Vector
+    rate: Vector
+    end: Vector
+    moment: Vector
+
+
 def correct_step(
     placed: BodyPorts,
     prop: Propagator,
     wrenches: tuple[Vector, Vector],
-    residual: Vector,
+    own: OwnTension | None,
+    path: ModalPath,
     force: Vector,
     slope: Vector,
-) -> None:
-    """Takes forces and slopes (M,) of a step on to those at the coordinates that they make.
+) -> Vector:
+    """Takes forces and slopes (M,) of a step on to those at the coordinates that they make; the rates' moments (M,).
 
-    wrenches: means and slopes, (K, 6), as they do work on the modes. residual (M,): what the present forces make of the
-    coordinates at the end, less those that they were computed at.
+    wrenches: means and slopes, (K, 6), as they do work on the modes; the forces of own tension join them here. path:
+    where the present forces were computed.
     """
-    # forces act at the mean of the coordinates at both ends
+    # forces of ports act at the mean of the coordinates at both ends
     tension, slope_tension = (0.5 * placed.tension(wrench) for wrench in wrenches)
     s = len(tension)
-    responses = _Response(prop.b1[:s], tension), _Response(prop.c1[:s], slope_tension)
-    for acting, change in zip((force, slope), _corrections(residual[:s], *responses), strict=True):
-        acting[:s] += change
-
-
-def correct_stretching_step(
-    placed: BodyPorts,
-    prop: Propagator,
-    wrenches: tuple[Vector, Vector],
-    own: OwnTension,
-    residuals: tuple[Vector, Vector],
-    force: Vector,
-    slope: Vector,
-) -> None:
-    """The same of a body whose bending stretches it, whose forces depend on first moments of the rates as well.
-
-    residuals: of the coordinates at the end and of the moments, each (M,).
-    """
+    if own is None:
+        residual = (prop.end(path.start, path.rate, force, slope)[0] - path.end)[:s]
+        responses = _Response(prop.b1[:s], tension), _Response(prop.c1[:s], slope_tension)
+        for acting, change in zip((force, slope), _corrections(residual, *responses), strict=True):
+            acting[:s] += change
+        return path.moment
+    own = own.after(path.end, path.moment)
+    own.add_forces(force, slope)
     by_end, slope_by_end, by_moment = own.tangents()
-    by_end = by_end + 0.5 * placed.tension(wrenches[0])
-    slope_by_end = slope_by_end + 0.5 * placed.tension(wrenches[1])
-    s = len(by_end)
+    by_end, slope_by_end = by_end + tension, slope_by_end + slope_tension
+    end = (prop.end(path.start, path.rate, force, slope)[0] - path.end)[:s]
+    moment = (prop.moment(path.start, path.rate, force, slope) - path.moment)[:s]
     b, c, d = (gain[:s, None] for gain in (prop.b1, prop.c1, prop.d))
     matrix = np.eye(2 * s) - np.block(
         [[b * by_end + c * slope_by_end, b * by_moment], [d * slope_by_end - c * by_end, -c * by_moment]]
     )
-    end, moment = np.split(_solved(matrix, np.concatenate([residual[:s] for residual in residuals])), 2)
+    end, moment = np.split(_solved(matrix, np.concatenate((end, moment))), 2)
     force[:s] += by_end @ end + by_moment @ moment
     slope[:s] += slope_by_end @ end
+    return prop.moment(path.start, path.rate, force, slope)
 
 
 def refuse_unsettled(h: float) -> None:

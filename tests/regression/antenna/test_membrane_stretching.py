@@ -64,8 +64,8 @@ def deflection(result):
 def test_a_frame_that_starts_bends_it_by_five_thicknesses(carried):
     """Table of another basis, 2.51 mm at 25.5 ms, where linear it would be 15.4 mm; and a method that shares nothing.
 
-    It has the 6 of the 20 fixed-interface modes that are symmetric about both middle lines. Segments of 0.5 m on 1e10 N/m
-    give way by 4 % of what a foil of E h / 0.49 m stretches, a third of which is deflection and time.
+    It has the 6 of the 20 fixed-interface modes that are symmetric about both middle lines. Segments of 0.5 m on
+    1e10 N/m give way by 4 % of what a foil of E h / 0.49 m stretches, a third of which is deflection and time.
     """
     found, time = deflection(carried), np.asarray(carried.time)
     lowest = int(np.argmin(found))
