@@ -130,12 +130,16 @@ class PlateNodes:
     """(F, 4) corners of the elements that deform"""
     resultants: SparseMatrix
     """(6 K, n) row 6 k + component; zero at nodes that no deforming element touches"""
+    slopes: SparseMatrix
+    """(2 K, n) w,x and w,y, row 2 k + axis; zero there as well"""
+    membrane: Vector
+    """(3, 3) forces in tension by the strains of the mid-plane, N/m"""
     inserts: tuple[Rectangle, ...]
     """ranges of x and y of the rigid inserts, m"""
 
     def reduced(self, reduce: Callable[[SparseMatrix], SparseMatrix]) -> PlateNodes:
         """The same on other degrees of freedom."""
-        return replace(self, resultants=reduce(self.resultants))
+        return replace(self, resultants=reduce(self.resultants), slopes=reduce(self.slopes))
 
     def insert_distance(self) -> Vector:
         """Distance (K,) in the plane from every node to the nearest rigid insert, m; inf without inserts."""

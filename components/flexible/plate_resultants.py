@@ -38,10 +38,13 @@ def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Sequence[
     places = np.column_stack([np.repeat(x.nodes, y.nodes.size), np.tile(y.nodes, x.nodes.size)])
     deforming = ~_inside(places[faces].mean(axis=1), inserts)
     average = _average(nx, ny, deforming)
+    a11, a22, a12, a66 = plate.membrane
     return PlateNodes(
         positions=np.column_stack([places, np.zeros(len(places))]),
         faces=faces[deforming],
         resultants=_by_node([sparse.csr_array(average @ r) for r in _at_corners(x, y, plate)], len(places)),
+        slopes=_by_node([sparse.csr_array(average @ r) for r in _slopes_at_corners(x, y)], len(places)),
+        membrane=np.array([[a11, a12, 0.0], [a12, a22, 0.0], [0.0, 0.0, a66]]),
         inserts=tuple(inserts),
     )
 
@@ -96,6 +99,14 @@ def _at_corners(x: AxisCorners, y: AxisCorners, plate: Plate) -> list[SparseMatr
         sparse.csr_array(sparse.hstack([e if b is None else b for b, e in zip(row, empty, strict=True)]))
         for row in rows
     ]
+
+
+def _slopes_at_corners(x: AxisCorners, y: AxisCorners) -> list[SparseMatrix]:
+    """w,x and w,y at the corners of every element, each (4 elements, n)."""
+    (x0, x1, _), (y0, y1, _) = x.bending, y.bending
+    in_plane = 2 * x.stretching[0].shape[1] * y.stretching[0].shape[1]
+    still = sparse.csr_array((x0.shape[0] * y0.shape[0], in_plane))
+    return [sparse.csr_array(sparse.hstack([turned, still])) for turned in (kron(x1, y0), kron(x0, y1))]
 
 
 def kron(left: SparseMatrix, right: SparseMatrix) -> SparseMatrix:

@@ -19,17 +19,25 @@ _AT_ONCE = 64  # pairs of modes, whose strains take much memory
 
 def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
     """Psi (n, S (S + 1) / 2) of shapes (n, S): of every two, those of `membrane_strain.pairs` in order."""
-    held = next(iter(model.attachment_dofs.values()))
-    interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
     strain = model.strain
     load_of = sparse.csr_array(strain.linear.T @ strain.stiffness)
-    # loads of strains are in equilibrium, so that six held degrees of freedom carry nothing
-    factor = factorize(model.stiffness[interior][:, interior])
-    response = np.zeros((len(shapes), pairs(shapes.shape[1])[0].size))
-    for start in range(0, response.shape[1], _AT_ONCE):
+    load = np.empty((len(shapes), pairs(shapes.shape[1])[0].size))
+    for start in range(0, load.shape[1], _AT_ONCE):
         some = slice(start, start + _AT_ONCE)
-        load = -np.asarray(load_of @ strain.of_pairs(shapes, some))
-        response[interior, some] = factor.solve(load[interior])
+        load[:, some] = -np.asarray(load_of @ strain.of_pairs(shapes, some))
+    return free_response(model, load)
+
+
+def free_response(model: FiniteElementModel, load: Vector) -> Vector:
+    """Static response (n, k) of the free body to loads (n, k) in equilibrium, without rigid motions."""
+    held = next(iter(model.attachment_dofs.values()))
+    interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
+    # in equilibrium, so that six held degrees of freedom carry nothing
+    factor = factorize(model.stiffness[interior][:, interior])
+    response = np.zeros_like(load)
+    for start in range(0, load.shape[1], _AT_ONCE):
+        some = slice(start, start + _AT_ONCE)
+        response[interior, some] = factor.solve(load[interior, some])
         response[:, some] = model.without_rigid_motions(response[:, some])
     return response
 

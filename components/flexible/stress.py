@@ -79,6 +79,12 @@ class StressRecovery:
         """The recovery at some of its nodes, by their places in `nodes`."""
         return StressRecovery(self.nodes[places], self.positions[places], self.modal_stress[places])
 
+    def with_tension(self, sheets: FaceSheets, fields: Vector) -> StressRecovery:
+        """The recovery with stresses of further resultants N (3 nodes of the mesh, P), N/m, as columns behind."""
+        tension = sheets.per_force * fields.reshape(-1, 3, fields.shape[1])[self.nodes]
+        faces = np.stack([tension, tension], axis=1)
+        return StressRecovery(self.nodes, self.positions, np.concatenate((self.modal_stress, faces), axis=3))
+
     def stress(self, eta: Vector) -> Vector:
         """Stresses (..., K, 2, 3) in Pa at modal coordinates eta (..., M)."""
         shape = self.modal_stress.shape

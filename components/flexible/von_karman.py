@@ -15,14 +15,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..contract.component import Vector
-from .finite_elements import FiniteElementModel
+from .finite_elements import FiniteElementModel, PlateNodes
 from .membrane_strain import pairs
-from .second_order import symmetric
+from .second_order import free_response, symmetric
 
 MOST_MODES = 48
 """Modes that may be of second order unasked; forms grow with the third power of their number."""
-_KEPT = 3e-3
-"""Of the largest stiffness against two modes of equal strain energy, what the smallest form holds."""
+_KEPT = 1e-3
+"""Of the largest stiffness against two modes of equal strain energy, what the smallest form holds: stresses to 1 %."""
 _ROWS = 4000  # strains held at once
 
 
@@ -38,12 +38,47 @@ def tension_forms(model: FiniteElementModel, shapes: Vector, frequency: Vector, 
 
     The largest first, as seen by modes of equal strain energy; those that would add little are left out.
     """
-    first, second = pairs(shapes.shape[1])
-    products = np.zeros((first.size, first.size))
+    scale = _equal_energy(frequency)
+    products = np.zeros((scale.size, scale.size))
     for part in model.strain.parts(_ROWS):
         strain = part.of_pairs(shapes) + np.asarray(part.linear @ response)
         products += strain.T @ np.asarray(part.stiffness @ strain)
-    scale = np.where(first == second, 1.0, np.sqrt(2.0)) / (frequency[first] * frequency[second])
     values, vectors = np.linalg.eigh(scale[:, None] * (0.5 * (products + products.T)) * scale)
     kept = np.flatnonzero(values > _KEPT * values.max(initial=0.0))[::-1]
     return symmetric((vectors[:, kept] / scale[:, None] * np.sqrt(values[kept])).T, shapes.shape[1])
+
+
+def _equal_energy(frequency: Vector) -> Vector:
+    """Products (S (S + 1) / 2) of the coordinates of two modes of strain energy 1/2 J, other pairs counted twice."""
+    first, second = pairs(frequency.size)
+    found: Vector = np.where(first == second, 1.0, np.sqrt(2.0)) / (frequency[first] * frequency[second])
+    return found
+
+
+def tension_fields(
+    model: FiniteElementModel, plate: PlateNodes, shapes: Vector, frequency: Vector, forms: Vector
+) -> Vector:
+    """Resultants Nx, Ny, Nxy (3 K, P), N/m per J^1/2, at the nodes of a plate under unit tensions of forms (P, S, S).
+
+    shapes (n, S) and frequency (S,) are those that the forms belong to. The strain of all pairs of modes is
+    sum e_jk S_p scale^2 / |S_p scale|^2 for every tension, as forms are orthogonal where modes are of equal energy.
+    """
+    first, second = pairs(frequency.size)
+    entries = forms[:, first, second].T * _equal_energy(frequency)[:, None] ** 2
+    weights = entries / np.einsum("kp,kp->p", entries, forms[:, first, second].T)
+    load = np.zeros((len(shapes), len(forms)))
+    for part in model.strain.parts(_ROWS):
+        load -= np.asarray(part.linear.T @ (part.stiffness @ (part.of_pairs(shapes) @ weights)))
+    response = free_response(model, load)
+    along, across = (np.asarray(plate.slopes[axis::2] @ shapes) for axis in (0, 1))
+    strain = np.stack(
+        [
+            (along[:, first] * along[:, second]) @ weights,
+            (across[:, first] * across[:, second]) @ weights,
+            (along[:, first] * across[:, second] + across[:, first] * along[:, second]) @ weights,
+        ]
+    )
+    nodes = len(plate.positions)
+    resultants = np.asarray(plate.resultants @ response).reshape(nodes, 6, -1)[:, :3]
+    found: Vector = resultants + np.einsum("ab,bkp->kap", plate.membrane, strain)
+    return found.reshape(3 * nodes, -1)

@@ -14,9 +14,8 @@ from components.flexible.finite_elements import PlateNodes
 from components.flexible.stress import FACES, Indices, PeakStress, hot_spots, nodes_around, nodes_in_rectangle
 
 from ...results.result import Result, ResultError
-from .model import BodyStress, body_stress
-
-_AT_INSERT = 1e-9
+from .model import AT_INSERT, BodyStress, body_stress
+from .stretching import Stretching, stretching
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ class Choice:
             x, y, radius = self.around
             found = np.intersect1d(found, nodes_around(plate.positions, (x, y), radius))
         if self.insert_margin > 0.0:
-            clear = plate.insert_distance() >= self.insert_margin - _AT_INSERT
+            clear = plate.insert_distance() >= self.insert_margin - AT_INSERT
             found = np.intersect1d(found, np.flatnonzero(clear))
         return found
 
@@ -83,6 +82,13 @@ class PanelStress:
     """of the hot spots among the nodes of the recovery"""
     stress: BodyStress = field(repr=False)
     result: Result = field(repr=False)
+    stretching: Stretching | None = None
+    """of a plate whose bending stretches it"""
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What these stresses do not hold, as sentences."""
+        return () if self.stretching is None else tuple(self.stretching.sentences(self.body))
 
 
 def panel_stress(result: Result, body: str, choice: Choice, radius: float, count: int) -> PanelStress:
@@ -94,7 +100,10 @@ def panel_stress(result: Result, body: str, choice: Choice, radius: float, count
             f"{result.name}: {body}: the modal coordinates are not finite; the run was unstable"
         )
     places, spots = find_hot_spots(result, stress, peak, radius, count)
-    return PanelStress(body, tuple(spots), radius, peak, places, stress, result)
+    stretched = None
+    if stress.slopes is not None:
+        stretched = stretching(stress, result.time)
+    return PanelStress(body, tuple(spots), radius, peak, places, stress, result, stretched)
 
 
 def find_hot_spots(
@@ -111,7 +120,7 @@ def find_hot_spots(
             face=FACES[peak.face[k]],
             time=float(result.time[peak.row[k]]),
             position=(float(recovery.positions[k, 0]), float(recovery.positions[k, 1])),
-            at_insert=bool(distance[k] <= _AT_INSERT),
+            at_insert=bool(distance[k] <= AT_INSERT),
         )
         for k in places
     ]

@@ -14,6 +14,7 @@ from components.flexible.finite_elements import FiniteElementModel, PlateNodes
 from components.flexible.modal import ModalData
 from components.flexible.reduction import inertia_relief, orthonormal_modes
 from components.flexible.stress import Indices, StressRecovery, stress_recovery
+from components.flexible.von_karman import tension_fields
 
 from ...results.result import Result, ResultError
 from ...scene.bodies import body_definition, body_model
@@ -22,18 +23,24 @@ from ...scene.reader import read_scene
 from ...scene.schema import CheckedScene
 from .body_acceleration import acceleration_field
 
+AT_INSERT = 1e-9
+"""Distance (m) below which a node is on the edge of a rigid insert, where stresses depend on the mesh."""
 _SAME = 1e-6  # of a mode's largest display value; round-off of the modes leaves 1e-9
 _EQUAL_FREQUENCY = 1e-6  # closer modes mix freely from one eigensolution to the next
 
 
 @dataclass(frozen=True)
 class BodyStress:
-    """Recovery at the chosen nodes of a body's plate, and the coordinates (N, M + 12) that go with it."""
+    """Recovery at the chosen nodes of a body's plate, and the coordinates (N, M + 12 + P) that go with it."""
 
     plate: PlateNodes
     recovery: StressRecovery
     coordinates: Vector
-    """modal coordinates, then the acceleration field of the static correction"""
+    """modal coordinates, the acceleration field of the static correction, then tensions that bending makes"""
+    slopes: Vector | None
+    """(2 K, S) by modal coordinates, row 2 k + axis, where bending stretches the plate"""
+    prestress: float
+    """tension of the plate at rest, Pa, which the recovery leaves out"""
 
 
 def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indices]) -> BodyStress:
@@ -63,11 +70,22 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         shapes = _shapes(result, body, table, model, data)
         if model.plate is None:
             raise ComponentError("stresses are recovered for plates only, and this body is none")
-        recovery = stress_recovery(model, sheets, shapes, choose(model.plate))
+        forms = _forms(result, body, data)
+        prestress = 0.0 if definition.panel is None else sheets.per_force * definition.panel.plate.prestress
+        recovery, slopes = stress_recovery(model, sheets, shapes, choose(model.plate)), None
+        if len(forms):
+            low = forms.shape[1]
+            rows = (2 * recovery.nodes[:, None] + np.arange(2)).ravel()
+            slopes = np.asarray(model.plate.slopes[rows] @ shapes[:, :low])
+            fields = tension_fields(model, model.plate, shapes[:, :low], data.frequency[:low], forms)
+            recovery = recovery.with_tension(sheets, fields)
     except ComponentError as error:
         raise ResultError(f"{result.name}: {body}: {error}") from None
     field = acceleration_field(result, body, data, scene.header.gravity)
-    return BodyStress(model.plate, recovery, np.hstack([result.signal(body, "modal_coordinate"), field]))
+    eta = result.signal(body, "modal_coordinate")
+    return BodyStress(
+        model.plate, recovery, np.hstack([eta, field, _tensions(forms, eta)]), slopes, prestress
+    )
 
 
 def _scene(result: Result) -> CheckedScene:
@@ -76,6 +94,23 @@ def _scene(result: Result) -> CheckedScene:
     except (KeyError, ValueError):
         raise ResultError(f"{result.name}: the result does not hold its scene; run the scene again") from None
     return read_scene(f"{result.name} (scene)", tree)
+
+
+def _forms(result: Result, body: str, data: ModalData) -> Vector:
+    """Forms (P, S, S) of bending that stretches, by the modes of the run."""
+    display = data.display_shapes.reshape(-1, data.frequency.size)
+    recorded = result.geometry[body].shapes.reshape(display.shape)
+    low = data.second_order_modes
+    mixing = _mixing(data.frequency, display, recorded)[:low, :low]
+    found: Vector = mixing.T @ data.tension_forms @ mixing
+    return found
+
+
+def _tensions(forms: Vector, eta: Vector) -> Vector:
+    """Tensions (N, P) at modal coordinates (N, M)."""
+    low = eta[:, : forms.shape[1]]
+    found: Vector = 0.5 * np.einsum("nj,pjk,nk->np", low, forms, low, optimize=True)
+    return found
 
 
 def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, data: ModalData) -> Vector:

@@ -102,6 +102,8 @@ def command(
         f"{len(found.stress.recovery.nodes)} of {len(found.stress.plate.positions)} nodes, "
         f"{opened.time.size} recorded times up to {opened.time[-1]:g} s"
     )
+    for sentence in found.remarks:
+        click.echo(sentence)
     folder = output or result.with_suffix("")
     pictures = fanfold.plot(found, folder)
     for path in (_write_table(folder, body, found.hot_spots), *pictures):

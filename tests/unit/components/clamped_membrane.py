@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from components.flexible.finite_elements import FiniteElementModel
 from components.flexible.modal import ModalData
 from components.flexible.panel import panel_model
 from components.flexible.plate import HingeArm, Panel, Plate
@@ -14,6 +15,12 @@ STRIP = 0.02
 
 def clamped_membrane(modes: int, ratio: float = RATIO, element_size: float = 0.1) -> ModalData:
     """With so many fixed-interface modes; points `border` and `center`."""
+    model = membrane_model(ratio, element_size)
+    return craig_bampton(model, ["border"], modes, ["center"], geometry="von_karman")
+
+
+def membrane_model(ratio: float = RATIO, element_size: float = 0.1) -> FiniteElementModel:
+    """Its finite elements."""
     tension = MODULUS * THICKNESS / (1.0 - ratio**2)
     membrane = (tension, tension, ratio * tension, 0.5 * (1.0 - ratio) * tension)
     a11, a22, a12, a66 = (value * THICKNESS**2 / 12.0 for value in membrane)
@@ -25,5 +32,4 @@ def clamped_membrane(modes: int, ratio: float = RATIO, element_size: float = 0.1
         *(((0.0, whole), y) for y in ((-half, STRIP - half), (half - STRIP, half))),
     )
     border = HingeArm("border", 0.0, x=0.5 * whole, rectangles=strips)
-    panel = Panel(plate, (border,), {"center": (0.5 * whole, 0.0)}, 0.0, element_size)
-    return craig_bampton(panel_model(panel), ["border"], modes, ["center"], geometry="von_karman")
+    return panel_model(Panel(plate, (border,), {"center": (0.5 * whole, 0.0)}, 0.0, element_size))

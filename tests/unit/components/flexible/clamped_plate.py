@@ -20,9 +20,8 @@ Vector = NDArray[np.float64]
 _POINTS = 24
 
 
-def _functions(count: int, border: int, first: int) -> list[Vector]:
+def _functions(count: int, border: int, first: int, x: Vector) -> list[Vector]:
     """Values and two derivatives (3, points) of (1 - x^2)^border times Legendre polynomials first, first + 2, ..."""
-    x, _ = leggauss(_POINTS)
     wall = Polynomial([1.0, 0.0, -1.0]) ** border
     found = []
     for k in range(count):
@@ -47,11 +46,12 @@ class ClampedPlate:
         modes: int,
         count: int = 8,
     ) -> None:
-        _, weight = leggauss(_POINTS)
+        points, weight = leggauss(_POINTS)
+        middle = np.zeros(1)
         scale = 2.0 / side
         area = np.kron(weight, weight) / scale**2
         plane = np.array([[1.0, ratio, 0.0], [ratio, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - ratio)]])
-        even = _functions(count, 2, 0)
+        even = _functions(count, 2, 0, points)
         pairs = [(f, g) for f in even for g in even]
 
         def values(i: int, j: int) -> Vector:
@@ -65,8 +65,8 @@ class ClampedPlate:
         shapes = vectors[:, :modes].T
         self.frequency = np.sqrt(square[:modes])
         self.load = shapes @ (w @ area)
-        middle = np.array([f[0] for f in _middle(count)])
-        self.middle = shapes @ np.outer(middle, middle).ravel()
+        top = np.array([f[0, 0] for f in _functions(count, 2, 0, middle)])
+        self.middle = shapes @ np.outer(top, top).ravel()
         slopes = (shapes @ values(1, 0), shapes @ values(0, 1))
         first, second = np.triu_indices(modes)
         strain = np.array(
@@ -76,23 +76,7 @@ class ClampedPlate:
                 slopes[0][first] * slopes[1][second] + slopes[1][first] * slopes[0][second],
             ]
         )
-        odd, still = _functions(count, 1, 1), _functions(count, 1, 0)
-        u = [(f, g) for f in odd for g in still]
-        e_u = np.array(
-            [
-                [np.kron(f[1], g[0]) for f, g in u],
-                np.zeros((len(u), _POINTS**2)),
-                [np.kron(f[0], g[1]) for f, g in u],
-            ]
-        )
-        e_v = np.array(
-            [
-                np.zeros((len(u), _POINTS**2)),
-                [np.kron(g[0], f[1]) for f, g in u],
-                [np.kron(g[1], f[0]) for f, g in u],
-            ]
-        )
-        in_plane = scale * np.concatenate((e_u, e_v), axis=1)
+        in_plane = scale * _in_plane(count, points)
         elasticity = tension * plane
 
         def work(one: Vector, other: Vector) -> Vector:
@@ -100,7 +84,10 @@ class ClampedPlate:
             return found
 
         held = work(in_plane, strain)
-        self._stiffness = work(strain, strain) - held.T @ np.linalg.solve(work(in_plane, in_plane), held)
+        response = np.linalg.solve(work(in_plane, in_plane), held)
+        self._stiffness = work(strain, strain) - held.T @ response
+        # where nothing slopes
+        self._middle_tension = -tension * plane[0] @ (scale * _in_plane(count, middle)[:, :, 0]) @ response
         self._first, self._second = first, second
         self._times = np.where(first == second, 0.5, 1.0)
 
@@ -115,10 +102,19 @@ class ClampedPlate:
 
     def deflection(self, pressure: float) -> float:
         """Of the middle (m) under a pressure (Pa)."""
+        return float(self.middle @ self._held(pressure))
+
+    def tension(self, pressure: float) -> float:
+        """In the middle, in all directions of the plane (N/m), under a pressure (Pa)."""
+        eta = self._held(pressure)
+        return float(self._middle_tension @ (self._times * eta[self._first] * eta[self._second]))
+
+    def _held(self, pressure: float) -> Vector:
+        """Coordinates of the modes (M,) in equilibrium with a pressure (Pa)."""
         eta = np.zeros(self.frequency.size)
         for share in np.linspace(0.1, 1.0, 10) ** 3:
             eta = root(lambda e, p=share * pressure: self.force(e) - p * self.load, eta, tol=1e-12).x
-        return float(self.middle @ eta)
+        return eta
 
     def vibration(self, pressure: Callable[[float], float], damping: float, times: Vector) -> Vector:
         """Of the middle (m) at ascending times from rest at 0 s, under a pressure (Pa) that changes."""
@@ -136,9 +132,11 @@ class ClampedPlate:
         return result
 
 
-def _middle(count: int) -> list[Vector]:
-    """Values of the functions of the deflection in the middle of a side."""
-    found = []
-    for k in range(count):
-        found.append(np.array([Legendre.basis(2 * k)(0.0)]))
-    return found
+def _in_plane(count: int, x: Vector) -> Vector:
+    """Strains (3, functions, points) of motion in the plane, along one side and along the other, at pairs of places."""
+    odd, even = _functions(count, 1, 1, x), _functions(count, 1, 0, x)
+    pairs = [(f, g) for f in odd for g in even]
+    none = np.zeros((len(pairs), x.size**2))
+    along = [[np.kron(f[1], g[0]) for f, g in pairs], none, [np.kron(f[0], g[1]) for f, g in pairs]]
+    across = [none, [np.kron(g[0], f[1]) for f, g in pairs], [np.kron(g[1], f[0]) for f, g in pairs]]
+    return np.concatenate((np.array(along), np.array(across)), axis=1)

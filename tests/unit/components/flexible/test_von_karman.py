@@ -9,6 +9,8 @@ from components import catalogue
 from components.catalogue import TableError, read_body
 from components.contract.component import ComponentError
 from components.flexible.modal import ModalData, rigid_motion
+from components.flexible.reduction import orthonormal_modes
+from components.flexible.von_karman import tension_fields
 from tests.unit.components.clamped_membrane import (
     AREAL_MASS,
     MODULUS,
@@ -16,6 +18,7 @@ from tests.unit.components.clamped_membrane import (
     SIDE,
     THICKNESS,
     clamped_membrane,
+    membrane_model,
 )
 from tests.unit.components.flexible.clamped_plate import ClampedPlate
 
@@ -27,9 +30,15 @@ MODES = 30
 
 
 def held_deflection(data: ModalData, pressure: float, points: tuple[str, ...]) -> float:
-    """Of the point `center` (m) of a body that hangs on points and is accelerated as if by a pressure (Pa).
+    """Of the point `center` (m) under a pressure (Pa), of a body that is held at points."""
+    z, middle = held(data, pressure, points), data.point_names.index("center")
+    return float(z[2] + data.translation[middle, 2] @ z[6:])
 
-    Coordinates are six rigid motions and the modes: the least energy where the points do not move to second order.
+
+def held(data: ModalData, pressure: float, points: tuple[str, ...]) -> np.ndarray:
+    """Coordinates of a body that hangs on points and is accelerated as if by a pressure (Pa).
+
+    They are six rigid motions and the modes: the least energy where the points do not move to second order.
     """
     low, forms = data.second_order_modes, data.tension_forms
     index = [data.point_names.index(name) for name in points]
@@ -58,8 +67,7 @@ def held_deflection(data: ModalData, pressure: float, points: tuple[str, ...]) -
         step = np.linalg.solve(matrix, -np.concatenate((force + motion.T @ reaction, moved.ravel())))
         z, reaction = z + step[:size], reaction + step[size:]
         if np.abs(step[:size]).max() <= 1e-12 * np.abs(z).max():
-            middle = data.point_names.index("center")
-            return float(z[2] + data.translation[middle, 2] @ z[6:])
+            return z
     raise AssertionError("no equilibrium")
 
 
@@ -69,14 +77,35 @@ def membrane():
     return clamped_membrane(MODES)
 
 
+def galerkin(modes: int) -> ClampedPlate:
+    """The same by a method that shares nothing; so many modes are symmetric about both middle lines."""
+    rigidity = MODULUS * THICKNESS / (1.0 - RATIO**2)
+    return ClampedPlate(SIDE, rigidity * THICKNESS**2 / 12.0, rigidity, RATIO, AREAL_MASS, modes)
+
+
 def test_deflection_under_pressure(membrane):
     """Table of another basis to 1 %; and with as many modes a method that shares nothing, to what the mesh leaves."""
     found = {pressure: held_deflection(membrane, pressure, ("border",)) for pressure in TABLE}
     assert found == pytest.approx(TABLE, rel=0.01)
-    rigidity = MODULUS * THICKNESS / (1.0 - RATIO**2)
-    # of the 30 lowest modes of a square ten are symmetric about both middle lines
-    plate = ClampedPlate(SIDE, rigidity * THICKNESS**2 / 12.0, rigidity, RATIO, AREAL_MASS, 10)
+    plate = galerkin(10)  # of the 30 lowest modes of a square
     assert found == pytest.approx({pressure: plate.deflection(pressure) for pressure in TABLE}, rel=1e-3)
+
+
+def test_tension_in_the_middle():
+    """The same method, at a point, where elements of 50 mm leave 2 % in the plane."""
+    model, data = membrane_model(element_size=0.05), clamped_membrane(20, element_size=0.05)
+    frequency, modes = orthonormal_modes(model, ["border"], 20)
+    assert frequency == pytest.approx(data.frequency, rel=1e-9)
+    fields = tension_fields(model, model.plate, modes, frequency, data.tension_forms)
+    middle = int(np.argmin(np.linalg.norm(model.plate.positions - data.point_positions[1], axis=1)))
+    plate = galerkin(6)
+    for pressure in (20.0, 56.27):
+        eta = held(data, pressure, ("border",))[6:]
+        tensions = 0.5 * np.einsum("j,pjk,k->p", eta, data.tension_forms, eta)
+        along_x, along_y, shear = fields[3 * middle : 3 * middle + 3] @ tensions
+        assert along_x == pytest.approx(plate.tension(pressure), rel=0.02)
+        assert along_y == pytest.approx(along_x, rel=1e-6)
+        assert abs(shear) < 1e-6 * along_x
 
 
 def test_levys_square_plate():
