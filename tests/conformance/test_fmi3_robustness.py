@@ -17,6 +17,7 @@ from tests.conformance.test_native_robustness import NATIVE
 
 HOST = Path(__file__).with_name("programs") / "host3.c"
 DAMAGED = 200
+ROUNDS = 6
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
 
@@ -43,8 +44,8 @@ def test_is_driven_and_misused_without_a_fault(kind, host, tmp_path):
     component = hinge() if kind == "latching" else KINDS[kind].example()
     start = START if kind == "latching" else start_of(component)
     resources, token = unpacked(built(component, kind, start=start, fmi="3.0"), tmp_path)
-    made, messages = told(host, 20, token, scalars(component), resources)
-    assert made == 20
+    made, messages = told(host, ROUNDS, token, scalars(component), resources)
+    assert made == ROUNDS
     assert messages >= 10 * made
 
 

@@ -68,7 +68,8 @@ def test_a_compiled_fmu_equals_the_binary(tmp_path, monkeypatch):
 @pytest.mark.parametrize("kind", sorted(REGISTRY))
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_has_no_problems(kind, fmi, tmp_path):
-    assert check_fmu(with_sources(kind, tmp_path, fmi)) == []
+    """In the file; that it runs is seen where it has no sources."""
+    assert check_fmu(with_sources(kind, tmp_path, fmi), run=False) == []
 
 
 def test_pythonfmus_have_none(tmp_path):

@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 
 import orchestrator as fanfold
 
-frictions, wing = [0.01 * k for k in range(20)], fanfold.load("amos3", settings={"scene.tolerance": 1e-3})
+frictions, wing = [0.01 * k for k in range(20)], fanfold.load("amos3", settings={"scene.tolerance": 1e-2})
 wings = [wing.with_settings({"friction.coefficient": friction}) for friction in frictions]
 runs = [fanfold.simulate(one, rigid="all", estimate=False) for one in wings]
 axes = plt.figure().add_subplot(xlabel="friction coefficient", ylabel="latch-up, s")

@@ -185,7 +185,7 @@ def test_flexible_bodies_exchange_momentum_exactly(order):
     ]
     links = between("hinge", "one.outboard", "two.inboard")
     run = completed(
-        0.3, parts, links,
+        0.15, parts, links,
         settings=Settings(tolerance=1e-8, fixed_step=2e-3, order=order), iteration=Tolerance(1e-12, 10.0, 10.0),
     )  # fmt: skip
     assert np.abs(run.signal("hinge", "axial_force")).max() < 1e3

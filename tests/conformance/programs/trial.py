@@ -23,7 +23,7 @@ from tests.conformance.programs.driver import DISCARD, ERROR, FATAL, KINDS, OK, 
 from tests.conformance.programs.findings import checks_of, finding
 
 NATIVE = len(sys.argv) > 1 and sys.argv[1] == "native"
-STEPS = 1000 if NATIVE else 200
+STEPS = 300 if NATIVE else 150
 FAILED = ERROR if NATIVE else FATAL
 REFUSED = ERROR if NATIVE else DISCARD
 AGREEMENT = 1e-11

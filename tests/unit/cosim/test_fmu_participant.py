@@ -240,7 +240,7 @@ def test_run_with_an_fmu_that_cannot_be_loaded(tmp_path):
             stack.callback(freed.append, True)
             yield [FmuParticipant("brake", tmp_path / "none.fmu")]
 
-    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.1, load=load)
+    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.05, load=load)
     assert sentence.startswith("two_panels: brake: none.fmu cannot be loaded")
     assert freed == [True]
     assert not (tmp_path / "run.h5").exists()
@@ -267,7 +267,7 @@ def test_tolerance_that_cannot_be_met(tmp_path):
     """Bad input: a connection that answers at random; the error names it, its residual, time and step."""
     assembly = scene(tmp_path)
     load = with_brake(assembly, faulty_brake(assembly, "noise"))
-    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.1, load=load)
+    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.05, load=load)
     assert "t = 0.000000 s does not converge" in sentence
     assert "the wrench of brake.outboard on inner.brake still changes by" in sentence
     assert "times its tolerance" in sentence
@@ -279,12 +279,12 @@ def test_fmus_equal_components(tmp_path, monkeypatch):
     monkeypatch.setattr(solvers, "library", lambda: None)
     assembly = assemble(load_scene(find_scene("amos3")), rigid={"all"})
     load = partial(as_fmus, backend="python")
-    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.1, load=load)
+    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.05, load=load)
     within = run(
         assembly,
         tmp_path / "components.h5",
         Settings(),
-        0.1,
+        0.05,
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
     assert outside.segments == within.segments
@@ -374,5 +374,5 @@ def test_preload_needs_rollback(tmp_path):
     assembly = replace(scene(tmp_path), preload=True)
     path = without_rollback(faulty_fmu(tmp_path, assembly, "none"))
     load = with_brake(assembly, Untouchable("brake", path))
-    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.1, load=load)
+    sentence = error_of(run, assembly, tmp_path / "run.h5", Settings(), 0.05, load=load)
     assert "static preload needs FMUs that can return to a saved state; brake cannot" in sentence

@@ -241,7 +241,7 @@ print(hashlib.sha256(b"".join(body.to_arrays()[name].tobytes() for name in ("fre
 def test_bodies_do_not_depend_on_threads(tmp_path):
     """R25: cold caches under other numbers of threads hold the same bits."""
     digests = set()
-    for threads in ("1", "2", "4"):
+    for threads in ("1", "4"):
         environment = {**os.environ, "FANFOLD_CACHE": str(tmp_path / threads)}
         environment |= {"OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads}
         command = [sys.executable, "-c", _COLD]
