@@ -28,7 +28,7 @@ SLOPES = {"spring": 3.0, "lock": 3.5}
 KINETIC = 5.9
 """J, of the panel when it latches."""
 OPENING, OPENING_WINDOW, COMMON = 0.8, 0.24, 4e-3
-"""The two panels open for that long (s) in steps of 0.4 ms, the same in all runs, then for the window; the longest H."""
+"""The two panels open for that long (s) in steps of 0.4 ms, in all runs, then for the window; the longest H."""
 
 
 def slope(steps, found):

@@ -22,10 +22,11 @@ from orchestrator.cosim.master import Settings
 from orchestrator.cosim.participant import InProcess, ParticipantError, all_finite, in_process
 from orchestrator.results.result import Result
 from orchestrator.run.run import RunError, as_fmus, export, run
-from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene import load_scene
 from tests.unit.cosim.faulty import FaultyDamper
 
-TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+TWO_PANELS = PANELS.read_text(encoding="utf-8")
 DAMPER = '[[damper]]\nname = "brake"\nhinge = "root"\ndamping_coefficient = 2.0\n'
 SOFT = (
     '[joint]\naxial_stiffness = "200 N/m"\nradial_stiffness = "200 N/m"\ncross_stiffness = "50 N.m/rad"\n'
@@ -275,9 +276,9 @@ def test_tolerance_that_cannot_be_met(tmp_path):
 
 
 def test_fmus_equal_components(tmp_path, monkeypatch):
-    """Independent path: AMOS-3 as PythonFMUs and in process agree in every bit, the coupling being the same."""
+    """Independent path: a wing as PythonFMUs and in process agrees in every bit, the coupling being the same."""
     monkeypatch.setattr(solvers, "library", lambda: None)
-    assembly = assemble(load_scene(find_scene("amos3")), rigid={"all"})
+    assembly = assemble(load_scene(PANELS))
     load = partial(as_fmus, backend="python")
     outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.05, load=load)
     within = run(

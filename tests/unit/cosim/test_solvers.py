@@ -38,7 +38,8 @@ from tests.unit.cosim.faulty import FaultyDamper
 pytestmark = pytest.mark.skipif(library() is None, reason="no C compiler built the native solver")
 needs_native = pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
 
-TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
+PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+TWO_PANELS = PANELS.read_text(encoding="utf-8")
 DAMPER = '[[damper]]\nname = "brake"\nhinge = "root"\ndamping_coefficient = 2.0\n'
 
 
@@ -308,11 +309,14 @@ def test_derivatives_equal_differences_of_steps():
 
 
 @pytest.mark.parametrize(
-    ("backend", "end"), [pytest.param("native", 0.1, marks=needs_native), ("python", 0.01)]
+    ("backend", "end"), [pytest.param("native", 0.1, marks=needs_native), ("python", 0.02)]
 )
 def test_native_solver_equals_python(tmp_path, monkeypatch, backend, end):
-    """Independent path: AMOS-3 solved in C and in Python takes the same steps and sweeps to the same motion."""
-    assembly = wing()
+    """Independent path: solved in C and in Python, wings take the same steps and sweeps to the same motion.
+
+    AMOS-3, and for PythonFMUs, whose derivatives are differences of many steps, the two panels.
+    """
+    assembly = wing() if backend == "native" else assemble(load_scene(PANELS))
     load = partial(as_fmus, backend=backend)
     # later an error estimate comes closer to where steps grow than its noise, from rounding times stiffness
     one = run(assembly, tmp_path / "native.h5", Settings(), end, load=load)
@@ -463,7 +467,7 @@ def test_library_of_another_version_is_refused(monkeypatch):
     assert library() is not None
 
 
-END = 0.01
+END = 0.008
 """s, in which ARABSAT is let go and its hinges break away one after the other."""
 
 
