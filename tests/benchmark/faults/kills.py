@@ -2,9 +2,10 @@
 
     python -m tests.benchmark.faults.kills [COUNT] [FIRST_SEED]
 
-Runs of the command line are killed (SIGKILL) at a random moment between their start and their end, resumed where they
-left a checkpoint, by chance killed again, and compared bit by bit with the run that was not interrupted. A file that
-cannot be read, a resumption that fails or another bit is printed with its seed, and the exit code is 1.
+Runs of the command line are killed (SIGKILL) at a random moment between their start and their end, every other one
+between its first checkpoint and its end; resumed where they left a checkpoint, by chance killed again, and compared bit
+by bit with the run that was not interrupted. A file that cannot be read, a resumption that fails or another bit is
+printed with its seed, and the exit code is 1.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from random import Random
-from time import monotonic
+from time import monotonic, sleep
 from typing import NamedTuple
 
 import numpy as np
@@ -52,10 +53,11 @@ class Kill(NamedTuple):
 
 
 class Whole(NamedTuple):
-    """A run that was not interrupted: its result, and how long it took (s)."""
+    """A run that was not interrupted: its result, how long it took, and its first checkpoint (s)."""
 
     result: Path
     seconds: float
+    checkpoint: float
 
 
 def kills(count: int, first: int, folder: Path, runs: Sequence[tuple[str, ...]] = RUNS) -> Iterator[Kill]:
@@ -65,25 +67,38 @@ def kills(count: int, first: int, folder: Path, runs: Sequence[tuple[str, ...]] 
         dice = Random(seed)
         command = dice.choice(runs)
         if command not in wholes:
-            path, start = folder / f"whole{len(wholes)}.h5", monotonic()
-            if said := _run(folder, "run", *command, "--output", str(path)):
-                raise RuntimeError(f"{' '.join(command)}: {said}")
-            wholes[command] = Whole(path, monotonic() - start)
-        yield Kill(seed, command, *_kill_and_go_on(dice, command, wholes[command], folder))
+            wholes[command] = _whole(folder, folder / f"whole{len(wholes)}.h5", command)
+        whole = wholes[command]
+        after = dice.uniform(whole.checkpoint if seed % 2 else 0.0, whole.seconds)
+        yield Kill(seed, command, *_kill_and_go_on(dice, command, whole, after, folder))
 
 
-def _kill_and_go_on(dice: Random, command: tuple[str, ...], whole: Whole, folder: Path) -> tuple[str, str]:
-    """What the run left, and what was wrong."""
+def _whole(folder: Path, path: Path, command: tuple[str, ...]) -> Whole:
+    start = monotonic()
+    with _started(folder, "run", *command, "--output", str(path)) as process:
+        while process.poll() is None and not checkpoint_file(path).exists():
+            sleep(0.01)
+        checkpoint = monotonic() - start
+        _, said = process.communicate(timeout=_LONGEST)
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {said}")
+    return Whole(path, monotonic() - start, checkpoint)
+
+
+def _kill_and_go_on(
+    dice: Random, command: tuple[str, ...], whole: Whole, after: float, folder: Path
+) -> tuple[str, str]:
+    """What the run left that was killed after so many seconds, and what was wrong."""
     path = folder / "cut.h5"
     for old in folder.glob("cut.h5*"):
         old.unlink()
     start: tuple[str, ...] = ("run", *command, "--output", str(path))
     while True:
-        _kill(folder, dice.uniform(0.0, whole.seconds), *start)
+        _kill(folder, after, *start)
         left, fault = _left(path)
         if fault or not checkpoint_file(path).exists():
             return left, fault
-        start = ("resume", str(path))
+        start, after = ("resume", str(path)), dice.uniform(0.0, whole.seconds)
         if dice.random() < _RESUMED:
             return "a checkpoint", _run(folder, *start) or differences(whole.result, path)
 
@@ -103,15 +118,19 @@ def _run(folder: Path, *arguments: str) -> str:
 
 def _kill(folder: Path, after: float, *arguments: str) -> None:
     """Run a command and kill it after some time (s), if it has not ended by then."""
-    process = subprocess.Popen(
+    with _started(folder, *arguments) as process:
+        try:
+            process.communicate(timeout=after)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+
+
+def _started(folder: Path, *arguments: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
         [*_FANFOLD, *arguments],
-        env=_environment(folder), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        env=_environment(folder), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
-    try:
-        process.wait(after)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 def _left(path: Path) -> tuple[str, str]:
