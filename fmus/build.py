@@ -23,7 +23,7 @@ from .archive import digest_of, zip_bytes
 from .description.fmi2 import DATE_FORMAT, Backend, Experiment, FmiVersion, model_description
 from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
-from .native import library
+from .native import equations, library
 from .native.binary_data import component_bytes
 from .native.source_files import source_files
 from .python.bundle import python_code, python_data
@@ -34,7 +34,12 @@ _NO_TIME = datetime.fromtimestamp(0, UTC)
 
 def native_backend(component: Component) -> bool:
     """Whether a component can be exported as a native FMU here: compiled at installation, and with a kernel."""
-    return library() is not None and component.native_data() is not None
+    return library() is not None and _has_kernel(component)
+
+
+def _has_kernel(component: Component) -> bool:
+    """Kinds from outside have none, though what they are made of may give its data."""
+    return component.kind in equations() and component.native_data() is not None
 
 
 def build_fmu(
@@ -103,7 +108,7 @@ def _native_code(
         raise ComponentError(
             "there is no native library here; install with a C compiler, or export PythonFMUs or sources"
         )
-    if component.native_data() is None:
+    if not _has_kernel(component):
         raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
     folder = platform_tuple if fmi == "3.0" else platform
     binaries = {} if binary is None else {f"binaries/{folder}/{name}{binary.suffix}": binary.read_bytes()}

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from .api.export import export as export
     from .api.export import export_body as export_body
     from .api.pictures import plot as plot
+    from .api.plugins import figure as figure
+    from .api.plugins import load_plugin as load_plugin
     from .api.result import Result as Result
     from .api.simulate import check as check
     from .api.simulate import check_scene as check_scene
@@ -71,6 +73,8 @@ _HOMES = {
     "plot_comparison": "orchestrator.api.documents",
     "report": "orchestrator.api.documents",
     "plot": "orchestrator.api.pictures",
+    "figure": "orchestrator.api.plugins",
+    "load_plugin": "orchestrator.api.plugins",
     "Result": "orchestrator.api.result",
     "FanfoldWarning": "orchestrator.api.warnings",
     "check": "orchestrator.api.simulate",

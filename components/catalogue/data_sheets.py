@@ -7,15 +7,45 @@ be like.
 from __future__ import annotations
 
 import tomllib
+from collections import ChainMap
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from ..contract.component import ComponentError
 from .definition import BodyDefinition
 from .reader import read_body
 from .tables import Tree, laid_over
+
+
+def add_sheet(path: str | Path) -> bool:
+    """Add the bodies of a file as those in components/data are written; whether any of them changed.
+
+    ComponentError where it cannot be read, or has the name of a body from elsewhere; what it had before is replaced.
+    """
+    path = Path(path).resolve()
+    try:
+        found = {
+            name: _values(table) for name, table in tomllib.loads(path.read_text(encoding="utf-8")).items()
+        }
+    except OSError as error:
+        raise ComponentError(f"{path}: the bodies cannot be read ({error.strerror})") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ComponentError(f"{path}: this is no table of bodies ({error})") from None
+    if found == _added.get(path):
+        return False
+    elsewhere = _shipped().keys() | {
+        name for other, known in _added.items() if other != path for name in known
+    }
+    if taken := sorted(found.keys() & elsewhere):
+        raise ComponentError(
+            f"{path}: {', '.join(taken)}: there is such a body already; give it another name"
+        )
+    _added[path] = found
+    entry.cache_clear()
+    return True
 
 
 def entries() -> tuple[str, ...]:
@@ -47,9 +77,18 @@ def _lineage(name: str) -> Iterator[Tree]:
     yield table
 
 
-@cache
-def _tables() -> dict[str, Tree]:
+_added: dict[Path, dict[str, Tree]] = {}
+"""Tables of files from outside."""
+
+
+def _tables() -> Mapping[str, Tree]:
     """Every table of every data sheet by its name."""
+    return ChainMap(_shipped(), *_added.values())
+
+
+@cache
+def _shipped() -> dict[str, Tree]:
+    """Those that come with the package."""
     sheets = sorted((files("components") / "data").iterdir(), key=lambda file: file.name)
     texts = [file.read_text(encoding="utf-8") for file in sheets if file.name.endswith(".toml")]
     return {name: _values(table) for text in texts for name, table in tomllib.loads(text).items()}

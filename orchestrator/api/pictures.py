@@ -11,12 +11,15 @@ if TYPE_CHECKING:
     from ..analysis.frequency_response import FrequencyResponse
     from ..analysis.mode_study import ModeStudy
     from ..analysis.modes import Modes
+    from ..analysis.sampling.study import Study
     from ..analysis.scene_check import SceneCheck
     from ..analysis.stress.hot_spots import PanelStress
     from ..analysis.studies import LatchStudy
     from ..analysis.torque_margin.margins import TorqueMargin
 
-    Found = FrequencyResponse | LatchStudy | ModeStudy | Modes | PanelStress | SceneCheck | TorqueMargin
+    Found = (
+        FrequencyResponse | LatchStudy | ModeStudy | Modes | PanelStress | SceneCheck | Study | TorqueMargin
+    )
 
 
 def plot(found: Found, folder: str | Path) -> list[Path]:
@@ -28,6 +31,7 @@ def plot(found: Found, folder: str | Path) -> list[Path]:
     from ..views.scene_check import plot_scene
     from ..views.stress import plot_stress
     from ..views.studies import plot_study
+    from ..views.study import plot_study as plot_samples
     from ..views.torque_margin import plot_margins
 
     drawn_by = {
@@ -37,6 +41,7 @@ def plot(found: Found, folder: str | Path) -> list[Path]:
         "Modes": plot_modes,
         "PanelStress": plot_stress,
         "SceneCheck": plot_scene,
+        "Study": plot_samples,
         "TorqueMargin": plot_margins,
     }
     kind = type(found).__name__

@@ -9,6 +9,8 @@ import click
 
 import orchestrator as fanfold
 
+from .options import plugin_option
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 @click.command("list")
 @click.argument("component", required=False)
+@plugin_option
 def command(component: str | None) -> None:
     """Scenes that come with Fanfold and components, or of a COMPONENT its keys, ports and recorded signals."""
     from components import REGISTRY

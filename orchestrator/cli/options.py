@@ -115,6 +115,20 @@ def large_deformation_option(command: Command) -> Command:
     )(command)  # fmt: skip
 
 
+def plugin_option(command: Command) -> Command:
+    """The option of commands that take no scene, which names its plugins itself."""
+
+    def load_each(_: click.Context, __: click.Parameter, files: tuple[str, ...]) -> tuple[str, ...]:
+        for file in files:
+            fanfold.load_plugin(file)
+        return files
+
+    return click.option(
+        "--plugin", multiple=True, metavar="FILE", expose_value=False, callback=load_each,
+        help="Components and figures (.py) or bodies (.toml) of one's own; repeatable.",
+    )(command)  # fmt: skip
+
+
 def refuse_idle(option: str, needed: str) -> None:
     """UsageError where an option of the present command is given that acts only together with another."""
     context = click.get_current_context()

@@ -8,6 +8,7 @@ import click
 
 import orchestrator as fanfold
 
+from .options import plugin_option
 from .types import OutputFile
 
 
@@ -22,6 +23,7 @@ from .types import OutputFile
     "--frames", "count", type=click.IntRange(min=0, max=300), default=60, show_default=True,
     help="Pictures of the animation; 0 for none.",
 )  # fmt: skip
+@plugin_option
 def command(result: Path, other: Path | None, output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
     click.echo(fanfold.report(result, output, other, count))

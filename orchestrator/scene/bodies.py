@@ -131,6 +131,12 @@ def _model(
     return definition.flexible(fixed_interface_modes, masses, second_order_modes)
 
 
+def forget_models() -> None:
+    """Build bodies anew, as entries of the catalogue are others now."""
+    _definition.cache_clear()
+    _model.cache_clear()
+
+
 def body_points(body: Body) -> Mapping[str, Vector3]:
     """Undeformed positions of a body's points (m) in its construction frame."""
     data = body_model(body, flexible=False)

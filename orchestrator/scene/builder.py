@@ -272,6 +272,7 @@ class Scene:
     def _set(self, key: str, model: type[Table], keys: Mapping[str, object]) -> str:
         """Put a table where it belongs and return its name; SceneError with its problems."""
         table = _plain(f"{self._layers.file}: {key}", keys)
+        with_absolute_files({key: table}, Path.cwd())
         reader = EntryReader({key: table}, ())
         reader.table(key, model, required=True)
         self._refuse(reader.problems)

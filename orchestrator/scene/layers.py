@@ -111,13 +111,17 @@ def _read(path: Path) -> Tree:
 
 
 def with_absolute_files(tree: Tree, folder: Path) -> Tree:
-    """The tree of a scene file in a folder, variants included, with the files of `[body.import]` made absolute."""
+    """The tree of a scene file in a folder, variants included, with files of `[body.import]` and plugins absolute."""
     variants = tree.get("variant")
     layers = [tree, *(variants.values() if isinstance(variants, dict) else ())]
     for layer in layers:
         bodies = layer.get("body") if isinstance(layer, dict) else None
         for body in bodies if isinstance(bodies, list) else ():
             _make_absolute(body, folder)
+        header = layer.get("scene") if isinstance(layer, dict) else None
+        plugins = header.get("plugins") if isinstance(header, dict) else None
+        if isinstance(header, dict) and isinstance(plugins, list):
+            header["plugins"] = [str((folder / p).resolve()) if isinstance(p, str) else p for p in plugins]
     return tree
 
 

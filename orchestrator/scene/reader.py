@@ -11,7 +11,7 @@ from components import ComponentError
 from components.contract.errors import unknown
 from components.contract.frames import Vector3
 
-from . import consistency
+from . import consistency, plugins
 from .bodies import attachments, body_points, scene_points
 from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
@@ -110,6 +110,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     reader = EntryReader(with_presets(whole), added)
+    reader.note(plugins.problems(_plugins(tree)))
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     known = sorted(_TABLES | _ARRAYS)
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
@@ -139,6 +140,13 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
     return None if reader.problems else scene, _told(reader.problems, unlike)
+
+
+def _plugins(tree: Tree) -> list[str]:
+    """What [scene] asks for, as far as it is what it must be; whatever else is told with its table."""
+    header = tree.get("scene")
+    files = header.get("plugins", []) if isinstance(header, dict) else []
+    return [file for file in files if isinstance(file, str)] if isinstance(files, list) else []
 
 
 def _told(problems: Sequence[str], unlike: Mapping[str, Sequence[str]]) -> list[str]:

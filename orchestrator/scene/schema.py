@@ -23,7 +23,10 @@ SMALLEST_STEP = 1e-7
 
 
 class Header(Table):
-    """[scene]: what to run; `phases` are variants that run one after the other, each from its own start."""
+    """[scene]: what to run; `phases` are variants that run one after the other, each from its own start.
+
+    `plugins` are files of components (.py) and of bodies (.toml) that it uses, beside the scene.
+    """
 
     name: SceneName
     description: str = ""
@@ -33,6 +36,7 @@ class Header(Table):
     preload: bool = False
     gravity: Acceleration = ORIGIN
     phases: tuple[Name, ...] = ()
+    plugins: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,8 +84,8 @@ def draw_one(result: Result, name: str) -> Drawing:
 def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]]]:
     """Caption and function of every figure by name: those of all results, and the loads of the kinds in this one."""
     known: dict[str, tuple[str, Callable[[], Figure | None]]] = {
-        name: ((draw_it.__doc__ or name).strip(), partial(draw_it, result))
-        for name, draw_it in _FIGURES.items()
+        name: ((draw_it.__doc__ or name).strip().splitlines()[0], partial(draw_it, result))
+        for name, draw_it in (_FIGURES | _added).items()
     }
     for name, found in loads_by_kind(result).items():
         known[name] = (f"{loads_title(result, found)}.", partial(loads, result, found))
@@ -311,6 +311,17 @@ _FIGURES: Final[dict[str, Callable[[Result], Figure | None]]] = {
     "steps": steps,
     "shapes": shapes,
 }
+
+
+_added: dict[str, Callable[[Result], Figure | None]] = {}
+"""Figures from outside."""
+
+
+def add_figure(name: str, draw_it: Callable[[Result], Figure | None]) -> None:
+    """Draw one more figure of every result; ResultError where the name is that of one of Fanfold's own."""
+    if name in _FIGURES:
+        raise ResultError(f"there is a figure {name!r} already; give yours another name")
+    _added[name] = draw_it
 
 
 def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:

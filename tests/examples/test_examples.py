@@ -75,6 +75,18 @@ def scatter(found, folder):
     assert np.std(times) > 0.01
 
 
+def tape_spring_boom(found, folder):
+    """Closed form: constant torque to the edge of the snap at 0.3 rad; the table's peak; energy; a PythonFMU."""
+    inertia, torque, way = 0.1 + 0.25, 0.4, np.radians(120.0) - 0.3
+    assert (
+        np.sqrt(2.0 * way * inertia / torque) < found["arrival"] < 1.1 * np.sqrt(2.0 * way * inertia / torque)
+    )
+    assert np.max(np.abs(found["torque"])) == pytest.approx(5.0, rel=1e-2)
+    assert found["run"].headline.energy_residual < 1e-4
+    assert "tape_spring_loads" in [path.stem for path in found["figures"]]
+    assert folder / "fmus" / "tape.fmu" in [folder / path for path in found["fmus"]]
+
+
 def where_the_energy_goes(found, folder):
     """Conservation: heat is less than what was released, by what still moves; the damper takes most."""
     total = sum(found["heat"].values())
