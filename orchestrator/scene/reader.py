@@ -11,13 +11,14 @@ from components import ComponentError
 from components.contract.errors import unknown
 from components.contract.frames import Vector3
 
-from . import consistency, plugins
+from . import consistency
 from .bodies import attachments, body_points, scene_points
 from .body_tables import Base, Body
 from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
+from .expansion import plugins
 from .expansion.arrays import expanded
 from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint

@@ -12,8 +12,8 @@ from components.contract import plugins as contract
 from components.contract.plugins import PluginError, load_plugin
 from fmus import check_fmu
 from orchestrator.cli.main import main
-from orchestrator.scene import plugins
 from orchestrator.scene.bodies import body_model
+from orchestrator.scene.expansion import plugins
 from tests.references.relative_motion import inputs, port_motion
 
 TAPE = Path(__file__).parents[2] / "examples" / "plugins" / "tape_spring.py"

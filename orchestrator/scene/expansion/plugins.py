@@ -9,7 +9,7 @@ from importlib.metadata import entry_points
 from components.contract.errors import FanfoldError
 from components.contract.plugins import PluginError, load_plugin
 
-from .bodies import forget_models
+from ..bodies import forget_models
 
 GROUP = "fanfold.plugins"
 """Entry points of installed packages; what they name is imported, which registers its components."""
