@@ -54,11 +54,12 @@ class MembraneStrain:
     def of_pairs(self, shapes: Vector, some: slice = _ALL) -> Vector:
         """Strains (P, S (S + 1) / 2) that every two of shapes (n, S) make, in the order of `pairs`, or some of them."""
         first, second = (index[some] for index in pairs(shapes.shape[1]))
-        total = np.zeros((self.linear.shape[0], first.size))
+        total = np.zeros((first.size, self.linear.shape[0]))
         for left, right in self.slopes:
-            one, other = np.asarray(left @ shapes), np.asarray(right @ shapes)
-            total += 0.5 * (one[:, first] * other[:, second] + one[:, second] * other[:, first])
-        return total
+            # a shape's slopes together, as rows of memory are much faster to gather than columns
+            one, other = (np.ascontiguousarray((side @ shapes).T) for side in (left, right))
+            total += 0.5 * (one[first] * other[second] + one[second] * other[first])
+        return total.T
 
 
 def pairs(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

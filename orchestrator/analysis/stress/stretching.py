@@ -13,7 +13,7 @@ from .model import AT_INSERT, BodyStress
 
 LARGEST_SLOPE = 0.1
 """Beyond it w,x^2 / 2 is not the strain that a slope makes: its next order is a quarter of its square."""
-_ROUNDING = 1e-6  # of the largest tension
+_SLIGHT = 1e-3  # of the largest tension: less wrinkles nothing
 _AT_ONCE = 4_000_000  # values held at once, 32 MB
 
 
@@ -72,7 +72,7 @@ def stretching(stress: BodyStress, time: Vector) -> Stretching:
             row, node = np.unravel_index(np.argmax(field), field.shape)
             found[k] = max(found[k], (float(field[row, node]), int(row) + start, int(node)))
     slope, compression = (_extreme(one, recovery.positions, time) for one in found)
-    if compression.value < _ROUNDING * largest:
+    if compression.value < _SLIGHT * largest:
         compression = replace(compression, value=0.0)
     return Stretching(slope, compression)
 
