@@ -19,27 +19,30 @@ _AT_ONCE = 64  # pairs of modes, whose strains take much memory
 
 def second_order_shapes(model: FiniteElementModel, shapes: Vector) -> Vector:
     """Psi (n, S (S + 1) / 2) of shapes (n, S): of every two, those of `membrane_strain.pairs` in order."""
-    strain = model.strain
+    strain, free = model.strain, FreeResponse(model)
     load_of = sparse.csr_array(strain.linear.T @ strain.stiffness)
-    load = np.empty((len(shapes), pairs(shapes.shape[1])[0].size))
-    for start in range(0, load.shape[1], _AT_ONCE):
+    response = np.empty((len(shapes), pairs(shapes.shape[1])[0].size))
+    for start in range(0, response.shape[1], _AT_ONCE):
         some = slice(start, start + _AT_ONCE)
-        load[:, some] = -np.asarray(load_of @ strain.of_pairs(shapes, some))
-    return free_response(model, load)
-
-
-def free_response(model: FiniteElementModel, load: Vector) -> Vector:
-    """Static response (n, k) of the free body to loads (n, k) in equilibrium, without rigid motions."""
-    held = next(iter(model.attachment_dofs.values()))
-    interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
-    # in equilibrium, so that six held degrees of freedom carry nothing
-    factor = factorize(model.stiffness[interior][:, interior])
-    response = np.zeros_like(load)
-    for start in range(0, load.shape[1], _AT_ONCE):
-        some = slice(start, start + _AT_ONCE)
-        response[interior, some] = factor.solve(load[interior, some])
-        response[:, some] = model.without_rigid_motions(response[:, some])
+        response[:, some] = free(-np.asarray(load_of @ strain.of_pairs(shapes, some)))
     return response
+
+
+class FreeResponse:
+    """Static response (n, k) of a free body to loads (n, k) in equilibrium, without rigid motions."""
+
+    def __init__(self, model: FiniteElementModel) -> None:
+        self._model = model
+        # in equilibrium, so that six held degrees of freedom carry nothing
+        held = next(iter(model.attachment_dofs.values()))
+        self._interior = np.setdiff1d(np.arange(model.stiffness.shape[0]), held)
+        self._factor = factorize(model.stiffness[self._interior][:, self._interior])
+
+    def __call__(self, load: Vector) -> Vector:
+        """The response to loads."""
+        response = np.zeros_like(load)
+        response[self._interior] = self._factor.solve(load[self._interior])
+        return self._model.without_rigid_motions(response)
 
 
 def symmetric(values: Vector, count: int) -> Vector:

@@ -14,23 +14,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..contract.component import Vector
+from ..contract.component import ComponentError, Vector
 from .finite_elements import FiniteElementModel, PlateNodes
 from .membrane_strain import pairs
-from .second_order import free_response, symmetric
+from .second_order import FreeResponse, symmetric
 
-MOST_MODES = 48
-"""Modes that may be of second order unasked; forms grow with the third power of their number."""
+_MOST_MODES = 80
+"""Modes that are of second order unasked; what a step costs grows with the third power of their number."""
 _KEPT = 1e-3
 """Of the largest stiffness against two modes of equal strain energy, what the smallest form holds: stresses to 1 %."""
 _ROWS = 4000  # strains held at once
 
 
 def bending_modes(model: FiniteElementModel, modes: Vector) -> int:
-    """Number of the lowest modes, of (n, M), up to the last that moves mostly along z, the normal of the plate."""
+    """Number of the lowest modes, of (n, M), up to the last that moves mostly along z, the normal of the plate.
+
+    ComponentError where there are so many that which ones matter should be said.
+    """
     motion = np.asarray(model.displacement @ modes).reshape(len(model.masses), 3, -1)
     across = np.flatnonzero(np.einsum("q,qj->j", model.masses, motion[:, 2] ** 2) > 0.5)
-    return min(int(across.max(initial=-1)) + 1, MOST_MODES)
+    count = int(across.max(initial=-1)) + 1
+    if count > _MOST_MODES:
+        raise ComponentError(
+            f"{count} modes bend the plate, more than {_MOST_MODES}; give second_order_modes, those up to a gap in"
+            " frequency above all that the plate does, or fewer fixed_interface_modes"
+        )
+    return count
 
 
 def tension_forms(model: FiniteElementModel, shapes: Vector, frequency: Vector, response: Vector) -> Vector:
@@ -69,7 +78,7 @@ def tension_fields(
     load = np.zeros((len(shapes), len(forms)))
     for part in model.strain.parts(_ROWS):
         load -= np.asarray(part.linear.T @ (part.stiffness @ (part.of_pairs(shapes) @ weights)))
-    response = free_response(model, load)
+    response = FreeResponse(model)(load)
     along, across = (np.asarray(plate.slopes[axis::2] @ shapes) for axis in (0, 1))
     strain = np.stack(
         [

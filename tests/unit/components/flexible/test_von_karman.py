@@ -135,6 +135,8 @@ def test_all_modes_that_bend_a_plate_stretch_it():
     body = replace(body, panel=replace(body.panel, element_size=0.25, plate=plate))
     data = body.flexible(0)
     assert data.second_order_modes == 3 * 8 - 3
+    with pytest.raises(ComponentError, match="modes bend the plate, more than 80; give second_order_modes"):
+        body.flexible(80)
     kept = data.keep_modes([0, 2, 30])
     assert np.array_equal(kept.tension_forms[:, 0, 1], data.tension_forms[:, 0, 2])
     again = ModalData.from_arrays({name: np.asarray(v).tolist() for name, v in data.to_arrays().items()})
