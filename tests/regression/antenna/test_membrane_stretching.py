@@ -123,3 +123,16 @@ def test_what_the_theory_does_not_hold_is_told(carried):
         r" wrinkles there, which this model does not",
         pressed,
     )
+
+
+def test_the_variant_of_the_isolated_one_is_told_apart():
+    """`check` says of which bodies bending stretches, and finds nothing wrong with either."""
+    words = {}
+    for variant in ("fast", "von_karman"):
+        scene = fanfold.load(
+            "membrane-isolated", variant=variant, settings={"body.membrane.panel.element_size": 0.1}
+        )
+        found = fanfold.check_scene(scene)
+        assert not found.problems
+        words[variant] = {body.name: body.model for body in found.bodies}["membrane"]
+    assert words["von_karman"] == words["fast"] + ", 30 of second order, stretched by bending"
