@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 from fmpy import platform, platform_tuple
 
+import components
 from components import Component, ComponentError
 from components.cache.disk import kept, replace_file
 
@@ -38,8 +39,10 @@ def native_backend(component: Component) -> bool:
 
 
 def _has_kernel(component: Component) -> bool:
-    """Kinds from outside have none, though what they are made of may give its data."""
-    return component.kind in equations() and component.native_data() is not None
+    """A kernel has the name of the component's file; kinds from outside have none, whatever data their bases give."""
+    package, _, file = type(component).__module__.rpartition(".")
+    ours = package == components.__name__ and file in equations()
+    return ours and component.native_data() is not None
 
 
 def build_fmu(

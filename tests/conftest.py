@@ -2,7 +2,20 @@
 
 import pytest
 
+from components import REGISTRY
+from components.contract import plugins
+
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Files that take long come first, so that all workers end at about the same time."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+
+
+@pytest.fixture
+def kept_registry():
+    """Leaves the kinds of components and the plugins that there were before."""
+    kinds, loaded = dict(REGISTRY), dict(plugins._loaded)
+    yield
+    for known, before in ((REGISTRY, kinds), (plugins._loaded, loaded)):
+        known.clear()
+        known.update(before)

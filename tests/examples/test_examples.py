@@ -113,6 +113,7 @@ def lines_of_code(path):
     return sum(bool(line.strip()) for line in text.splitlines()[docstring.end_lineno :])
 
 
+@pytest.mark.usefixtures("kept_registry")
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_example(name, tmp_path, monkeypatch):
     """An example is short, says in a sentence what it asks, runs anywhere, and its answer is right."""

@@ -8,7 +8,6 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from components import REGISTRY
-from components.contract import plugins as contract
 from components.contract.plugins import PluginError, load_plugin
 from fmus import check_fmu
 from orchestrator.cli.main import main
@@ -33,14 +32,7 @@ length = {{ value = {length}, unit = "m", source = "assumed" }}
 """
 
 
-@pytest.fixture(autouse=True)
-def as_before(monkeypatch):
-    """Leaves the registry as it was."""
-    monkeypatch.setattr(contract, "_loaded", {})
-    known = dict(REGISTRY)
-    yield
-    REGISTRY.clear()
-    REGISTRY.update(known)
+pytestmark = pytest.mark.usefixtures("kept_registry")
 
 
 def driven(component, angles, h=0.01):
