@@ -232,9 +232,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
     half = 0.5 * panel.plate.width
     patches = {arm.name: panel.patches(arm) for arm in panel.arms}
     rigid = [patch for several in patches.values() for patch in several]
-    x_breaks = [panel.plate_start, end, *(x for patch in rigid for x in patch[0])]
-    y_breaks = [-half, 0.0, half, *(y for patch in rigid for y in patch[1])]
-    plate = PlateElements(panel.plate, x_breaks, y_breaks, panel.element_size)
+    plate = PlateElements(panel.plate, *panel.mesh_lines(), panel.element_size)
     ties = _Ties(plate, panel, patches)
     shown = np.linspace(panel.plate_start, end, 7), np.linspace(-half, half, 5)
     display = _grid(*shown)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from typing import Literal
 
 from .beam_frame import BeamSection
@@ -18,6 +18,8 @@ Geometry = Literal["linear", "von_karman"]
 """Whether bending stretches the mid-plane of a plate, which matters where it bends by more than its thickness."""
 
 _ROUNDING = 1e-9  # m
+_NARROWEST = 1e-4
+"""Of the longer side; cubics over narrower elements lose all their digits."""
 _MOST_ELEMENTS = 20_000  # half a minute, and modes far beyond those that a deployment needs
 
 
@@ -114,6 +116,15 @@ class Panel:
             return (root - half, root + half), y
         return ((root, root + arm.patch) if arm.edge == "inboard" else (root - arm.patch, root)), y
 
+    def mesh_lines(self) -> tuple[list[float], list[float]]:
+        """Where lines of the mesh have to lie along x and along y (m): edges of plate and inserts, and the middle."""
+        rigid = [patch for arm in self.arms for patch in self.patches(arm)]
+        end, half = self.plate_start + self.plate.length, 0.5 * self.plate.width
+        return (
+            [self.plate_start, end, *(x for patch in rigid for x in patch[0])],
+            [-half, 0.0, half, *(y for patch in rigid for y in patch[1])],
+        )
+
     def problems(self) -> Iterator[str]:
         """What cannot be of inserts and nodes, as sentences."""
         inside = (
@@ -132,6 +143,7 @@ class Panel:
         for one, other in combinations(self.arms, 2):
             if any(_overlap(*pair) for pair in product(self.patches(one), self.patches(other))):
                 yield f"the insert patches of {one.name!r} and {other.name!r} overlap; make one of them"
+        yield from self._narrow_elements()
         for name, (x, y) in self.nodes.items():
             if not _within(((x, x), (y, y)), inside):
                 (x0, x1), (y0, y1) = inside
@@ -139,6 +151,16 @@ class Panel:
                     f"node {name!r} at x = {x:g} m, y = {y:g} m is outside the plate, which reaches"
                     f" from x = {x0:g} to {x1:g} m and from y = {y0:g} to {y1:g} m"
                 )
+
+    def _narrow_elements(self) -> Iterator[str]:
+        least = _NARROWEST * max(self.plate.length, self.plate.width)
+        for axis, lines in zip("xy", self.mesh_lines(), strict=True):
+            for low, high in pairwise(sorted(lines)):
+                if _ROUNDING < high - low < least:
+                    yield (
+                        f"edges of inserts lie {high - low:.3g} m apart at {axis} = {low:g} m; "
+                        f"make inserts and what is between them {least:.2g} m wide, or let their edges be one"
+                    )
 
 
 def _within(inner: Rectangle, outer: Rectangle) -> bool:
