@@ -39,6 +39,7 @@ from ..results.result import Result
 from ..results.result_file import ResultWriter
 from .checkpoint import Checkpoint, checkpoint_file
 from .errors import RunError as RunError
+from .free_space import FreeSpace
 
 MasterKind = Literal["implicit", "jacobi", "gauss-seidel"]
 Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
@@ -193,6 +194,8 @@ def run(
     what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
     """
     end = assembly.until if until is None else until
+    if output is not None:
+        watch = FreeSpace(output, end, warn, watch)
     settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
     with ExitStack() as stack:
         try:

@@ -29,7 +29,7 @@ def with_presets(tree: Tree) -> Tree:
 
 
 def _has_preset(entry: object) -> bool:
-    return isinstance(entry, dict) and entry.get("preset") in CONSTRAINED
+    return isinstance(entry, dict) and str(entry.get("preset")) in CONSTRAINED
 
 
 def _hinge(tree: Tree, entry: Tree) -> Tree:

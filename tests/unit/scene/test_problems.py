@@ -164,6 +164,11 @@ BAD = {
         "inboard_stiffness = 9950, outboard_stiffness = 2500",
         "inboard_stiffness and outboard_stiffness in series are 1997.99 N.m/rad, less than the line's 2000",
     ),
+    "joint preset as a list": (
+        'kind = "contact"',
+        'kind = "contact"\npreset = ["revolute"]',
+        "connection.stop.preset: ",
+    ),
     "unknown component": ('"contact"', '"springy"', "connection.stop.kind: there is no component 'springy'"),
     "refused parameter": (
         '"1 mm"',

@@ -1,0 +1,64 @@
+"""Whether the disk has room for what a run is going to write: told of while one can still act, not when it is full.
+
+A result that meets a full disk is readable up to there, but the night is lost.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from time import monotonic
+
+from .progress import Watch
+
+_SECONDS = 1.0
+"""Between two looks."""
+_SHORTEST = 0.01
+"""Part of a run by which it must have gone on between two looks, for its pace to say something of the rest."""
+_MEGABYTE = 1e6
+
+
+class FreeSpace:
+    """A watch that tells once that a result grows so that it will not fit until the run's end (s).
+
+    Room is reserved for many rows at a time, so that growth is counted from one such moment to a later one. What is
+    left of the run is expected to grow as it did.
+    """
+
+    def __init__(self, path: Path, end: float, warn: Callable[[str], None], watch: Watch) -> None:
+        self._path, self._end, self._warn, self._watch = path, end, warn, watch
+        self._looked = monotonic()
+        self._size: int | None = None
+        self._first: tuple[float, int] | None = None
+        self._told = False
+
+    def __call__(self, time: float, h: float) -> None:
+        """Show a step, and look at the disk if none did for a second."""
+        self._watch(time, h)
+        if not self._told and monotonic() - self._looked >= _SECONDS:
+            self._looked = monotonic()
+            with suppress(OSError):  # what is wrong with the file is for its writer to tell
+                self._look(time)
+
+    def _look(self, time: float) -> None:
+        size = self._path.stat().st_size
+        before, self._size = self._size, size
+        if before is None or size <= before:
+            return
+        if self._first is None:
+            self._first = time, size
+            return
+        begun, least = self._first
+        if time - begun < _SHORTEST * self._end:
+            return
+        needed = (size - least) / (time - begun) * (self._end - time)
+        free = shutil.disk_usage(self._path.parent).free
+        if needed > free:
+            self._told = True
+            self._warn(
+                f"{self._path}: at t = {time:.6g} s the disk has {free / _MEGABYTE:.3g} MB free, and the result will "
+                f"take about {needed / _MEGABYTE:.3g} MB more; make room while the run goes on, or stop it and name a "
+                "file elsewhere. What is written stays readable"
+            )

@@ -1,0 +1,59 @@
+"""Disks that a result is not going to fit on are told of while the run goes."""
+
+from shutil import disk_usage
+
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.run import free_space
+from orchestrator.run.free_space import FreeSpace
+
+CHUNK = 1_000_000
+
+
+@pytest.fixture
+def disk(monkeypatch):
+    """Sets the bytes that are free, on a disk that every step looks at."""
+    monkeypatch.setattr(free_space, "_SECONDS", 0.0)
+
+    def has(free):
+        usage = disk_usage("/")._replace(free=free)
+        monkeypatch.setattr(free_space.shutil, "disk_usage", lambda folder: usage)
+
+    return has
+
+
+@pytest.mark.parametrize(("free", "told"), [(8.4e6, 0), (7.4e6, 1)])
+def test_what_the_rest_of_a_run_takes_is_foretold(tmp_path, disk, free, told):
+    """Closed form: a chunk each second, looked at when the second is written, of ten leaves eight to come."""
+    path, sentences, shown = tmp_path / "result.h5", [], []
+    watch = FreeSpace(path, 10.0, sentences.append, lambda time, h: shown.append(time))
+    disk(free)
+    for time in (0.5, 1.0, 1.5, 2.0):
+        path.write_bytes(bytes(CHUNK * int(time)))
+        watch(time, 0.5)
+    assert len(sentences) == told
+    assert shown == [0.5, 1.0, 1.5, 2.0]
+    if told:
+        assert "at t = 2 s the disk has 7.4 MB free, and the result will take about 8 MB more" in sentences[0]
+
+
+def test_a_pace_is_not_taken_from_the_first_instants(tmp_path, disk):
+    """A thousand steps right after release say nothing of the minutes that follow."""
+    path, sentences = tmp_path / "result.h5", []
+    watch = FreeSpace(path, 100.0, sentences.append, lambda time, h: None)
+    disk(1.0)
+    for count in range(1, 4):
+        path.write_bytes(bytes(CHUNK * count))
+        watch(0.1 * count, 0.1)
+    assert sentences == []
+
+
+def test_a_run_tells_once(tmp_path, disk, monkeypatch):
+    disk(1.0)
+    monkeypatch.setattr("orchestrator.results.result_file._ROWS", 20)
+    with pytest.warns(fanfold.FanfoldWarning) as told:
+        fanfold.simulate("workbench", until=2.0, save=tmp_path / "result.h5", estimate=False)
+    found = [str(one.message) for one in told if "MB free" in str(one.message)]
+    assert len(found) == 1
+    assert str(tmp_path / "result.h5") in found[0]
