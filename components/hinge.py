@@ -9,7 +9,7 @@ the moments of the ports' velocities.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import hypot
+from math import degrees, hypot
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -61,6 +61,7 @@ LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
 _REACHED = 1e-9  # distance (rad) from the latch angle that a solver may leave when it has found the event
+_FOLDED = 3.0  # rad across the line: at pi the angle about it is not defined, and near there it turns without bound
 
 
 class Hinge(Connection[Parameters, State, Commands]):
@@ -83,7 +84,7 @@ class Hinge(Connection[Parameters, State, Commands]):
     kind, own_outputs = "hinge", OUTPUTS
     parameters, states = Record(Parameters), Record(State)
     commands = Record(Commands)
-    scheme: ClassVar = {"REACHED": _REACHED, "FORCE_SMOOTHING": FORCE_SMOOTHING} | {
+    scheme: ClassVar = {"REACHED": _REACHED, "FORCE_SMOOTHING": FORCE_SMOOTHING, "FOLDED": _FOLDED} | {
         f"{kind.upper()}_LATCH": number for number, kind in enumerate(_LATCH_KINDS)
     }
 
@@ -192,6 +193,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         moved = self._moved(c, old, u)
         if old.failed:
             return self._freed(moved)
+        _refuse_folded(c, moved)
         if self.endpoint:
             return self._endpoint_step(c, old, moved, h)
         is_impulse, passage = u.commands.impulse > 0.5, passage_of(old, moved)
@@ -410,4 +412,16 @@ class Hinge(Connection[Parameters, State, Commands]):
             hysteresis_angle=(0.0, 1.0, 3.2),
             hysteresis_torque=(0.02, 0.05, 0.03),
             latch="spring",
+        )
+
+
+def _refuse_folded(c: Constants, moved: State) -> None:
+    """ComponentError where a hinge that bends against springs is folded across its line."""
+    if not any(c.p.rotational_stiffness[1:]):
+        return
+    bent = hypot(*moved.swing)
+    if bent > _FOLDED:
+        raise ComponentError(
+            f"the hinge is bent by {degrees(bent):.0f} deg across its line, where the angle about it has no meaning; "
+            "stiffen it across (cross_stiffness of a scene's joints)"
         )

@@ -141,16 +141,26 @@ static inline void free_step(const Hinge *hinge, const double *x, const Motion *
     store_failure(hinge, x, x + X_COORDINATES, x_next);
 }
 
+/* 0 where a hinge that bends against springs is folded across its line: the angle about it has no meaning there. */
+static inline int is_open_across(const Hinge *hinge, const Motion *new, Reason *why) {
+    const double *stiffness = hinge->base.p + P_ROTATIONAL_STIFFNESS;
+    if (stiffness[1] == 0.0 && stiffness[2] == 0.0) return 1;
+    double bent = hypot(creal(new->coordinates[HINGE_ANGLE + 1]), creal(new->coordinates[HINGE_ANGLE + 2]));
+    if (!(bent > FOLDED)) return 1;
+    return refuse(why, "the hinge is bent by %.0f deg across its line, where the angle about it has no meaning; stiffen"
+                  " it across (cross_stiffness of a scene's joints)", bent * 57.29577951308232);
+}
+
 /* One step; the inputs are those of its end. Commands act from its start. */
 int NAME(hinge_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Hinge *hinge = self;
-    (void)why;
     Grip grip = commanded_grip(x, u);
     Motion new = hinge_motion(hinge, u, x[X_COORDINATES + HINGE_ANGLE]);
     if (grip.failed) {
         free_step(hinge, x, &new, x_next);
         return 1;
     }
+    if (!is_open_across(hinge, &new, why)) return 0;
     for (int i = 0; i < STATES && hinge->base.endpoint; i++) x_next[i] = x[i];
     store_motion(&new, x_next);
     if (hinge->base.endpoint)

@@ -5,9 +5,10 @@
 #define FANFOLD_HINGE_LAYOUT_H
 
 #define KIND "hinge"
-#define LAYOUT_DIGEST "39af5e887f98e577"
+#define LAYOUT_DIGEST "bf004ce5cd8f1830"
 #define REACHED 1e-09
 #define FORCE_SMOOTHING 1.0
+#define FOLDED 3.0
 #define NONE_LATCH 0
 #define SPRING_LATCH 1
 #define TABLE_LATCH 2
