@@ -1,10 +1,11 @@
-"""Drive about an axis: a commanded angle that follows a motion profile, behind the compliance of a gearbox."""
+"""Drive about an axis: a commanded angle, by a motion profile or from outside, behind the compliance of a gearbox."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from math import exp
+from typing import Annotated, ClassVar, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -27,8 +28,10 @@ from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
 from .numerics.workless_pair import remembered_path, workless_spring
 
-_PROFILES = ("step", "step5")
+_PROFILES = ("step", "step5", "commanded")
 _GAUSS = 0.6**0.5
+_SHORT = 0.02
+"""Time constants, below which a series tells how a decay goes on."""
 
 
 class _Parameters(NamedTuple):
@@ -36,9 +39,11 @@ class _Parameters(NamedTuple):
     damping: Annotated[float, tunable("N.m.s/rad", "Damping of the gearbox at its output", 0.0, 0.0)]
     aligned_angle: Annotated[float, tunable("rad", "Angle where the axes of both ports coincide")]
     start_angle: Annotated[float, tunable("rad", "Commanded angle up to the start time")]
-    end_angle: Annotated[float, tunable("rad", "Commanded angle from the end of the motion on")]
+    end_angle: Annotated[float, tunable("rad", "Commanded angle at the end of the motion, or to be followed")]
     start_time: Annotated[float, tunable("s", "Time when the motion starts", 0.0, 0.0)]
-    duration: Annotated[float, tunable("s", "Duration of the motion", 1.0, 1e-6)]
+    duration: Annotated[
+        float, tunable("s", "Duration of the motion, or time constant of following", 1.0, 1e-6)
+    ]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
@@ -52,6 +57,9 @@ class _State(NamedTuple):
     slide: Annotated[MidStep, kept("rad/s", "Mean rates of the deflection over two steps")]
     numerical: Annotated[float, kept("J", "What the scheme took away")]
     load: Annotated[MidStep, kept("N.m", "Mean torques of two steps of order 4")]
+    followed: Annotated[
+        float, integrated("rad", "rad/s", "Angle that a command from outside has led to", False)
+    ]
 
 
 class _Commands(NamedTuple):
@@ -107,10 +115,54 @@ class MotionLaw:
         return 5.0 / 9.0 * _GAUSS * half * change
 
 
+@dataclass(frozen=True, slots=True)
+class Following:
+    """Angle (rad) that goes to a commanded one with a time constant (s), from where it is at a time."""
+
+    angle_before: float
+    time_before: float
+    command: float
+    time_constant: float
+
+    def _left(self, time: float) -> float:
+        return (self.angle_before - self.command) * exp((self.time_before - time) / self.time_constant)
+
+    def angle(self, time: float) -> float:
+        """Angle at a time."""
+        return self.command + self._left(time)
+
+    def rate(self, time: float) -> float:
+        """Rate at a time."""
+        return -self._left(time) / self.time_constant
+
+    def rate_moment(self, start: float, end: float) -> float:
+        """First moment (rad) of the rate between two times; by its series where steps are short."""
+        x = (end - start) / self.time_constant
+        return -self._left(start) * x * decay_moment(x)
+
+
+def decay_moment(x: float) -> float:
+    """Integral of (2 s - 1) exp(-x s) over s from 0 to 1; a series below 0.02, where the rest would be round-off."""
+    if x < _SHORT:
+        return -x * (1.0 / 6.0 - x * (1.0 / 12.0 - x * (1.0 / 40.0 - x / 180.0)))
+    left = exp(-x)
+    return 2.0 * (1.0 - left * (1.0 + x)) / (x * x) - (1.0 - left) / x
+
+
+Law = MotionLaw | Following
+
+
 class _Constants(NamedTuple):
     p: _Parameters
     motion: MotionLaw
+    is_followed: bool
     is_paired: bool
+
+    def law(self, s: _State) -> Law:
+        """What is commanded from the state on."""
+        if self.is_followed:
+            return Following(s.followed, s.clock, self.p.end_angle, self.p.duration)
+        return self.motion
 
     def torque(self, deflection: float, rate: float) -> float:
         """Torque of an instant."""
@@ -139,13 +191,15 @@ class _Instant(NamedTuple):
 class Drive(AxialConnection[_Parameters, _State, _Commands]):
     """Turns the outboard against the inboard port about the axis as commanded, through a gearbox.
 
-    axis: direction in the axes of both ports. profile: "step" or "step5", see `MotionLaw`. The other five
+    axis: direction in the axes of both ports. profile: "step" or "step5", see `MotionLaw`; or "commanded", where the
+    angle follows `end_angle`, which is set in mid-run, with the time constant `duration`. The other five
     directions belong to a hinge beside the drive, whose stiffness about the axis is zero. The clock starts at
     zero, when the scene does, and stands still while `hold` is 1. The motor's work is its torque times the
     change of the commanded angle.
     """
 
     kind, axis_of = "drive", "the drive's axis"
+    scheme: ClassVar = {"SHORT": _SHORT} | {f"{p.upper()}_PROFILE": n for n, p in enumerate(_PROFILES)}
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(_Commands), Record(_Observations)
 
@@ -153,42 +207,51 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
         self, axis: Sequence[float] = (0.0, 1.0, 0.0), profile: str = "step5", wrench_mode: str = "mean"
     ) -> None:
         if profile not in _PROFILES:
-            raise ComponentError(f"profile is {profile!r}; it must be step or step5")
-        self._quintic = profile == "step5"
+            raise ComponentError(f"profile is {profile!r}; it must be step, step5 or commanded")
+        self._profile = profile
         self._turn_about(axis, {"profile": profile}, wrench_mode)
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        change = one.end_angle - one.start_angle
-        motion = MotionLaw(self._quintic, one.start_angle, change, one.start_time, one.duration)
-        return _Constants(one, motion, self._is_paired(one.order, one.end_weight))
+        change, is_followed = one.end_angle - one.start_angle, self._profile == "commanded"
+        if is_followed and one.start_time:
+            raise ComponentError(
+                f"start_time is {one.start_time:g}; a commanded drive follows from the start on"
+            )
+        motion = MotionLaw(self._profile == "step5", one.start_angle, change, one.start_time, one.duration)
+        return _Constants(one, motion, is_followed, self._is_paired(one.order, one.end_weight))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """At the pose of the inputs; the angle is the one nearest the start angle."""
-        now = self._instant(c, u, 0.0, c.motion.start)
+        start = c.motion.start
+        law = Following(start, 0.0, c.p.end_angle, c.p.duration) if c.is_followed else c.motion
+        now = self._instant(c, law, u, 0.0, start)
         rate, none = now.deflection_rate, MidStep(0.0, 0.0, 0.0, 0.0)
         slide = MidStep.starting(rate)
-        return _State(now.turn, Memory(rate, rate), 0.0, 0.0, 0.0, slide, 0.0, none)
+        return _State(now.turn, Memory(rate, rate), 0.0, 0.0, 0.0, slide, 0.0, none, start)
 
-    def _instant(self, c: _Constants, u: Inputs[_Commands], clock: float, reference: float) -> _Instant:
+    def _instant(
+        self, c: _Constants, law: Law, u: Inputs[_Commands], clock: float, reference: float
+    ) -> _Instant:
         """The instant of the inputs; the angle is the one nearest the reference."""
         turn, rate = self._turn(u, reference, c.p.aligned_angle)
-        commanded_rate = 0.0 if u.commands.hold > 0.5 else c.motion.rate(clock)
-        return _Instant(turn, rate, c.motion.angle(clock), commanded_rate)
+        commanded_rate = 0.0 if u.commands.hold > 0.5 else law.rate(clock)
+        return _Instant(turn, rate, law.angle(clock), commanded_rate)
 
     def _now(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Instant:
-        return self._instant(c, u, s.clock, s.turn.angle)
+        return self._instant(c, c.law(s), u, s.clock, s.turn.angle)
 
     def advance(self, c: _Constants, s: _State, u: Inputs[_Commands], h: float) -> _State:
         """The mean torque of the deflections at both ends, and the motor's work."""
         is_impulse = u.commands.impulse > 0.5
         clock = s.clock if u.commands.hold > 0.5 else s.clock + h
-        now, commanded = self._instant(c, u, clock, s.turn.angle), c.motion.angle(s.clock)
+        law = c.law(s)
+        now, commanded = self._instant(c, law, u, clock, s.turn.angle), law.angle(s.clock)
         start, is_paired = s.turn.angle - commanded, c.is_paired and not is_impulse
         mean_rate, rate = (now.deflection - start) / h, now.deflection_rate
         arc = self._arc(s.turn, now.turn, u, is_paired)
-        driven = c.motion.rate_moment(s.clock, clock) if is_paired else 0.0
+        driven = law.rate_moment(s.clock, clock) if is_paired else 0.0
         motion = StepMotion(start, now.deflection, h, s.memory, arc.moment - driven)
         if self.endpoint:
             motion = motion.without_inertia()
@@ -210,6 +273,7 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
             slide,
             s.numerical + load.numerical,
             last,
+            now.commanded if c.is_followed else s.followed,
         )
 
     def torque(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> tuple[Turn, float, float]:
@@ -236,11 +300,12 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
         )
 
     def powers(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
-        """Rate of the clock, heat (W) of the end-point torque and power (W) of the motor."""
+        """Rate of the clock, heat (W) of the end-point torque, power (W) of the motor, rate of what is followed."""
         now = self._now(c, s, u)
         rate = now.deflection_rate
         clock = 0.0 if u.commands.hold > 0.5 else 1.0
-        return clock, c.p.damping * rate * rate, c.torque(now.deflection, rate) * now.commanded_rate
+        power = c.torque(now.deflection, rate) * now.commanded_rate
+        return clock, c.p.damping * rate * rate, power, now.commanded_rate if c.is_followed else 0.0
 
     def follow(self, c: _Constants, s: _State, u: Inputs[_Commands], at_event: bool) -> _State:
         """Follow the angle."""
@@ -248,4 +313,4 @@ class Drive(AxialConnection[_Parameters, _State, _Commands]):
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Axis, profile and mode."""
-        return {**super().native_data(), "quintic": self._quintic}
+        return {**super().native_data(), "profile": _PROFILES.index(self._profile)}

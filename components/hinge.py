@@ -61,7 +61,9 @@ LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
 
 _REACHED = 1e-9  # distance (rad) from the latch angle that a solver may leave when it has found the event
-_FOLDED = 3.0  # rad across the line: at pi the angle about it is not defined, and near there it turns without bound
+_FOLDED = (
+    3.0  # rad across the line: at pi the angle about it is not defined, and near there it turns without bound
+)
 
 
 class Hinge(Connection[Parameters, State, Commands]):

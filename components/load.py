@@ -23,7 +23,7 @@ from .contract.frames import (
     subtract,
 )
 from .contract.ports import WRENCH_SIZE
-from .contract.record import Record, integrated, kept, observed
+from .contract.record import Record, integrated, kept, observed, tunable
 from .contract.roles import HOLD, IMPULSE, LOAD, ORDER, SUPPLIED_ENERGY, TIME_TO_BREAK
 from .numerics.motion_law import NOTHING, MotionLaw, gauss_moments, interpolated
 from .numerics.relative_motion import unit_direction
@@ -33,6 +33,10 @@ _FRAMES = ("world", "body")
 
 
 class _Parameters(NamedTuple):
+    added_force: Annotated[float, tunable("N", "Force beside the law, such as a controller commands", 0.0)]
+    added_torque: Annotated[
+        float, tunable("N.m", "Torque beside the law, such as a controller commands", 0.0)
+    ]
     order: Annotated[float, ORDER]
 
 
@@ -57,6 +61,7 @@ class _Observations(NamedTuple):
 
 
 class _Constants(NamedTuple):
+    added: tuple[float, float]
     is_paired: bool
 
 
@@ -64,9 +69,9 @@ class Load(Connection[_Parameters, _State, _Commands]):
     """A force through the port along `direction` and a torque about it, each by a motion law over time (N, N.m).
 
     frame: "world" for a direction that stays, "body" for one in the axes of the port that turns with it. force,
-    torque: terms, see `MotionLaw`; one of both may be left out. The clock starts at zero, when the scene does, and
-    stands still while `hold` is 1. Over a step the load is its mean and its slope, whose work on the port is what is
-    supplied.
+    torque: terms, see `MotionLaw`; they may be left out. What is added to them may be set in mid-run. The clock starts
+    at zero, when the scene does, and stands still while `hold` is 1. Over a step the load is its mean and its slope,
+    whose work on the port is what is supplied.
     """
 
     kind, port_names, own_outputs = "load", ("body",), (TIME_TO_BREAK,)
@@ -84,8 +89,6 @@ class Load(Connection[_Parameters, _State, _Commands]):
         if frame not in _FRAMES:
             raise ComponentError(f"frame is {frame!r}; it must be world or body")
         self._direction = unit_direction(direction, "direction", "the load")
-        if not force and not torque:
-            raise ComponentError("there is neither a force nor a torque; give terms of one of them")
         self._turns = frame == "body"
         self._laws = MotionLaw(force or NOTHING), MotionLaw(torque or NOTHING)
         structure = {"direction": tuple(direction), "frame": frame}
@@ -94,7 +97,8 @@ class Load(Connection[_Parameters, _State, _Commands]):
 
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
-        return _Constants(self._is_paired(self._checked(p).order))
+        one = self._checked(p)
+        return _Constants((one.added_force, one.added_torque), self._is_paired(one.order))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
         """At the place of the inputs."""
@@ -109,7 +113,7 @@ class Load(Connection[_Parameters, _State, _Commands]):
         turned = _turned(s.orientation, port.orientation)
         bend = moment.angular_velocity if is_paired and moment is not None else (0.0, 0.0, 0.0)
         directions = self._directions(s.orientation, port.orientation, turned, bend)
-        wrench, slopes = self._means(s.clock, clock, directions)
+        wrench, slopes = self._means(c, s.clock, clock, directions)
         moved = (*subtract(port.position, s.position), *turned)
         work = sum(w * m for w, m in zip(wrench, moved, strict=True))
         if not is_paired or moment is None:
@@ -135,12 +139,12 @@ class Load(Connection[_Parameters, _State, _Commands]):
         return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
 
     def _means(
-        self, start: float, end: float, directions: tuple[Vector3, Vector3, Vector3]
+        self, c: _Constants, start: float, end: float, directions: tuple[Vector3, Vector3, Vector3]
     ) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Mean wrench and its slope over a step."""
         found: list[tuple[float, float]] = []
-        for law in self._laws:
-            samples = law.samples(start, end)
+        for law, added in zip(self._laws, c.added, strict=True):
+            samples = [value + added for value in law.samples(start, end)]
             found += [
                 gauss_moments([f * d[axis] for f, d in zip(samples, directions, strict=True)])
                 for axis in range(3)
@@ -160,13 +164,17 @@ class Load(Connection[_Parameters, _State, _Commands]):
         """Of the present time and orientation."""
         (port,) = u.motions
         along = rotate(port.orientation, self._direction) if self._turns else self._direction
-        force, torque = (scaled(law.value(s.clock), along) for law in self._laws)
+        force, torque = (scaled(value, along) for value in self._present(c, s))
         return (*force, *torque)
+
+    def _present(self, c: _Constants, s: _State) -> tuple[float, float]:
+        """Force (N) and torque (N.m) at the present time."""
+        force, torque = self._laws
+        return force.value(s.clock) + c.added[0], torque.value(s.clock) + c.added[1]
 
     def record(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Observations:
         """The load at the communication point, and its work."""
-        force, torque = self._laws
-        return _Observations(force.value(s.clock), torque.value(s.clock), s.work)
+        return _Observations(*self._present(c, s), s.work)
 
     def powers(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Rate of the clock, and power (W) of the load."""

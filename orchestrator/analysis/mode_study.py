@@ -17,7 +17,7 @@ from components.contract.component import Vector
 from components.flexible.reduction import fixed_interface_frequencies, free_frequencies
 
 from ..assembly.assemble import assemble
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..run.progress import Progress, silent
 from ..run.run import RunError
 from ..scene import CheckedScene

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..assembly import Assembly
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..run.progress import Progress, silent
 from ..run.run import RunError
 from .studies import LatchStudy, refuse_unlatched, run_case

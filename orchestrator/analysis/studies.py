@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..assembly import Assembly
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..run.progress import Progress, followed
 from ..run.run import Outcome, RunError, run
 

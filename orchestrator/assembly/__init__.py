@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any, Self
 
 
@@ -106,6 +107,41 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True)
+class Signal:
+    """A scalar variable of an FMU, joined to number `index` of an observation, output or parameter of a part.
+
+    kind: of the variable, as FMI calls its type. factor, offset: make the value that arrives of the one that leaves.
+    unit, description: of the variable. start: of a parameter that is set, all its numbers before anything sets it.
+    """
+
+    variable: str
+    kind: str
+    part: str
+    quantity: str
+    index: int
+    factor: float = 1.0
+    offset: float = 0.0
+    unit: str = "1"
+    description: str = ""
+    start: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class SignalFmu:
+    """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
+
+    start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives.
+    """
+
+    name: str
+    path: Path
+    step: float
+    start: Mapping[str, float | int | bool | str]
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Geometry:
     """What a picture of a body needs, in its construction frame; shapes are (D, 3, M)."""
 
@@ -137,3 +173,4 @@ class Assembly:
     geometry: Mapping[str, Geometry] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     large_deformation: tuple[str, ...] = ()
+    signal_fmus: tuple[SignalFmu, ...] = ()

@@ -29,6 +29,7 @@ from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
 from .hinges import assembly_line, damper_part, hinge_parts, line_latch, loop_part
+from .signal_fmus import signal_fmus
 from .start_values import with_port_starts
 
 
@@ -83,6 +84,7 @@ def assemble(
         driving_energy=sum(line.motor_energy for line in lines),
         geometry=geometry,
         events=assembly_events(scene, parts, hinge_lines),
+        signal_fmus=signal_fmus(scene, parts, hinge_lines),
     )
 
 

@@ -25,7 +25,7 @@ from . import Condition, Event, HingeLine, Part, Setting
 
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
-_SCALAR = re.compile(r"(\w+)(?:\[(\d+)\])?")
+_SCALAR = re.compile(r"([\w.]+)(?:\[(\d+)\])?")
 _OF_A_MOTOR_SPRING = ("motor_stiffness", "motor_wind_up", "motor_constant_torque")
 """Parameters of a hinge that do nothing where its motor is a table."""
 _ACT_IN_LATCHES = {"latch_stiffness": ("spring",), "latch_damping": ("spring", "table")}
@@ -77,7 +77,7 @@ class _EventReader:
 
     def _released(self, key: str, name: str) -> Iterator[str]:
         for part in self._parts_of(key, name):
-            if any(command in _component(part).input_layout for command in RELEASES):
+            if any(command in component_of(part).input_layout for command in RELEASES):
                 yield part.name
             else:
                 self.problems.append(
@@ -91,11 +91,11 @@ class _EventReader:
         for part in self._parts_of(f"{key}.component", name):
             quantities = {
                 q.name: q
-                for q in _component(part).observation_layout.quantities
+                for q in component_of(part).observation_layout.quantities
                 if not q.name.endswith(LAGGED)
             }
             try:
-                quantity, index = _scalar(when.variable, quantities, part.kind)
+                quantity, index = scalar(when.variable, quantities, part.kind)
             except ValueError as error:
                 self.problems.append(f"{key}.variable: {error}")
                 continue
@@ -106,14 +106,14 @@ class _EventReader:
         return None
 
     def _with_settings(self, key: str, event: Event, part: Part, variables: Mapping[str, Any]) -> Event:
-        component = _component(part)
+        component = component_of(part)
         values = dict(part.start)
         for name, given in variables.items():
             try:
                 if name in component.input_layout:
                     event = self._commanded(event, part, name, given)
                     continue
-                quantity = _tunable(name, component, part.kind)
+                quantity = tunable(name, component, part.kind)
                 value = in_range(quantity, given, value_of(quantity, given))
                 _check_motor(part, name, value, variables)
             except (ComponentError, ValueError) as error:
@@ -145,11 +145,12 @@ class _EventReader:
         return event.also(latches=(line,))
 
 
-def _component(part: Part) -> Component:
+def component_of(part: Part) -> Component:
+    """The component of a part, as the scene gives its structure."""
     return REGISTRY[part.kind](**part.structure)
 
 
-def _scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:
+def scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:
     """The quantity of a scalar, and its place within it; ValueError where there is none."""
     found = _SCALAR.fullmatch(name)
     base, number = found.groups() if found else (name, None)
@@ -175,17 +176,17 @@ def _check_motor(part: Part, name: str, value: object, set_with: Collection[str]
         raise ValueError(f"is nothing already; what drives this hinge is {_MOTORS[name]}, if anything does")
 
 
-def _tunable(name: str, component: Component, kind: str) -> Quantity:
+def tunable(name: str, component: Component, kind: str) -> Quantity:
     """The parameter of a name; ValueError where there is none that can be set in mid-run."""
     known = {q.name: q for q in component.parameter_layout.quantities}
-    tunable = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
+    free = [q.name for q in known.values() if q.variability == "tunable" and q.name not in _OF_THE_MASTER]
     if name in _OF_A_MOTOR_SPRING and component.structure.get("motor_angle"):
         raise ValueError("has no effect, as the motor is a table; give it by its torques stowed and deployed")
     latch = component.structure.get("latch", "spring")
     if latch not in _ACT_IN_LATCHES.get(name, (latch,)):
         raise ValueError(f"has no effect, as the latch is {latch}")
-    if name in tunable:
+    if name in free:
         return known[name]
     if name in known:
-        raise ValueError(f"cannot be set in mid-run; of a {kind}, these can: {', '.join(tunable) or 'none'}")
-    raise ValueError(f"{unknown(name, tunable, 'parameter')} (of a {kind})")
+        raise ValueError(f"cannot be set in mid-run; of a {kind}, these can: {', '.join(free) or 'none'}")
+    raise ValueError(f"{unknown(name, free, 'parameter')} (of a {kind})")

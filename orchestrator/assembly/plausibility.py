@@ -39,6 +39,7 @@ def doubts(scene: CheckedScene) -> list[str]:
     return [
         *_unstopped(scene),
         *_without_friction(scene),
+        *_without_load(scene),
         *_held_by_friction(scene),
         *_through_one_another(scene),
         *_unlike_travels(scene),
@@ -55,6 +56,19 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
                 f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+def _without_load(scene: CheckedScene) -> Iterator[str]:
+    """Loads that have no law, and that nothing sets in mid-run."""
+    outputs = [target for fmu in scene.fmus for name in fmu.outputs for target in fmu.targets(name)]
+    driven = {target.partition(".")[0] for target in outputs}.union(*(event.set for event in scene.events))
+    for one in scene.connections:
+        is_empty = not any((one.structure.get("force"), one.structure.get("torque"), one.parameters))
+        if one.kind == "load" and is_empty and one.name not in driven:
+            yield (
+                f"connection.{one.name}: it has neither a force nor a torque, and no event or FMU sets added_force or "
+                "added_torque, so it does nothing"
             )
 
 

@@ -14,10 +14,12 @@ from . import energy_guard, stepping
 from .energy_balance import Energies
 from .implicit.convergence import Solution
 from .implicit.native_solver import NativeSolver, Stop
-from .master import Master, Settings
+from .master import Master
 from .native.library import Crossing, LoopData, RowBlock, Rules
 from .network import Network
 from .rows import Recorder, Rows
+from .settings import Settings
+from .signals.process import SignalProcess
 
 _RULES = Rules(
     ratio=stepping.RATIO,
@@ -57,8 +59,9 @@ class CompiledMaster(Master):
         recorder: Recorder,
         settings: Settings,
         events: Sequence[Event] = (),
+        signals: Sequence[SignalProcess] = (),
     ) -> None:
-        super().__init__(network, hinge_lines, recorder, settings, events)
+        super().__init__(network, hinge_lines, recorder, settings, events, signals)
         if isinstance(self.solver, NativeSolver):
             self._steps, self._planned_steps = np.zeros(_MOST_STEPS), np.zeros(_MOST_STEPS)
             self._start = np.zeros(len(Energies._fields))
@@ -108,7 +111,7 @@ class CompiledMaster(Master):
         loop, every = self._loop, self.settings.snapshot_every
         self._start[:] = self._energy_start
         loop.time, loop.position, loop.parts = self.time, len(self.segments[-1]), self._parts
-        loop.until, loop.break_time, loop.event_time = until, self._break, self._scheduled.next_time
+        loop.until, loop.break_time, loop.event_time = until, self._break, self._next_stop
         loop.stop = inf if every is None else (self.time // every + 1.0) * every - stepping.TIME_ROUNDING
         loop.sizes, loop.error, loop.guard = map(addressof, (self._sizes, self._error, self._guard))
         loop.fixed_step = self.settings.fixed_step or 0.0

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +18,8 @@ from .implicit.solver import Solver
 from .network import Network
 from .participant import ParticipantError, Vector
 from .rows import Recorder, Rows
+from .signals.exchange import SignalExchange
+from .signals.process import SignalProcess
 from .static_search import DURATION, StaticSearch
 
 SCENE_CHANNELS = (
@@ -57,6 +60,7 @@ class CoSimulation(ABC):
         recorder: Recorder,
         solver: Solver,
         events: Sequence[Event] = (),
+        signals: Sequence[SignalProcess] = (),
     ) -> None:
         self.network = network
         self.recorder = recorder
@@ -68,7 +72,9 @@ class CoSimulation(ABC):
         self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
         self._sensors = self._found_sensors()
         self._scheduled = ScheduledEvents(events, network.participants, solver.observations)
-        self._scene = np.zeros(len(SCENE_CHANNELS))
+        bodies = [body.name for body in network.bodies]
+        self._signals = SignalExchange(signals, network.participants, solver.observations, bodies)
+        self._scene = np.zeros(len(SCENE_CHANNELS) + self._signals.values.size)
         self._rows = Rows(recorder, network.participants, solver.observations, self._scene)
 
     def initialize(self, *, preload: bool) -> None:
@@ -91,6 +97,8 @@ class CoSimulation(ABC):
         self._energy_start = self._observe()
         if holding := self._scheduled.holding():
             raise ParticipantError("; ".join(holding))
+        if self._signals.is_any:
+            self._exchange_signals(start=True)
         self._record(0.0, 0)
 
     @abstractmethod
@@ -132,8 +140,23 @@ class CoSimulation(ABC):
         self.recorder.event(self.time, event.name, event.text)
         self._scheduled.release(event)
         self._without(event.releases)
+        with self._supplied():
+            self._scheduled.set(event)
+
+    def _exchange_signals(self, *, start: bool = False) -> bool:
+        """Have FMUs with signals take part at this instant, or start; whether they changed anything."""
+        self._rows.release()
+        with self._supplied():
+            changed = self._signals.start() if start else self._signals.exchange(self.time)
+        # rows that are made in C leave these as they are held
+        self._rows.held()[2][len(SCENE_CHANNELS) :] = self._signals.values
+        return changed
+
+    @contextmanager
+    def _supplied(self) -> Iterator[None]:
+        """What is set meanwhile changes energies from outside."""
         before = self._observe()
-        self._scheduled.set(event)
+        yield
         changed = self._observe().balance - before.balance
         self._energy_start = self._energy_start._replace(supplied=self._energy_start.supplied - changed)
 
@@ -175,7 +198,8 @@ class CoSimulation(ABC):
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         """The last observations and the scene's channels to the recorder; those of an accepted step one step later."""
         found, start = self._energies, self._energy_start
-        self._scene[:] = (
+        self._scene[len(SCENE_CHANNELS) :] = self._signals.values
+        self._scene[: len(SCENE_CHANNELS)] = (
             h,
             iterations,
             found.stored,

@@ -20,10 +20,11 @@ from ..assembly import Event, HingeLine
 from .cosimulation import CoSimulation
 from .implicit.convergence import Tolerance
 from .implicit.solvers import solver_for
-from .master import Settings
 from .network import Network
 from .participant import ParticipantError
 from .rows import Recorder
+from .settings import Settings
+from .signals.process import SignalProcess
 from .stepping import StepError
 
 Order = Literal["jacobi", "gauss-seidel"]
@@ -49,9 +50,10 @@ class ExplicitMaster(CoSimulation):
         settings: Settings,
         order: Order = "gauss-seidel",
         events: Sequence[Event] = (),
+        signals: Sequence[SignalProcess] = (),
     ) -> None:
         solver = solver_for(network, Tolerance(_PRELOAD_TOLERANCE))
-        super().__init__(network, hinge_lines, recorder, solver, events)
+        super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self.settings = settings
         self.order = order
 
@@ -78,7 +80,9 @@ class ExplicitMaster(CoSimulation):
                 self._act(event)
                 for line in [line for line in self._pending if line.name in event.latches]:
                     self._engage(line)
-            remaining = min(until, self._scheduled.next_time) - self.time
+            if self._signals.is_due(self.time):
+                self._exchange_signals()
+            remaining = min(until, self._scheduled.next_time, self._signals.next_time) - self.time
             h = remaining if remaining < 1.001 * size else size
             self._step_or_fail(h)
             self._advance(h)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from math import inf, sqrt
 
 import numpy as np
@@ -30,8 +29,9 @@ from .latch_up import (
 )
 from .network import Network
 from .participant import ParticipantError
-from .ports import Order
 from .rows import Recorder
+from .settings import Settings
+from .signals.process import SignalProcess
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
 _ITERATED = {2: 1e-2, 4: 1e-3}
@@ -46,36 +46,6 @@ _LONGEST_SWING = 0.02
 """Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
 
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """Numbers of the master.
-
-    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
-    with the root of the tolerance, as the rotations' error goes with its square. start_step: before errors can be told,
-    for which two steps must be seen; what motors stir up by starting begins in these. fixed_step: constant
-    communication step size instead of control, divided only where it does not converge. step_plan: step
-    sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
-    through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
-    snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
-    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it. compiled: whether a run
-    takes `CompiledMaster`.
-    """
-
-    tolerance: float = 1e-4
-    largest_step: float = 0.02
-    smallest_step: float = 2e-5
-    start_step: float = 2e-5
-    event_step: float = 2e-4
-    fixed_step: float | None = None
-    step_plan: Sequence[Sequence[float]] | None = None
-    driving_energy: float = 0.0
-    order: Order | None = None
-    snapshot_every: float | None = None
-    asked_tolerance: float | None = None
-    compiled: bool = True
-    progress: Callable[[float, float], None] = field(default=lambda time, h: None)
-
-
 class Master(CoSimulation):
     """Couples the participants of a network implicitly and follows them through time."""
 
@@ -86,9 +56,10 @@ class Master(CoSimulation):
         recorder: Recorder,
         settings: Settings,
         events: Sequence[Event] = (),
+        signals: Sequence[SignalProcess] = (),
     ) -> None:
         tolerance = Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
-        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance), events)
+        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance), events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
         self.solver.persistent = not self._controlled
@@ -134,6 +105,9 @@ class Master(CoSimulation):
             if event is not None:
                 self._happen(event)
                 continue
+            if self._signals.is_due(self.time):
+                self._take_signals()
+                continue
             made = self._next_made(until)
             if made is None:
                 continue
@@ -151,7 +125,7 @@ class Master(CoSimulation):
                 self._happen(crossed)
             elif crossed is not None:
                 self._latch(crossed)
-            elif is_break and self._scheduled.due(self.time) is None:
+            elif is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._renew()
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
@@ -352,12 +326,23 @@ class Master(CoSimulation):
             one for one in self._latched if not free & {hinge.connection for hinge in one.hinges}
         ]
         self.solver.forget_all()
-        self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size))
+        self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size), self.solver.forget_all)
         self._watch()
         for line in [line for line in self._pending if line.name in event.latches]:
             self._latch(line)
         self._judge_latches()
         self._renew()
+
+    def _take_signals(self) -> None:
+        """Have FMUs with signals act at this instant; where they change something, go on as after an event."""
+        if self._exchange_signals():
+            forget = self.solver.forget_all if self._signals.sets_bodies else self.solver.forget
+            forget()
+            self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size), forget)
+            self._renew()
+        else:
+            self._begin_segment()
+        self._watch()
 
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
@@ -371,7 +356,7 @@ class Master(CoSimulation):
         if line.kinematic:
             self._impulse()
         elif self.settings.fixed_step is None:
-            self._record_jump(min(_IMPULSE_STEP, 0.1 * size))
+            self._record_jump(min(_IMPULSE_STEP, 0.1 * size), self.solver.forget_all)
         self.solver.restart()
         self._sizes.restart(size, stirred=False)
         self._begin_segment()
@@ -387,7 +372,7 @@ class Master(CoSimulation):
         if self.segments[-1]:
             self.segments.append([])
 
-    def _record_jump(self, after: float) -> None:
+    def _record_jump(self, after: float, forget: Callable[[], None]) -> None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back."""
         solver = self.solver
         solver.restore()
@@ -400,7 +385,7 @@ class Master(CoSimulation):
         self._record(after, 0)
         self.time -= after
         solver.restore()
-        solver.forget_all()
+        forget()
 
     def _engage(self, line: HingeLine) -> float:
         """Latch a line, and return the step size (s) to go on with.
@@ -492,7 +477,12 @@ class Master(CoSimulation):
         """Note how far lines are from their latches and conditions from holding, and the next time to end a step at."""
         self._before = {one.name: self._left(one) for one in self._awaited()}
         form = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
-        self._break = min(form, self._scheduled.next_time)
+        self._break = min(form, self._next_stop)
+
+    @property
+    def _next_stop(self) -> float:
+        """Time (s) of the next event that has one, or communication point of an FMU with signals."""
+        return min(self._scheduled.next_time, self._signals.next_time)
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)

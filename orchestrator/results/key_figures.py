@@ -328,8 +328,10 @@ def peak(result: Result, values: Vector) -> Peak:
 
 
 def jumps(result: Result) -> list[float]:
-    """Times (s) of events; the start is one as well: unless preloaded, all loads jump there."""
-    return [float(result.time[0]), *(time for time, _, _ in result.events)]
+    """Times (s) at which loads jump: of events, of what FMUs with signals set, which two rows tell, and the start."""
+    apart = np.diff(result.time, prepend=-np.inf, append=np.inf) > EVENT_WIDTH
+    pairs = ~apart[1:-1] & apart[:-2] & apart[2:]
+    return [float(result.time[0]), *(time for time, _, _ in result.events), *result.time[:-1][pairs].tolist()]
 
 
 def extremes(time: Vector, values: Vector, events: Sequence[float] = ()) -> tuple[Peak, Peak]:

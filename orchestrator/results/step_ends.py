@@ -17,7 +17,7 @@ from components.contract.roles import INTERFACE_LOAD
 
 from ..assembly import HingeLine
 from .estimated_errors import EstimatedError, Key
-from .key_figures import extremes, latch_times, line_latch_torque
+from .key_figures import extremes, jumps, latch_times, line_latch_torque
 from .lines.latch_impulse import latch_impulse
 from .result import Result, Vector
 from .signal import EVENT_WIDTH
@@ -33,7 +33,7 @@ _STEPS = 2
 def errors_of_step_ends(result: Result) -> dict[Key, EstimatedError]:
     """By how much latch torque peaks and interface load peaks (N.m, N) are off, each by what it is off most."""
     found: dict[Key, EstimatedError] = {}
-    events = [float(result.time[0]), *(time for time, _, _ in result.events)]
+    events = jumps(result)
     for key, values in _promised_peaks(result):
         moves = sampling_error(result.time, values, events)
         found[key] = larger(found.get(key), EstimatedError(_OF_SAMPLING * moves, moves))
@@ -86,7 +86,7 @@ def _rate_share(result: Result, hinge: str, rows: list[int], top: int) -> float:
 
 def _steps_before(result: Result, at: float) -> list[int]:
     """Rows that two steps up to an event begin and end with, fewer where another event comes between them."""
-    others = [time for time, _, _ in result.events if time < at - EVENT_WIDTH]
+    others = [time for time in jumps(result) if time < at - EVENT_WIDTH]
     since = max(others, default=float(result.time[0]))
     row = int(np.searchsorted(result.time, at, side="right")) - 1
     rows = [row]

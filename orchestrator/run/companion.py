@@ -16,7 +16,7 @@ from dataclasses import replace
 from math import sqrt
 
 from ..assembly import Assembly
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
 from ..results.key_figures import Headline, headline
 from ..results.result_file import with_statistics

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..assembly import Assembly, Part
 from ..assembly.start_values import with_port_starts
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..results.result import Result
 from .run import run
 

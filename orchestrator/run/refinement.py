@@ -19,7 +19,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
-from ..cosim.master import Settings
+from ..cosim.settings import Settings
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     OF_LATCHES,

@@ -16,7 +16,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from components import REGISTRY, ComponentError
+from components import REGISTRY, ComponentError, Layout
 from components.cache.temporary import process_folder
 from fmus import Backend, Experiment, FmiVersion, build_fmu
 from fmus.archive import content_digest
@@ -27,11 +27,14 @@ from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
 from ..cosim.fmu import FmuParticipant
 from ..cosim.implicit.snapshot import Snapshot
-from ..cosim.master import Master, Settings
+from ..cosim.master import Master
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
 from ..cosim.rows import recorded_layout
+from ..cosim.settings import Settings
+from ..cosim.signals.exchange import recorded
+from ..cosim.signals.process import SignalProcess
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
@@ -221,6 +224,12 @@ def run(
             raise RunError(f"{assembly.name}: {error}") from None
         except NetworkError as error:
             raise RunError("\n".join(f"{assembly.name}: {problem}" for problem in error.problems)) from None
+        if assembly.signal_fmus and (settings.snapshot_every is not None or start is not None):
+            names = ", ".join(fmu.name for fmu in assembly.signal_fmus)
+            raise RunError(
+                f"{assembly.name}: a run with FMUs that have signals ({names}) has no checkpoints, as their state "
+                "is not kept; leave checkpoint out"
+            )
         return _follow(assembly, network, output, settings, end, master, asked or {}, start)
 
 
@@ -238,6 +247,7 @@ def _follow(
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = [SignalGroup.of(p.name, recorded_layout(p.observation_layout), p.noun) for p in participants]
     groups.append(_scene_group())
+    groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
     start = perf_counter() - (resumed.wall_time if resumed else 0.0)
@@ -246,12 +256,15 @@ def _follow(
     recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
+        signals = _signal_processes(assembly, stack)
         runner = (
             (CompiledMaster if settings.compiled else Master)(
-                network, assembly.hinge_lines, writer, settings, assembly.events
+                network, assembly.hinge_lines, writer, settings, assembly.events, signals
             )
             if kind == "implicit"
-            else ExplicitMaster(network, assembly.hinge_lines, writer, settings, kind, assembly.events)
+            else ExplicitMaster(
+                network, assembly.hinge_lines, writer, settings, kind, assembly.events, signals
+            )
         )
 
         def keep(snapshot: Snapshot) -> None:
@@ -281,6 +294,14 @@ def _follow(
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
     return Outcome(result, kind, network.order, headline(result), costs, segments, statistics.latch_damping)
+
+
+def _signal_processes(assembly: Assembly, stack: ExitStack) -> list[SignalProcess]:
+    """A process for each FMU that has signals; RunError where one cannot be started."""
+    try:
+        return [stack.enter_context(SignalProcess(fmu)) for fmu in assembly.signal_fmus]
+    except ParticipantError as error:
+        raise RunError(f"{assembly.name}: {error}") from None
 
 
 def _recorder(
@@ -349,6 +370,7 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
     for participant in participants:
         if isinstance(participant, FmuParticipant):
             found[f"fmu.{participant.name}"] = content_digest(participant.path)
+    found.update({f"fmu.{fmu.name}": content_digest(fmu.path) for fmu in assembly.signal_fmus})
     return found
 
 

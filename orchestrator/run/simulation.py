@@ -15,9 +15,10 @@ from fmus import Backend, native_library
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.plausibility import doubts
-from ..cosim.master import Settings
+from ..assembly.signal_fmus import unit_sentences
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
+from ..cosim.settings import Settings
 from ..results.result_file import refuse_to_replace
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
@@ -153,6 +154,7 @@ def simulate(
     for sentence in [
         *doubts(scene),
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
+        *unit_sentences(assembly.signal_fmus, scene),
     ]:
         warn(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from math import isfinite, log2
 
 from ..assembly import Assembly
-from ..cosim.master import Settings
 from ..cosim.ports import Order
+from ..cosim.settings import Settings
 from ..results.key_figures import Number
 from .run import Loader, Outcome, RunError, as_fmus, run
 

@@ -18,6 +18,7 @@ from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, with_absolute_files
 from .reader import check_layers, find_scene
 from .schema import CheckedScene, Header
+from .signals.tables import Fmu
 from .table import SceneError, Table
 from .validation import EntryReader
 
@@ -188,6 +189,10 @@ class Scene:
             for port, seat in ports.items()
         }
         return self._add("connection", Connection, {"name": name, "kind": kind, "ports": seats, **keys})
+
+    def fmu(self, name: str, file: str | Path, **keys: object) -> str:
+        """Add an FMU of another tool, [[fmu]], by its file: inputs and outputs as the table has them."""
+        return self._add("fmu", Fmu, {"name": name, "file": str(file), **keys})
 
     def event(self, name: str, **keys: object) -> str:
         """Add what happens in mid-run, [[event]]: time or when, and what is done, release or set."""

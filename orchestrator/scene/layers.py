@@ -8,7 +8,7 @@ name away. Everything else replaces what was there. A merge that cannot be is a 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -111,13 +111,16 @@ def _read(path: Path) -> Tree:
 
 
 def with_absolute_files(tree: Tree, folder: Path) -> Tree:
-    """The tree of a scene file in a folder, variants included, with files of `[body.import]` and plugins absolute."""
+    """The tree of a scene file in a folder, variants included, with absolute paths of what it is made of besides."""
     variants = tree.get("variant")
     layers = [tree, *(variants.values() if isinstance(variants, dict) else ())]
     for layer in layers:
         bodies = layer.get("body") if isinstance(layer, dict) else None
         for body in bodies if isinstance(bodies, list) else ():
-            _make_absolute(body, folder)
+            _make_absolute(body.get("import") if isinstance(body, dict) else None, NAMES, folder)
+        fmus = layer.get("fmu") if isinstance(layer, dict) else None
+        for fmu in fmus if isinstance(fmus, list) else ():
+            _make_absolute(fmu, ("file",), folder)
         header = layer.get("scene") if isinstance(layer, dict) else None
         plugins = header.get("plugins") if isinstance(header, dict) else None
         if isinstance(header, dict) and isinstance(plugins, list):
@@ -125,11 +128,8 @@ def with_absolute_files(tree: Tree, folder: Path) -> Tree:
     return tree
 
 
-def _make_absolute(body: Any, folder: Path) -> None:  # noqa: ANN401 - whatever a TOML file gives
-    table = body.get("import") if isinstance(body, dict) else None
-    if not isinstance(table, dict):
-        return
-    for key in NAMES:
+def _make_absolute(table: Any, keys: Iterable[str], folder: Path) -> None:  # noqa: ANN401 - whatever a TOML file gives
+    for key in keys if isinstance(table, dict) else ():
         if isinstance(table.get(key), str) and table[key]:
             table[key] = str((folder / table[key]).resolve())
 

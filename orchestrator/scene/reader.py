@@ -25,12 +25,13 @@ from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, resolved
 from .loops.closing import closed, open_loops
 from .schema import CheckedScene, Header
+from .signals.tables import Fmu
 from .table import SceneError
 from .validation import Entries, EntryReader
 
 _STRUCTURAL = "structural_damping"
 _TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
-_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection", "event"}
+_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection", "event", "fmu"}
 _ANY_HEADER = Header(name="any", until=1.0)
 
 
@@ -124,14 +125,15 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     bodies, lines = reader.tables("body", Body), reader.tables("hinge_line", HingeLine)
     loops, dampers = reader.tables("ccl", Ccl), reader.tables("damper", Damper)
     connections, events = reader.tables("connection", Connection), reader.tables("event", Event)
-    placed = _References(reader, base, bodies, lines, loops, dampers, connections, events).check()
+    fmus = reader.tables("fmu", Fmu)
+    placed = _References(reader, base, bodies, lines, loops, dampers, connections, events, fmus).check()
     refused = {c.name for c in connections.saying("kind") if reader.note(connection_problems(c))}
     if base is None or not placed:
         return None, _told(reader.problems, unlike)
     # where bodies stand and touch can be told whatever else is wrong
     scene = CheckedScene(
         file, tree, header or _ANY_HEADER, base, joint or Joint(), structural, friction or Friction(),
-        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound,
+        bodies.sound, lines.sound, loops.sound, dampers.sound, connections.sound, events.sound, fmus.sound,
     )  # fmt: skip
     points = scene_points(scene)
     joints = tuple(c for c in connections.sound if c.name not in refused)
@@ -169,13 +171,15 @@ class _References:
     dampers: Entries[Damper]
     connections: Entries[Connection]
     events: Entries[Event]
+    fmus: Entries[Fmu]
 
     def check(self) -> bool:
         """Note all problems; whether the start poses of all bodies can be told."""
         note, lines = self.reader.note, self.lines.saying("inboard", "outboard", "hinges")
         components = list(self._named())
         events = [(f"event.{name}", name) for name in self.events.names]
-        note(consistency.repeated_names([*components, *events]))
+        fmus = [(f"fmu.{name}", name) for name in self.fmus.names]
+        note(consistency.repeated_names([*components, *events, *fmus]))
         note(consistency.unknown_components(self.events.sound, [name for _, name in components]))
         points = self._points()
         note(consistency.unknown_hinges(self.dampers.saying("hinge"), self._hinges()))

@@ -13,6 +13,7 @@ from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
+from .signals.tables import Fmu
 from .table import ORIGIN, Name, SceneName, Table
 from .units import Acceleration, Duration, PositiveRatio
 
@@ -56,6 +57,7 @@ class CheckedScene:
     dampers: tuple[Damper, ...]
     connections: tuple[Connection, ...]
     events: tuple[Event, ...] = ()
+    fmus: tuple[Fmu, ...] = ()
 
     def lines_inward(self, body: str) -> Iterator[HingeLine]:
         """The hinge lines that carry a body, from it inward to the base."""

@@ -32,7 +32,7 @@ from time import process_time
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.hinges import line_latch
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.energy_ledger import tolerance_taken
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.progress import Watch

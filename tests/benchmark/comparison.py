@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fmus import Backend, native_library
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.benchmark import exudyn_panel
 from tests.benchmark.error_plot import Point, plot

@@ -22,8 +22,8 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit.interface_jacobian import InterfaceJacobian
 from orchestrator.cosim.implicit.native_solver import NativeSolver
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.ports import PortPlaces, Width
+from orchestrator.cosim.settings import Settings
 from orchestrator.results import result_file
 from orchestrator.run.run import Costs, run
 from orchestrator.scene import find_scene, load_scene

@@ -17,7 +17,7 @@ from tempfile import TemporaryDirectory
 
 from fmus import Backend
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import Outcome, as_fmus, run
 from orchestrator.scene import find_scene, load_scene
 

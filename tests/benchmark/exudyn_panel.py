@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.benchmark.models.exudyn_model import (
     JOINT,

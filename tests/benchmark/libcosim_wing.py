@@ -23,8 +23,8 @@ import numpy as np
 from fmus import Backend
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.ports import MOTION, WRENCH
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import as_fmus, export
 from orchestrator.scene import find_scene, load_scene

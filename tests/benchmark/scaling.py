@@ -23,8 +23,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from fmus import Backend, native_library
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.settings import Settings
 from tests.benchmark.models.chain import Chain, as_instances, panel
 from tests.benchmark.models.exudyn_chain import Outcome, bushings, tree
 from tests.references.record import Record

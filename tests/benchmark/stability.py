@@ -29,10 +29,11 @@ from components.flexible.modal import ModalData
 from components.numerics.oscillators import propagator
 from orchestrator.assembly import HingeLine, Link, Part
 from orchestrator.cosim.explicit import ExplicitMaster
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import ParticipantError, in_process
 from orchestrator.cosim.ports import Order
+from orchestrator.cosim.settings import Settings
 from orchestrator.cosim.stepping import StepError
 from orchestrator.run.run import as_fmus
 from tests.references.record import Record

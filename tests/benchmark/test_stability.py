@@ -9,7 +9,7 @@ from math import pi
 
 import pytest
 
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.benchmark.stability import (
     STEPS,
     judge,

@@ -19,7 +19,7 @@ from scipy.interpolate import CubicSpline
 
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.scene import find_scene, load_scene
 from tests.benchmark.error_plot import Point, error_texts, plot
 from tests.benchmark.stability import MasterName, Run, run

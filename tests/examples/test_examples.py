@@ -24,6 +24,14 @@ def around_a_latch_up(found, folder):
     assert found["after"]["hinge_left", "angle"] == pytest.approx(np.pi, abs=1e-6)
 
 
+def attitude_control(found, folder):
+    """Free, the wing has turned it by what momentum asks for; controlled, it comes back; no more than is allowed."""
+    assert abs(found["attitude"]["free"][-1]) > 1.0
+    assert abs(found["attitude"]["controlled"][-1]) < 0.01
+    assert np.max(np.abs(found["torque"])) == pytest.approx(2.0, rel=1e-12)
+    assert found["controlled"].headline.energy_residual < 1e-4
+
+
 def for_other_tools(found, folder):
     """Data sheet: 28.76 N.m.s/rad, here at 0.5 rad/s."""
     assert found["torque"] == pytest.approx(-14.38)

@@ -13,9 +13,10 @@ import numpy as np
 from components.flexible.modal import ModalData
 from orchestrator.assembly import Event, HingeLine, Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant, in_process
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.references.record import Record
 

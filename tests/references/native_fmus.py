@@ -13,9 +13,9 @@ from fmus import native_library
 from orchestrator.assembly import Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.differences import jacobian_by_differences
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.references.coupled import completed, mastered
 

@@ -16,8 +16,9 @@ from orchestrator.analysis.statics.placed_body import PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
 from tests.references.record import Record

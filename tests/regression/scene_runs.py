@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import Outcome, run
 from orchestrator.scene import find_scene, load_scene

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene

@@ -1,4 +1,4 @@
-"""A hinge that gives way across its line until the angle about it has no meaning: told by name, not a broken iteration."""
+"""A hinge that gives way across its line until the angle about it has no meaning is told of by name."""
 
 import pytest
 
@@ -18,7 +18,12 @@ cross_stiffness = 0.01
 
 [[body]]
 name = "arm"
-rigid = { mass = 1.0, center_of_mass = [0.0, 0.5, 0.0], inertia = [0.1, 0.01, 0.1], points = { root = [0.0, 0.0, 0.0] } }
+
+[body.rigid]
+mass = 1.0
+center_of_mass = [0.0, 0.5, 0.0]
+inertia = [0.1, 0.01, 0.1]
+points = { root = [0.0, 0.0, 0.0] }
 
 [[hinge_line]]
 name = "line"
@@ -36,7 +41,9 @@ def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     """Closed form: an arm along its line falls like a pendulum from the horizontal, to 180 deg on the other side."""
     scene, path = tmp_path / "soft.toml", tmp_path / "soft.h5"
     scene.write_text(SOFT, encoding="utf-8")
-    with pytest.raises(fanfold.FanfoldError, match=r"pin at t = .*bent by 17\d deg across its line") as caught:
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"pin at t = .*bent by 17\d deg across its line"
+    ) as caught:
         fanfold.simulate(scene, save=path, backend=backend, tolerance=1e-3, estimate=False)
     assert "cross_stiffness" in str(caught.value)
     assert len(fanfold.Result.open(path).time) > 10
@@ -46,6 +53,6 @@ def test_a_joint_without_springs_across_may_fold(tmp_path):
     """Definition: nothing that a spherical joint does hangs on its angle; energy as for any pendulum."""
     text = SOFT.replace('outboard = "root" }]', 'outboard = "root", kind = "spherical" }]')
     scene = tmp_path / "free.toml"
-    scene.write_text(text.replace('motor = { stowed = 0.001, deployed = 0.001 }\n', ""), encoding="utf-8")
+    scene.write_text(text.replace("motor = { stowed = 0.001, deployed = 0.001 }\n", ""), encoding="utf-8")
     result = fanfold.simulate(scene, until=1.5, tolerance=1e-3, estimate=False)
     assert result.complete

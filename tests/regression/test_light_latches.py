@@ -11,7 +11,7 @@ import pytest
 
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
 from orchestrator.scene import load_scene
 from tests.references.random_wings import load_wing

@@ -11,8 +11,8 @@ from fmus import native_library
 from orchestrator.assembly import Part
 from orchestrator.cosim.energy_balance import Energies
 from orchestrator.cosim.energy_guard import EnergyGuard
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.settings import Settings
 from tests.benchmark.models.chain import as_instances
 from tests.references.coupled import base, between, mastered
 

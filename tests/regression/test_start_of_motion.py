@@ -5,7 +5,7 @@ import pytest
 
 import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene
 

@@ -8,9 +8,10 @@ import pytest
 from fmus import native_library
 from orchestrator.assembly import Part
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.settings import Settings
 from orchestrator.cosim.static_search import _described, _motion
 from orchestrator.cosim.stepping import StepError
 from orchestrator.results.recorder import NoRecorder

@@ -7,7 +7,7 @@ inertial terms of stiff coordinates act in full, and nothing else takes energy.
 import numpy as np
 import pytest
 
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.native_fmus import needs_native
 from tests.references.ringing import swing, undamped_wing
 

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from components.flexible.modal import ModalData
 from orchestrator.assembly import Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references import closed_forms, relative_motion
 from tests.references import nodal_flexible_body as nodal
 from tests.references.coupled import base, between, completed, rigid, turned

@@ -1,4 +1,4 @@
-/* Drive about an axis: a commanded angle that follows a motion profile, behind the compliance of a gearbox: the
+/* Drive about an axis: a commanded angle, by a motion profile or from outside, behind the compliance of a gearbox: the
    twin of components/drive.py. */
 
 #include "drive_layout.h"
@@ -6,9 +6,15 @@
 
 typedef struct Drive {
     Axial axial;
-    int quintic;
+    int profile;
     double change; /* of the commanded angle */
 } Drive;
+
+/* What is commanded from a state on: of a profile, or from where a command from outside has led to. */
+typedef struct Command {
+    const Drive *drive;
+    real followed, since;
+} Command;
 
 /* The instant of some inputs: what is commanded, and what the gearbox takes up. */
 typedef struct Instant {
@@ -27,14 +33,39 @@ static inline real passed_share(const Drive *drive, real time) {
 
 static inline real profile_angle(const Drive *drive, real time) {
     real s = passed_share(drive, time);
-    real rise = drive->quintic ? s * s * s * (10.0 + s * (6.0 * s - 15.0)) : s * s * (3.0 - 2.0 * s);
+    const int quintic = drive->profile == STEP5_PROFILE;
+    real rise = quintic ? s * s * s * (10.0 + s * (6.0 * s - 15.0)) : s * s * (3.0 - 2.0 * s);
     return drive->axial.base.p[P_START_ANGLE] + drive->change * rise;
 }
 
 static inline real profile_rate(const Drive *drive, real time) {
     real s = passed_share(drive, time);
     real rest = s * (1.0 - s);
-    return drive->change / drive->axial.base.p[P_DURATION] * (drive->quintic ? 30.0 * rest * rest : 6.0 * rest);
+    const double scale = drive->change / drive->axial.base.p[P_DURATION];
+    return scale * (drive->profile == STEP5_PROFILE ? 30.0 * rest * rest : 6.0 * rest);
+}
+
+/* What is left of the way to a command from outside. */
+static inline real way_left(const Command *law, real time) {
+    const double *p = law->drive->axial.base.p;
+    return (law->followed - p[P_END_ANGLE]) * exp((law->since - time) / p[P_DURATION]);
+}
+
+static inline real law_angle(const Command *law, real time) {
+    if (law->drive->profile != COMMANDED_PROFILE) return profile_angle(law->drive, time);
+    return law->drive->axial.base.p[P_END_ANGLE] + way_left(law, time);
+}
+
+static inline real law_rate(const Command *law, real time) {
+    if (law->drive->profile != COMMANDED_PROFILE) return profile_rate(law->drive, time);
+    return -way_left(law, time) / law->drive->axial.base.p[P_DURATION];
+}
+
+/* Integral of (2 s - 1) exp(-x s) over s from 0 to 1; a series where the rest would be round-off. */
+static inline double decay_moment(double x) {
+    if (x < SHORT) return -x * (1.0 / 6.0 - x * (1.0 / 12.0 - x * (1.0 / 40.0 - x / 180.0)));
+    double left = exp(-x);
+    return 2.0 * (1.0 - left * (1.0 + x)) / (x * x) - (1.0 - left) / x;
 }
 
 /* First moment of the rate between two times, by Gauss' rule: exact but where the motion begins or ends. */
@@ -44,13 +75,20 @@ static inline double profile_moment(const Drive *drive, double start, double end
     return 5.0 / 9.0 * gauss * half * value_of(change);
 }
 
+static inline double law_moment(const Command *law, double start, double end) {
+    if (law->drive->profile != COMMANDED_PROFILE) return profile_moment(law->drive, start, end);
+    double x = (end - start) / law->drive->axial.base.p[P_DURATION];
+    return -value_of(way_left(law, start)) * x * decay_moment(x);
+}
+
 /* The angle is the one nearest the reference. */
-static inline Instant drive_instant(const Drive *drive, const real *u, real clock, real reference) {
+static inline Instant drive_instant(const Command *law, const real *u, real clock, real reference) {
+    const Drive *drive = law->drive;
     Instant now;
     now.turn = turn_of(&drive->axial, u, reference, drive->axial.base.p[P_ALIGNED_ANGLE]);
-    now.commanded = profile_angle(drive, clock);
+    now.commanded = law_angle(law, clock);
     now.commanded_rate = 0.0;
-    if (!commanded(u, U_HOLD)) now.commanded_rate = profile_rate(drive, clock);
+    if (!commanded(u, U_HOLD)) now.commanded_rate = law_rate(law, clock);
     now.deflection = now.turn.angle - now.commanded;
     now.deflection_rate = now.turn.rate - now.commanded_rate;
     return now;
@@ -68,13 +106,14 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     (void)why;
     const int impulse = commanded(u, U_IMPULSE), paired = base->paired && !impulse;
     const double clock = commanded(u, U_HOLD) ? x[X_CLOCK] : x[X_CLOCK] + h;
-    Instant now = drive_instant(drive, u, clock, x[X_ANGLE]);
-    real before = profile_angle(drive, x[X_CLOCK]);
+    const Command law = {drive, x[X_FOLLOWED], x[X_CLOCK]};
+    Instant now = drive_instant(&law, u, clock, x[X_ANGLE]);
+    real before = law_angle(&law, x[X_CLOCK]);
     Arc arc = arc_to(&now.turn, x, u, paired);
     StepMotion motion = step_motion(x + X_MEMORY, x[X_ANGLE] - before, now.deflection, h);
     real mean_rate = (motion.end - motion.start) / h;
     if (base->endpoint) leave_inertia_out(&motion);
-    double driven = paired ? profile_moment(drive, x[X_CLOCK], clock) : 0.0;
+    double driven = paired ? law_moment(&law, x[X_CLOCK], clock) : 0.0;
     motion.moment = arc.moment - driven;
     for (int i = 0; i < MID_STEP_SIZE; i++) x_next[X_LOAD + i] = 0.0;
     store_mid_step_start(now.deflection_rate, x_next + X_SLIDE);
@@ -93,6 +132,7 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
     store_turn(&now.turn, x_next);
     store_load(&arc, &load, paired, x_next);
     x_next[X_CLOCK] = clock;
+    x_next[X_FOLLOWED] = drive->profile == COMMANDED_PROFILE ? now.commanded : x[X_FOLLOWED];
     x_next[X_HEAT] = x[X_HEAT] + load.heat;
     x_next[X_NUMERICAL] = x[X_NUMERICAL] + load.numerical;
     x_next[X_WORK] = x[X_WORK] + load.force * (now.commanded - before) + load.slope * driven;
@@ -102,18 +142,21 @@ int NAME(drive_step)(void *self, const double *x, const real *u, double h, real 
 void NAME(drive_outputs)(void *self, const real *x, const real *u, real *y) {
     const Drive *drive = self;
     if (gives_means(self, x, y)) return;
-    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    const Command law = {drive, x[X_FOLLOWED], x[X_CLOCK]};
+    Instant now = drive_instant(&law, u, x[X_CLOCK], x[X_ANGLE]);
     store_torque(&now.turn, drive_torque(drive, now.deflection, now.deflection_rate), y);
 }
 
-/* Rate of the clock, heat of the end-point torque and power of the motor. */
+/* Rate of the clock, heat of the end-point torque, power of the motor, rate of what is followed. */
 int NAME(drive_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const Drive *drive = self;
     (void)raw, (void)why;
-    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    const Command law = {drive, x[X_FOLLOWED], x[X_CLOCK]};
+    Instant now = drive_instant(&law, u, x[X_CLOCK], x[X_ANGLE]);
     rates[0] = commanded(u, U_HOLD) ? 0.0 : 1.0;
     rates[1] = drive->axial.base.p[P_DAMPING] * now.deflection_rate * now.deflection_rate;
     rates[2] = drive_torque(drive, now.deflection, now.deflection_rate) * now.commanded_rate;
+    rates[3] = drive->profile == COMMANDED_PROFILE ? now.commanded_rate : 0.0;
     return 1;
 }
 
@@ -124,13 +167,15 @@ DECLARE_COMPLEX(drive)
 static void *drive_create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
     Drive *drive = create_connection(data, sizes, memory, sizeof *drive, states, why);
     return drive && read_axis_frame(data, drive->axial.axis_frame, why) &&
-                   read_choice(data, "quintic", 1, &drive->quintic, why)
+                   read_choice(data, "profile", COMMANDED_PROFILE, &drive->profile, why)
                ? drive
                : NULL;
 }
 
 static int drive_prepare(void *self, const double *p, Reason *why) {
     Drive *drive = self;
+    if (drive->profile == COMMANDED_PROFILE && p[P_START_TIME] != 0.0)
+        return refuse(why, "start_time is %g; a commanded drive follows from the start on", p[P_START_TIME]);
     drive->change = p[P_END_ANGLE] - p[P_START_ANGLE];
     return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
@@ -139,9 +184,11 @@ static int drive_prepare(void *self, const double *p, Reason *why) {
 static int drive_initial(void *self, const double *u, double *x, Reason *why) {
     const Drive *drive = self;
     (void)why;
-    Instant now = drive_instant(drive, u, 0.0, drive->axial.base.p[P_START_ANGLE]);
+    const Command law = {drive, drive->axial.base.p[P_START_ANGLE], 0.0};
+    Instant now = drive_instant(&law, u, 0.0, law.followed);
     memset(x, 0, STATES * sizeof *x);
     store_turn(&now.turn, x);
+    x[X_FOLLOWED] = law.followed;
     store_rate(now.deflection_rate, x + X_MEMORY);
     store_mid_step_start(now.deflection_rate, x + X_SLIDE);
     return 1;
@@ -151,7 +198,8 @@ static int drive_initial(void *self, const double *u, double *x, Reason *why) {
 static void drive_observe(void *self, const double *x, const double *u, double *z) {
     const Drive *drive = self;
     const Connection *base = &drive->axial.base;
-    Instant now = drive_instant(drive, u, x[X_CLOCK], x[X_ANGLE]);
+    const Command law = {drive, x[X_FOLLOWED], x[X_CLOCK]};
+    Instant now = drive_instant(&law, u, x[X_CLOCK], x[X_ANGLE]);
     double felt = base->endpoint ? now.deflection_rate : mid_step_now(x + X_SLIDE);
     double torque = drive_torque(drive, now.deflection, felt);
     z[Z_ANGLE] = now.turn.angle;
@@ -169,7 +217,8 @@ static void drive_observe(void *self, const double *x, const double *u, double *
 static void drive_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
     (void)at_event;
     memcpy(x_next, x, STATES * sizeof *x);
-    x_next[X_ANGLE] = drive_instant(self, u, x[X_CLOCK], x[X_ANGLE]).turn.angle;
+    const Command law = {self, x[X_FOLLOWED], x[X_CLOCK]};
+    x_next[X_ANGLE] = drive_instant(&law, u, x[X_CLOCK], x[X_ANGLE]).turn.angle;
 }
 
 const Kernel drive_kernel = {CONNECTION_FUNCTIONS(drive, drive), .update = drive_update};

@@ -10,6 +10,7 @@ typedef struct Load {
     double direction[3];
     int turns;
     MotionLaw force, torque;
+    double added_force, added_torque;
 } Load;
 
 static inline Vector3 load_direction(const Load *load) {
@@ -35,10 +36,11 @@ static inline void directions_over(const Load *load, Quaternion before, Quaterni
 }
 
 /* Mean and slope over a step of a law along the directions at the points of Gauss' rule. */
-static inline void store_means(const MotionLaw *law, double start, double end, const Vector3 directions[3], real *mean,
-                               real *slope) {
+static inline void store_means(const MotionLaw *law, double added, double start, double end,
+                               const Vector3 directions[3], real *mean, real *slope) {
     double at[3];
     motion_samples(law, start, end, at);
+    for (int i = 0; i < 3; i++) at[i] += added;
     Vector3 before = vector_scaled(at[0], directions[0]), after = vector_scaled(at[2], directions[2]);
     Vector3 sum = vector_scaled(5.0 / 18.0, vector_add(before, after));
     vector_store(vector_add(sum, vector_scaled(8.0 / 18.0 * at[1], directions[1])), mean);
@@ -58,8 +60,8 @@ int NAME(load_step)(void *self, const double *x, const real *u, double h, real *
     if (paired) bend = vector_of(u + INPUTS + 3);
     directions_over(load, before, after, turned, bend, directions);
     real *wrench = x_next + X_WRENCH, *slopes = x_next + X_SLOPES;
-    store_means(&load->force, x[X_CLOCK], clock, directions, wrench, slopes);
-    store_means(&load->torque, x[X_CLOCK], clock, directions, wrench + 3, slopes + 3);
+    store_means(&load->force, load->added_force, x[X_CLOCK], clock, directions, wrench, slopes);
+    store_means(&load->torque, load->added_torque, x[X_CLOCK], clock, directions, wrench + 3, slopes + 3);
     real work = vector_dot(vector_of(wrench), moved) + vector_dot(vector_of(wrench + 3), turned);
     for (int i = 0; i < WRENCH_SIZE && paired; i++) work += slopes[i] * u[INPUTS + i];
     for (int i = 0; i < WRENCH_SIZE && !paired; i++) slopes[i] = 0.0;
@@ -74,8 +76,8 @@ int NAME(load_step)(void *self, const double *x, const real *u, double h, real *
 static inline void store_present(const Load *load, const real *x, const real *u, real *wrench) {
     Vector3 along = load_direction(load);
     if (load->turns) along = quaternion_rotate(quaternion_of(u + 3), along);
-    vector_store(vector_scaled(motion_value(&load->force, x[X_CLOCK]), along), wrench);
-    vector_store(vector_scaled(motion_value(&load->torque, x[X_CLOCK]), along), wrench + 3);
+    vector_store(vector_scaled(motion_value(&load->force, x[X_CLOCK]) + load->added_force, along), wrench);
+    vector_store(vector_scaled(motion_value(&load->torque, x[X_CLOCK]) + load->added_torque, along), wrench + 3);
 }
 
 /* Wrench, time to the next break, slopes of the mean wrench. */
@@ -116,6 +118,8 @@ static void *load_create(const Data *data, const Sizes *sizes, Memory *memory, s
 }
 
 static int load_prepare(void *self, const double *p, Reason *why) {
+    Load *load = self;
+    load->added_force = p[P_ADDED_FORCE], load->added_torque = p[P_ADDED_TORQUE];
     return prepare_connection(self, p, p[P_ORDER], 0.5, why);
 }
 
@@ -132,8 +136,8 @@ static int load_initial(void *self, const double *u, double *x, Reason *why) {
 static void load_observe(void *self, const double *x, const double *u, double *z) {
     const Load *load = self;
     (void)u;
-    z[Z_APPLIED_FORCE] = motion_value(&load->force, x[X_CLOCK]);
-    z[Z_APPLIED_TORQUE] = motion_value(&load->torque, x[X_CLOCK]);
+    z[Z_APPLIED_FORCE] = motion_value(&load->force, x[X_CLOCK]) + load->added_force;
+    z[Z_APPLIED_TORQUE] = motion_value(&load->torque, x[X_CLOCK]) + load->added_torque;
     z[Z_SUPPLIED_ENERGY] = x[X_WORK];
 }
 

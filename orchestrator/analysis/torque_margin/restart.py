@@ -12,7 +12,7 @@ import numpy as np
 
 from ...assembly import Assembly
 from ...assembly.assemble import assemble
-from ...cosim.master import Settings
+from ...cosim.settings import Settings
 from ...results.key_figures import latch_times
 from ...results.result import Result
 from ...run.progress import Progress, followed, silent

@@ -19,9 +19,10 @@ from components.hinge import Hinge
 
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
-from ...cosim.master import Master, Settings
+from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
+from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus

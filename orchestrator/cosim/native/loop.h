@@ -223,7 +223,7 @@ static void hold_row(Loop *l, double h) {
                                found[NUMERICAL] - start[NUMERICAL],
                                found[SUPPLIED] - start[SUPPLIED],
                                balance_of(found) - balance_of(start)};
-    memcpy(r->held_scene, channels, r->channels * sizeof(double));
+    memcpy(r->held_scene, channels, sizeof channels); /* signals stay as they are held */
     r->held_time = l->time;
     r->held = 1;
 }

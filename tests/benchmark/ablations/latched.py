@@ -21,9 +21,10 @@ from components import rotation_matrix
 from components.flexible.modal import ModalData
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.bodies import StartPose, attachments, body_model

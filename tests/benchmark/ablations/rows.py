@@ -15,9 +15,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from orchestrator.assembly import Assembly
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import Participant
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.recorder import NoRecorder
 from orchestrator.run.run import Outcome, as_fmus, run
 

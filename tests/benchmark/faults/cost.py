@@ -15,7 +15,7 @@ from typing import NamedTuple
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus, export, run
 from orchestrator.scene import find_scene, load_scene
 

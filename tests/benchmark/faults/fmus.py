@@ -24,7 +24,7 @@ from fmus.native.compile import compile_files
 from orchestrator.assembly import Assembly
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import Loader, RunError, export, run
 from orchestrator.scene import load_scene

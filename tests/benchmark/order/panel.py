@@ -24,9 +24,10 @@ from typing import Literal
 import numpy as np
 
 from orchestrator.assembly import HingeLine, Link, Part
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.ports import Order
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import as_fmus
 from tests.benchmark.stability import panel_data, panel_scene
 from tests.references.record import Record

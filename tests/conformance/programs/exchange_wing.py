@@ -19,7 +19,7 @@ from components import REGISTRY
 from components.body import Body
 from fmus import build_fmu
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.conformance.programs.driver import OK
 from tests.conformance.programs.exchange import Model
 from tests.references.coupled import between, completed, rigid, turned

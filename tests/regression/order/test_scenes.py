@@ -11,7 +11,7 @@ from scipy.interpolate import CubicSpline
 
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.scene.builder import Scene
 from tests.benchmark.stability import run
 from tests.references.panels import TWO_PANELS, one_panel, two_panels_with_latches

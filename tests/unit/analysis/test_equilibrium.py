@@ -12,9 +12,10 @@ from orchestrator.analysis.equilibrium import Sweep, equilibrium, quasi_static
 from orchestrator.analysis.statics.configuration import Configuration, configuration, lines_named
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.main import main
-from orchestrator.cosim.master import Master, Settings
+from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.recorder import NoRecorder
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.edits import edited

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 from orchestrator.analysis.impact import closing_speed, impacts
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cli.analyse.impact import command
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result, ResultError
 from orchestrator.run.run import run
 from orchestrator.scene import load_scene

@@ -14,7 +14,7 @@ from orchestrator.analysis.stable_step import growth, largest_stable_step, own_g
 from orchestrator.analysis.statics.linear_model import linearise
 from orchestrator.analysis.statics.mechanism import Mechanism
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import RunError, run
 from orchestrator.scene import find_scene, load_scene
 

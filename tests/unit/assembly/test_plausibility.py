@@ -7,11 +7,27 @@ from scipy.optimize import brentq
 
 from orchestrator.assembly.plausibility import doubts, loop_travels
 from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.builder import Scene
 from tests.references.edits import edited
 from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_text
 
 SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
          ("arabsat", "phase1"), ("arabsat", "phase2")]  # fmt: skip
+
+
+def test_a_load_that_does_nothing():
+    """It has no law, and nothing sets it; with one, or set, there is nothing to be told."""
+    keys = {"ports": {"body": {"body": "base", "point": "root"}}}
+    for changed, count in (({}, 1), ({"parameters": {"added_force": "1 N"}}, 0)):
+        scene = Scene("idle", until=1)
+        scene.base(
+            "base",
+            points={"root": (0, 0, 0)},
+            free={"mass": 1, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1)},
+        )
+        scene.connection("push", "load", **keys, **changed)
+        told = doubts(scene.check())
+        assert len([one for one in told if one.startswith("connection.push: it has neither")]) == count
 
 
 @pytest.mark.parametrize(("name", "variant"), SOUND)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from components.ccl import CableLoop
 from components.contract.component import ComponentError
 from orchestrator.assembly import Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import spring_driven_angle
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work

@@ -14,7 +14,7 @@ from components import ComponentError
 from components.contact import Contact, mean_power, mean_rise
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work, wrenches
 

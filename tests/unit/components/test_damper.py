@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from components.damper import EddyCurrentDamper
 from orchestrator.assembly import Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.relative_motion import inputs, port_motion, resultant, work
 

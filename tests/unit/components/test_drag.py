@@ -16,9 +16,9 @@ from orchestrator.assembly import Link, Part
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.native_solver import NativeSolver
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, mastered, rigid
 from tests.references.relative_motion import inputs, port_motion, work, wrenches
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 
 from components.contract.component import ComponentError
-from components.drive import Drive, MotionLaw
+from components.drive import Drive, Following, MotionLaw
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import Run, base, between, completed, mastered, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work
@@ -211,6 +211,49 @@ def turned(component, angle, rate=0.0, **commands):
     return inputs(component, port_motion(), motion, **commands)
 
 
+@needs_native
+def test_a_native_fmu_follows_a_command_as_in_process():
+    """Independent path: the native twin, and its derivatives against differences of steps, as above."""
+    moved = scene("commanded", start_angle=0.1, end_angle=0.9, duration=0.2, damping=3.0)
+    assert max(native_errors("drive", 0.8, *moved, 0.02)) < 1e-8
+
+
+@given(h=st.floats(1e-7, 50.0))
+def test_moments_of_following(h):
+    """Independent quadrature: the first moment of the rate over a step, shorter or longer than the time constant."""
+    law = Following(0.2, 1.0, 1.5, 0.7)
+    exact = quad(
+        lambda s: (2.0 * s - 1.0) * law.rate(1.0 + s * h) * h, 0.0, 1.0, epsabs=1e-14, epsrel=1e-11, limit=200
+    )[0]
+    assert law.rate_moment(1.0, 1.0 + h) == pytest.approx(exact, rel=1e-8, abs=1e-13)
+
+
+def test_a_soft_gearbox_that_follows_a_command():
+    """Independent formulation: J q'' = -k (q - a) - d (q' - a'), a' = (command - a) / tau, by SciPy."""
+    stiffness, damping, command, tau = 300.0, 8.0, 0.8, 0.15
+
+    def rates(t, y):
+        rate = (command - y[2]) / tau
+        torque = -stiffness * (y[0] - y[2]) - damping * (y[1] - rate)
+        return (y[1], torque / INERTIA, rate, torque * rate, damping * (y[1] - rate) ** 2)
+
+    exact = solve_ivp(rates, (0, 1.5), (0.3, 0.0, 0.3, 0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
+    start = {
+        "aligned_angle": 0.3,
+        "start_angle": 0.3,
+        "end_angle": command,
+        "duration": tau,
+        "stiffness": stiffness,
+        "damping": damping,
+    }
+    run = completed(1.5, *scene("commanded", **start), settings=Settings(tolerance=1e-7))
+    found = [
+        run.signal("drive", name)[-1]
+        for name in ("angle", "commanded_angle", "supplied_energy", "dissipated_energy")
+    ]
+    assert found == pytest.approx([exact[0], exact[2], exact[3], exact[4]], rel=2e-5)
+
+
 @given(start=st.floats(-3, 3), change=st.floats(-3, 3), h=st.sampled_from((1e-3, 0.1, 0.5)))
 def test_the_motor_works_for_everything(start, change, h):
     """Conservation law of one step: work on the bodies, elastic energy and heat are the motor's work."""
@@ -286,12 +329,12 @@ def test_end_point_torque():
     torque = -8.0 * (2.0 - 1.5 * 0.8 / 0.4)
     assert z["drive_torque"] == pytest.approx(torque)
     assert component.outputs(c, x, u).reshape(2, 6)[:, 4] == pytest.approx((-torque, torque))
-    assert component.rates(c, x, u) == pytest.approx((1.0, 8.0, torque * 3.0))
+    assert component.rates(c, x, u) == pytest.approx((1.0, 8.0, torque * 3.0, 0.0))
 
 
 def test_what_is_refused():
     """A profile that does not exist, an axis without length, a motion without duration: a sentence each."""
-    with pytest.raises(ComponentError, match="it must be step or step5"):
+    with pytest.raises(ComponentError, match="it must be step, step5 or commanded"):
         Drive(profile="step3")
     with pytest.raises(ComponentError, match="drive's axis"):
         Drive(axis=(0, 0, 0))

@@ -11,9 +11,9 @@ from components.hold_down import HoldDown
 from fmus import build_fmu
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.settings import Settings
 from tests.conformance.programs.driver import OK
 from tests.conformance.programs.driver3 import Fmu3
 from tests.references.coupled import base, between, completed, mastered, prepared, rigid

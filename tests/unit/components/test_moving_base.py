@@ -9,7 +9,7 @@ from components.contract.component import ComponentError
 from components.contract.ports import MOTION_SIZE
 from components.moving_base import MovingBase
 from orchestrator.assembly import Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import between, completed, rigid
 from tests.references.native_fmus import HAS_NATIVE
 

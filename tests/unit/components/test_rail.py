@@ -10,7 +10,7 @@ from components.contract.component import ComponentError
 from components.rail import Rail
 from orchestrator.assembly import Link, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, work

@@ -10,7 +10,7 @@ from components.contract.component import ComponentError
 from components.suspension import Suspension
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work

@@ -7,9 +7,9 @@ from components import REGISTRY, SUPPLIED_ENERGY, Component, Layout, Quantity
 from components.contract.component import Port
 from orchestrator.assembly import Link
 from orchestrator.cosim.energy_balance import Energies, energy_rows
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import InProcess, in_process
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import mastered, rigid
 
 FORCE, MASS, END = 2.0, 3.0, 0.5

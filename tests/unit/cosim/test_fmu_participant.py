@@ -18,8 +18,8 @@ from fmus import build_fmu
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.implicit import solvers
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.participant import InProcess, ParticipantError, all_finite, in_process
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import RunError, as_fmus, export, run
 from orchestrator.scene import load_scene

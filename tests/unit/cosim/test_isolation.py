@@ -15,8 +15,8 @@ import pytest
 
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.isolation import process
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.participant import ParticipantError
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import RunError, as_fmus, export, run
 from tests.benchmark.faults.fmus import SCENE, UNTIL, Broken, answer, loader, wing
 

@@ -23,12 +23,12 @@ from orchestrator.cosim.implicit.interface_jacobian import JacobianBlock, Matric
 from orchestrator.cosim.implicit.native_solver import NativeSolver
 from orchestrator.cosim.implicit.solvers import solver_for
 from orchestrator.cosim.implicit.sparse_system import SparseSystem
-from orchestrator.cosim.master import Settings
 from orchestrator.cosim.native import library as coupling_library
 from orchestrator.cosim.native.library import Calls, library
 from orchestrator.cosim.network import Meeting, Network
 from orchestrator.cosim.participant import ParticipantError
 from orchestrator.cosim.ports import WIDTHS, PortPlaces
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import as_fmus, run
 from orchestrator.scene import find_scene, load_scene

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from fmus import native_library
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.estimated_errors import (
     ESTIMATED_ERRORS,
     EstimatedError,

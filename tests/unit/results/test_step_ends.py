@@ -10,7 +10,7 @@ import pytest
 from fmus import native_library
 from orchestrator.assembly import HingeLine
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.step_ends import latching_rate_error, sampling_error
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.run import run

@@ -8,7 +8,7 @@ import pytest
 from components import REGISTRY, Instance
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import run
 from orchestrator.scene import find_scene, load_scene

@@ -12,7 +12,7 @@ from shutil import copy
 import pytest
 
 from fmus import native_library
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, errors_text
 from orchestrator.results.key_figures import headline
 from orchestrator.results.result import Result

@@ -8,7 +8,7 @@ import pytest
 
 from components import rotation_matrix
 from orchestrator.assembly.assemble import assemble
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from orchestrator.results.result import Result
 from orchestrator.run.run import run
 from orchestrator.scene import SceneError, load_scene

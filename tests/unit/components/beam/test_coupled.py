@@ -11,7 +11,7 @@ from components.beam_parts.sections import Material, rectangle
 from components.beam_parts.variables import Section
 from components.contract.frames import quaternion_of_axes
 from orchestrator.assembly import Link, Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed
 from tests.references.native_fmus import needs_native
 from tests.unit.components.beam.beam_cases import STEEL_LINK, straight

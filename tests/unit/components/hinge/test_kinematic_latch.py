@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine, Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import pinned_pair_inertia
 from tests.references.coupled import base, between, completed, rigid, turned
 from tests.unit.components.hinge.hinge_cases import AXIS, at

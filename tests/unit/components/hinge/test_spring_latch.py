@@ -5,7 +5,7 @@ import pytest
 
 from orchestrator.assembly import HingeLine, Part
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.closed_forms import spring_driven, two_inertia_frequency
 from tests.references.coupled import base, between, completed, rigid, turned
 from tests.unit.components.hinge.hinge_cases import AXIS, STIFF, at

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from orchestrator.cosim.implicit.convergence import Tolerance
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import Part, base, between, completed, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.unit.components.hinge.hinge_cases import STIFF, hinge, observed, outboard

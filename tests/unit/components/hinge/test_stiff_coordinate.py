@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import Part
-from orchestrator.cosim.master import Settings
+from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
 
 STEP = 0.01

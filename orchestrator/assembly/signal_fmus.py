@@ -1,0 +1,228 @@
+"""FMUs of other tools in a scene: what their variables are joined to, with units converted; and what they cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from fmpy import read_model_description
+
+from components import LAGGED, ComponentError, FanfoldError
+from components.contract.errors import unknown
+from fmus.description.units import base_unit
+
+from ..scene.schema import SMALLEST_STEP, CheckedScene
+from ..scene.signals.tables import Fmu
+from ..scene.table import SceneError
+from . import HingeLine, Part, Signal, SignalFmu
+from .events import component_of, scalar, tunable
+
+_NUMBERS = ("Real", "Float64", "Float32")
+_WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
+"""Exponents that must agree; angles are ratios as well."""
+
+
+def signal_fmus(
+    scene: CheckedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
+) -> tuple[SignalFmu, ...]:
+    """The FMUs of a scene that have signals; SceneError with everything that they or the components do not know."""
+    problems: list[str] = []
+    found = []
+    for table in scene.fmus:
+        try:
+            found.append(_Reader(table, parts, lines, problems).fmu())
+        except _NoFmuError as error:
+            problems.append(f"fmu.{table.name}.file: {table.file} {error}")
+    if problems:
+        raise SceneError([f"{scene.file}: {problem}" for problem in problems])
+    return tuple(found)
+
+
+class _NoFmuError(FanfoldError):
+    """Why a file is no FMU that can take part."""
+
+
+class _Reader:
+    """Reads the table of one FMU against its model description and the parts, and gathers what is wrong."""
+
+    def __init__(
+        self, table: Fmu, parts: Sequence[Part], lines: Sequence[HingeLine], problems: list[str]
+    ) -> None:
+        self._table, self._problems = table, problems
+        self._parts = {part.name: part for part in parts}
+        self._lines = {line.name: line for line in lines}
+        self._description = _description(Path(table.file))
+        self._variables = {v.name: v for v in self._description.modelVariables}
+        self._units = {u.name: u.baseUnit for u in self._description.unitDefinitions}
+
+    def fmu(self) -> SignalFmu:
+        """The FMU, as far as it is sound."""
+        table = self._table
+        return SignalFmu(
+            table.name,
+            Path(table.file),
+            self._step(),
+            {name: value for name, value in table.parameters.items() if self._is_start(name, value)},
+            tuple(s for name, source in table.inputs.items() for s in self._input(name, source)),
+            tuple(
+                s
+                for name in table.outputs
+                for target in table.targets(name)
+                for s in self._output(name, target)
+            ),
+        )
+
+    def _note(self, key: str, sentence: str) -> None:
+        self._problems.append(f"fmu.{self._table.name}.{key}: {sentence}")
+
+    def _step(self) -> float:
+        """Of the table, or what the FMU says itself (s)."""
+        experiment = self._description.defaultExperiment
+        said = float(experiment.stepSize or 0.0) if experiment is not None else 0.0
+        step = self._table.step or said
+        if not (step >= SMALLEST_STEP and isfinite(step)):
+            self._note(
+                "step", f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one"
+            )
+        return step
+
+    def _is_start(self, name: str, value: object) -> bool:
+        try:
+            variable = self._scalar_variable(name, ("parameter", "structuralParameter"))
+            if variable.type == "Boolean":
+                sound, kind = isinstance(value, bool), "true or false"
+            elif variable.type == "String":
+                sound, kind = isinstance(value, str), "a text"
+            else:
+                whole = variable.type in _WHOLE
+                sound = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+                kind = "a whole number" if whole else f"a number of {variable.unit or '1'}"
+            if not sound:
+                raise ValueError(f"is {value!r}; it must be {kind}")
+        except ValueError as error:
+            self._note(f"parameters.{name}", str(error))
+            return False
+        return True
+
+    def _scalar_variable(self, name: str, causalities: Sequence[str]) -> Any:  # noqa: ANN401 - of FMPy
+        """A variable of the FMU; ValueError where it is none of these causalities, or no scalar."""
+        of_them = [v.name for v in self._variables.values() if v.causality in causalities]
+        variable = self._variables.get(name)
+        if variable is None or variable.causality not in causalities:
+            raise ValueError(f"{unknown(name, of_them, causalities[0])} (of {Path(self._table.file).name})")
+        if variable.dimensions:
+            raise ValueError("is an array; scalars can be joined")
+        return variable
+
+    def _signal_variable(self, name: str, causality: str) -> Any:  # noqa: ANN401 - of FMPy
+        variable = self._scalar_variable(name, (causality,))
+        if variable.type not in (*_NUMBERS, *_WHOLE, "Boolean"):
+            raise ValueError(f"is a {variable.type}; numbers and truth values can be joined")
+        return variable
+
+    def _input(self, name: str, source: str) -> Iterator[Signal]:
+        key = f"inputs.{name}"
+        try:
+            variable = self._signal_variable(name, "input")
+            part, rest = self._part(source)
+            sensor = self._lines[part].sensor if part in self._lines else part
+            component = component_of(self._known(sensor))
+            quantities = {
+                q.name: q
+                for layout in (component.output_layout, component.observation_layout)
+                for q in layout.quantities
+                if not q.name.endswith(LAGGED)
+            }
+            quantity, index = scalar(rest, quantities, self._parts[sensor].kind)
+            factor, offset = self._conversion(variable, quantity.unit)
+        except ValueError as error:
+            self._note(key, str(error))
+            return
+        yield Signal(
+            name, variable.type, sensor, quantity.name, index, 1.0 / factor, -offset / factor,
+            variable.unit or quantity.unit, variable.description or "",
+        )  # fmt: skip
+
+    def _output(self, name: str, target: str) -> Iterator[Signal]:
+        key = f"outputs.{name}"
+        try:
+            variable = self._signal_variable(name, "output")
+            name_of_part, rest = self._part(target)
+            for part in self._lines[name_of_part].hinges if name_of_part in self._lines else (name_of_part,):
+                component, kind = component_of(self._known(part)), self._parts[part].kind
+                known = {q.name: q for q in component.parameter_layout.quantities}
+                tunable(rest.partition("[")[0], component, kind)
+                quantity, index = scalar(rest, known, kind)
+                factor, offset = self._conversion(variable, quantity.unit)
+                start = quantity.start_values()
+                start[:] = self._parts[part].start.get(quantity.name, start)
+                yield Signal(
+                    name, variable.type, part, quantity.name, index, factor, offset,
+                    variable.unit or quantity.unit, variable.description or "", tuple(start.tolist()),
+                )  # fmt: skip
+        except ValueError as error:
+            self._note(key, str(error))
+
+    def _part(self, path: str) -> tuple[str, str]:
+        """Component and variable of "component.variable[1]"."""
+        part, _, rest = path.partition(".")
+        if not rest:
+            raise ValueError(
+                f'is {path!r}; it must be "component.variable", with [1] for the first of several'
+            )
+        return part, rest
+
+    def _known(self, name: str) -> Part:
+        if name not in self._parts:
+            raise ValueError(unknown(name, [*self._lines, *self._parts], "component"))
+        return self._parts[name]
+
+    def _conversion(self, variable: Any, unit: str) -> tuple[float, float]:  # noqa: ANN401 - of FMPy
+        """Factor and offset that make a value of `unit` of the FMU's value; ValueError where there are none.
+
+        A variable without a unit is taken to be in that of the scene's components.
+        """
+        if not variable.unit or variable.unit == unit:
+            return 1.0, 0.0
+        base = self._units.get(variable.unit)
+        try:
+            ours, our_factor = base_unit(unit)
+            if base is not None:
+                theirs = {name: getattr(base, name) for name in _BASE}
+                factor, offset = float(base.factor or 1.0), float(base.offset or 0.0)
+            else:
+                theirs, factor = base_unit(variable.unit)
+                offset = 0.0
+        except ComponentError:
+            said = f"is in {variable.unit!r}, of which the FMU tells no base unit; {unit} is needed"
+            raise ValueError(said) from None
+        if any((theirs.get(name) or 0) != ours.get(name, 0) for name in _BASE):
+            raise ValueError(f"is in {variable.unit}, which cannot be converted to {unit}")
+        return factor / our_factor, offset / our_factor
+
+
+def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
+    """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
+    try:
+        found = read_model_description(str(path), validate=False)
+    except Exception as error:
+        raise _NoFmuError(f"cannot be read as an FMU: {error}") from None
+    if not found.fmiVersion.startswith(("2.", "3.")):
+        raise _NoFmuError(f"is of FMI {found.fmiVersion}; 2.0 and 3.0 can take part")
+    if found.coSimulation is None:
+        raise _NoFmuError("is no co-simulation FMU; export it as one")
+    return found
+
+
+def unit_sentences(fmus: Sequence[SignalFmu], scene: CheckedScene) -> Iterator[str]:
+    """What is said of variables that have no unit, and so are taken as they are."""
+    tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
+    for fmu in fmus:
+        variables = {v.name: v for v in _description(fmu.path).modelVariables}
+        bare = [s for s in (*fmu.inputs, *fmu.outputs) if not variables[s.variable].unit and s.unit != "1"]
+        if bare and fmu.name in tables:
+            listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
+            yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"

@@ -1,0 +1,38 @@
+"""Numbers that a master is told: how accurate, in which steps, what to tell and keep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from .ports import Order
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Numbers of the master.
+
+    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
+    with the root of the tolerance, as the rotations' error goes with its square. start_step: before errors can be told,
+    for which two steps must be seen; what motors stir up by starting begins in these. fixed_step: constant
+    communication step size instead of control, divided only where it does not converge. step_plan: step
+    sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
+    through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
+    snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
+    asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it. compiled: whether a run
+    takes `CompiledMaster`.
+    """
+
+    tolerance: float = 1e-4
+    largest_step: float = 0.02
+    smallest_step: float = 2e-5
+    start_step: float = 2e-5
+    event_step: float = 2e-4
+    fixed_step: float | None = None
+    step_plan: Sequence[Sequence[float]] | None = None
+    driving_energy: float = 0.0
+    order: Order | None = None
+    snapshot_every: float | None = None
+    asked_tolerance: float | None = None
+    compiled: bool = True
+    progress: Callable[[float, float], None] = field(default=lambda time, h: None)

@@ -1,0 +1,130 @@
+"""The process of an FMU that has signals: `python -m orchestrator.cosim.signals.host END`, the number of a pipe's end.
+
+It answers requests, a name and arguments, by (True, what was asked for) or (False, why not). Signals of the system are
+for the process that asks: this one ends with it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections import deque
+from collections.abc import Mapping, Sequence
+from multiprocessing.connection import Connection
+from threading import Thread
+from time import sleep
+from typing import Any
+
+from fmpy import read_model_description
+from fmpy.simulation import instantiate_fmu
+
+Value = float | int | bool | str
+_FMI2_KINDS = {"Enumeration": "Integer"}
+_FMI3_KINDS = {"Enumeration": "Int64"}
+
+
+class Host:
+    """One instance of an FMU; its calls raise where the FMU refuses."""
+
+    def __init__(self) -> None:
+        self.said: deque[str] = deque(maxlen=1)
+        self._fmu: Any = None
+
+    def open(
+        self,
+        folder: str,
+        start: Mapping[str, Value],
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        values: Sequence[float],
+    ) -> list[float]:
+        """Instantiate what is unpacked in a folder, initialise it at t = 0 with these inputs, and give its outputs."""
+        description = read_model_description(folder, validate=False)
+        self._fmi2 = description.fmiVersion.startswith("2.")
+        self._variables = {v.name: v for v in description.modelVariables}
+        self._inputs, self._outputs = tuple(inputs), tuple(outputs)
+        self._fmu = instantiate_fmu(folder, description, "CoSimulation", logger=self._log)
+        if self._fmi2:
+            self._fmu.setupExperiment(startTime=0.0)
+        for name, value in start.items():
+            self._set(name, value)
+        self._fmu.enterInitializationMode()
+        self._hand_over(values)
+        self._fmu.exitInitializationMode()
+        return self._given()
+
+    def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
+        """Step from a time (s) over h with the inputs of the end, and give the outputs."""
+        self._hand_over(values)
+        answer = self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=h)
+        if answer is not None:
+            _, terminates, early, reached = answer
+            if terminates:
+                raise RuntimeError("it asks for the end of the simulation")
+            if early:
+                raise RuntimeError(f"it returned early, at t = {reached:.6g} s, which was not allowed to it")
+        return self._given()
+
+    def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
+        text = arguments[-1]
+        self.said.append(text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text))
+
+    def _kind(self, name: str) -> str:
+        kind = self._variables[name].type
+        found: str = (_FMI2_KINDS if self._fmi2 else _FMI3_KINDS).get(kind, kind)
+        return found
+
+    def _set(self, name: str, value: Value) -> None:
+        kind = self._kind(name)
+        if kind == "Boolean":
+            value = bool(value)
+        elif kind != "String":
+            value = float(value) if kind in ("Real", "Float64", "Float32") else round(float(value))
+        getattr(self._fmu, f"set{kind}")([self._variables[name].valueReference], [value])
+
+    def _hand_over(self, values: Sequence[float]) -> None:
+        for name, value in zip(self._inputs, values, strict=True):
+            self._set(name, value)
+
+    def _given(self) -> list[float]:
+        return [
+            float(getattr(self._fmu, f"get{self._kind(name)}")([self._variables[name].valueReference])[0])
+            for name in self._outputs
+        ]
+
+    def close(self) -> None:
+        """Terminate and free the instance."""
+        if self._fmu is not None:
+            self._fmu.terminate()
+            self._fmu.freeInstance()
+
+
+def serve(connection: Connection) -> None:
+    """Answer until there is nobody who asks."""
+    host = Host()
+    while True:
+        try:
+            name, arguments = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer = True, getattr(host, name)(*arguments)
+        except Exception as error:
+            answer = False, " ".join(host.said).strip() or f"{error}" or type(error).__name__
+        host.said.clear()
+        connection.send(answer)
+
+
+def _end_with(parent: int) -> None:
+    """End this process when the one that asks has gone, even where the FMU hangs."""
+    while os.getppid() == parent:
+        sleep(1.0)
+    os._exit(1)
+
+
+if __name__ == "__main__":
+    for one in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(one, signal.SIG_IGN)
+    Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    serve(Connection(int(sys.argv[1])))
