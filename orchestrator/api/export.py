@@ -72,7 +72,9 @@ def export(
         warn(f"{assembly.name}: events are no part of FMUs, so nothing makes these happen: {names}")
     if checked.fmus:
         names = ", ".join(f"{fmu.name} ({Path(fmu.file).name})" for fmu in checked.fmus)
-        warn(f"{assembly.name}: FMUs of other tools are not exported again; connect them as the scene does: {names}")
+        warn(
+            f"{assembly.name}: FMUs of other tools are not exported again; connect them as the scene does: {names}"
+        )
     step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
     experiment = Experiment(assembly.until, step)
     paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)

@@ -48,9 +48,9 @@ from fmus.binary import cut_short
 from .isolation.process import LONGEST_CALL, IsolatedFmu
 from .isolation.process import library as isolation_library
 from .native.library import Calls, library
+from .native.shared_library import library_of, unpack
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
 from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
-from .shared_library import library_of, unpack
 
 _INDEX = re.compile(r"\[(\d+)\]$")
 EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)

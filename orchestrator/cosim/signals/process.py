@@ -18,8 +18,8 @@ from components.cache.temporary import process_folder
 
 from ...assembly import SignalFmu
 from ..isolation.process import LONGEST_CALL
+from ..native.shared_library import unpack
 from ..participant import ParticipantError
-from ..shared_library import unpack
 
 _LAST_MOMENT = 2.0
 """Time (s) that a process has to end by itself."""
