@@ -25,6 +25,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
+from .linear_range import linear_range_sentences
 from .open_joints import open_joint_sentences
 from .progress import Progress, followed, silent
 from .recording import Recording
@@ -174,6 +175,7 @@ def simulate(
         _absent_sentences(assembly, outcome),
         _damped_sentences(scene, assembly, outcome),
         open_joint_sentences(scene, assembly, outcome.result),
+        linear_range_sentences(scene, assembly, outcome.result),
     )
     for sentence in chain.from_iterable(told):
         warn(sentence)

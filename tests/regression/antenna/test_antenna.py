@@ -1,5 +1,7 @@
 """The antenna of the thesis: its unit carries the membrane up (Mollo, chapter 5; M15 to M18 of the data sheet)."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,30 @@ def test_the_membrane_lags_as_designed(runs):
     lowest = int(np.argmin(deflection))
     assert runs[()].time[lowest] == pytest.approx(0.085, abs=1e-3)
     assert deflection[lowest] == pytest.approx(-15.42e-3 * TRAVEL[()] / WHOLE, rel=5e-3)
+
+
+def test_linear_theory_beyond_its_range_is_told():
+    """Messages: how far, when, how many thicknesses of the foil, and what would be right."""
+    with pytest.warns(fanfold.FanfoldWarning, match="membrane bent by") as told:
+        run = fanfold.simulate("antenna", until=0.02, tolerance=1e-3, estimate=False)
+    (sentence,) = [str(one.message) for one in told if "which is linear" in str(one.message)]
+    bent = re.match(
+        r"membrane bent by ([\d.]+) mm between its joints, at 0\.02 s, ([\d.]+) times the 0\.5 mm", sentence
+    )
+    lag = 1e3 * np.abs(middle(run)).max()
+    assert lag < float(bent[1]) < 1.2 * lag  # early on, other places than the middle lag most
+    assert float(bent[2]) == pytest.approx(float(bent[1]) / 0.5, rel=0.05)
+    assert 'geometry = "von_karman"' in sentence
+
+
+def test_a_membrane_that_stretches_lags_less():
+    """Design: 2.51 mm at 25.5 ms on a border that follows the law and does not give way; nothing is told of it."""
+    run = fanfold.simulate(fanfold.load("antenna", "von_karman"), until=0.04, tolerance=1e-3, estimate=False)
+    deflection = middle(run)
+    lowest = int(np.argmin(deflection))
+    assert run.time[lowest] == pytest.approx(0.0255, abs=2.5e-3)
+    assert -2.51e-3 * 1.15 < deflection[lowest] < -2.51e-3 * TRAVEL[()] / WHOLE
+    assert not any("which is linear" in sentence for sentence in run.warnings)
 
 
 def test_variants_of_the_unit_move_the_membrane_alike(runs):
