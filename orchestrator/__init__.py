@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from .api.study import Study as Study
     from .api.study import resume_study as resume_study
     from .api.study import study as study
+    from .api.tune import tune as tune
     from .api.warnings import FanfoldWarning as FanfoldWarning
     from .scene.builder import Scene as Scene
 
@@ -88,6 +89,7 @@ _HOMES = {
     "Study": "orchestrator.api.study",
     "resume_study": "orchestrator.api.study",
     "study": "orchestrator.api.study",
+    "tune": "orchestrator.api.tune",
     "Scene": "orchestrator.scene.builder",
 }
 

@@ -87,8 +87,8 @@ class Result(Record):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what is not as it should be: lines that have not latched, numbers that may be off."""
-        return (*self.headline.open_ends(), *self.headline.warnings)
+        """Sentences on what is not as it should be: what the run told, lines not latched, numbers that may be off."""
+        return tuple(dict.fromkeys((*self.told, *self.headline.open_ends(), *self.headline.warnings)))
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Run twice more with steps halved and quartered: extrapolated value, error, order of every headline number.

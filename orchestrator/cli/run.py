@@ -133,6 +133,7 @@ def command(
 def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
     """What a run found, for JSON."""
     content = {**result.headline.as_dict(), **result.costs, "output": str(result.path)}
+    content["warnings"] = list(result.warnings)
     if verified is not None:
         content["verification"] = [one.as_dict() for one in verified]
     return content

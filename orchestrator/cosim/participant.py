@@ -160,6 +160,10 @@ class InProcess:
         self._trying(lambda: self._instance.constants)
         try:
             self._instance.step(h)
+        except ComponentError as error:
+            raise ParticipantError(
+                f"{self.name}: cannot do a step of {h:g} s at t = {time:.6g} s: {error}"
+            ) from None
         except (ValueError, ArithmeticError) as error:
             raise ParticipantError(f"{self._refusal(time, h)} ({error})") from None
         if not all_finite(self._instance.state):

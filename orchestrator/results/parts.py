@@ -16,6 +16,8 @@ from ..assembly import Geometry, HingeLine
 Vector = NDArray[np.float64]
 Event = tuple[float, str, str]
 Scalar = float | int | str
+TOLD = "told"
+"""The text of the provenance that holds what people were told of a run, as JSON."""
 
 
 class Meaning(NamedTuple):
@@ -170,6 +172,12 @@ def json_of(words: str) -> object:
         return json.loads(words)
     except (ValueError, RecursionError):
         return None
+
+
+def sentences_of(words: str) -> tuple[str, ...]:
+    """The sentences that a text of the provenance holds, for people; none where it holds something else."""
+    found = json_of(words)
+    return tuple(printable(one) for one in found if isinstance(one, str)) if isinstance(found, list) else ()
 
 
 def printable(words: str) -> str:

@@ -88,6 +88,11 @@ class Result:
         return str(self.path) if self.path is not None else self.provenance.get("scene", "result")
 
     @property
+    def told(self) -> tuple[str, ...]:
+        """Sentences that were told when it was run, such as on theory beyond its range."""
+        return parts.sentences_of(self.provenance.get(parts.TOLD, "[]"))
+
+    @property
     def components(self) -> tuple[str, ...]:
         """Names of the components that have signals."""
         return tuple(self._catalogue)

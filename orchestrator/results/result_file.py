@@ -35,7 +35,7 @@ from components.cache.room import reserve
 from ..assembly import Geometry, HingeLine
 from .columns import Column, ColumnMaker
 from .compact import compact
-from .parts import Event, Scalar
+from .parts import TOLD, Event, Scalar
 from .recorder import SignalGroup
 from .result import FORMAT, FORMAT_VERSION, HDF5_ERRORS, Result, ResultError, Vector, reason
 
@@ -369,6 +369,23 @@ def with_statistics(result: Result, values: Mapping[str, Scalar]) -> Result:
         except HDF5_ERRORS as error:
             raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
     return replace(result, statistics={**result.statistics, **values})
+
+
+def with_told(result: Result, sentences: Sequence[str]) -> Result:
+    """The result with what people were told of its run, in its file as well; ResultError where that cannot be written.
+
+    `Result.told` reads it.
+    """
+    text = json.dumps(list(dict.fromkeys(sentences)))
+    if result.path is not None:
+        try:
+            with h5py.File(result.path, "r+") as file:
+                if TOLD in file["provenance"]:
+                    del file["provenance"][TOLD]
+                _write_provenance(file["provenance"], {TOLD: text})
+        except HDF5_ERRORS as error:
+            raise ResultError(f"{result.path}: the result cannot be written ({reason(error)})") from None
+    return replace(result, provenance={**result.provenance, TOLD: text})
 
 
 def _write_provenance(folder: Any, provenance: Mapping[str, str]) -> None:  # noqa: ANN401

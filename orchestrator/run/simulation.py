@@ -19,7 +19,7 @@ from ..assembly.signal_fmus import unit_sentences
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
-from ..results.result_file import refuse_to_replace
+from ..results.result_file import refuse_to_replace, with_told
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
@@ -149,38 +149,44 @@ def simulate(
         raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
     if output is not None:
         refuse_to_replace(output)
-    for sentence in filter(None, (python_sentence(options.backend), absence_sentence(), place_sentence())):
+    told: list[str] = []
+
+    def tell(sentence: str) -> None:
+        told.append(sentence)
         warn(sentence)
+
+    for sentence in filter(None, (python_sentence(options.backend), absence_sentence(), place_sentence())):
+        tell(sentence)
     assembly = options.assemble(scene)
     for sentence in [
         *doubts(scene),
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
         *unit_sentences(assembly.signal_fmus, scene),
     ]:
-        warn(sentence)
+        tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
     with own as load:
         with followed(progress, assembly.name, end) as watch:
             asked = options.asked(scene, estimate)
-            outcome = run(assembly, output, settings, end, options.master, watch, warn, load, asked, start)
+            outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
             with followed(progress, f"{assembly.name}: errors", end) as watch:
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
-                outcome, settings = refined(assembly, outcome, settings, end, progress, warn, load)
-    told = (
+                outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
+    found = (
         outcome.headline.open_ends(),
         _absent_sentences(assembly, outcome),
         _damped_sentences(scene, assembly, outcome),
         open_joint_sentences(scene, assembly, outcome.result),
         linear_range_sentences(scene, assembly, outcome.result),
     )
-    for sentence in chain.from_iterable(told):
-        warn(sentence)
-    kept = Recording(options.record, options.signals).applied(outcome.result, warn)
-    outcome = replace(outcome, result=kept)
+    for sentence in chain.from_iterable(found):
+        tell(sentence)
+    kept = Recording(options.record, options.signals).applied(outcome.result, tell)
+    outcome = replace(outcome, result=with_told(kept, told))
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
 

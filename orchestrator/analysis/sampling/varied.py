@@ -34,7 +34,7 @@ class Varied:
         """The settings that a drawn value means; tree: the scene without them. StudyError where it cannot be scaled."""
         if not self.factor:
             return dict.fromkeys(self.keys, _written(value, self.distribution.unit))
-        return {key: _scaled(key, _value_at(tree, key), value) for key in self.keys}
+        return {key: _scaled(key, _to_scale(tree, key), value) for key in self.keys}
 
 
 def varied(text: str) -> Varied:
@@ -57,8 +57,18 @@ def _written(value: float, unit: str) -> float | str:
     return int(value) if value.is_integer() else value
 
 
-def _value_at(tree: Tree, key: str) -> object:
-    """What a scene has under a key; a step into an array of tables is the name of an entry."""
+def _to_scale(tree: Tree, key: str) -> object:
+    """What a scene has under a key; StudyError where it has nothing."""
+    found = value_at(tree, key)
+    if found is None:
+        raise StudyError(
+            f"{key}: the scene has no value there to multiply; give it one, or vary it without *"
+        )
+    return found
+
+
+def value_at(tree: Tree, key: str) -> object:
+    """What a scene has under a key, None for nothing; a step into an array of tables is the name of an entry."""
     found: object = tree
     for step in key.split("."):
         if isinstance(found, Mapping):
@@ -66,10 +76,8 @@ def _value_at(tree: Tree, key: str) -> object:
         elif isinstance(found, Sequence) and not isinstance(found, str):
             named = (one for one in found if isinstance(one, Mapping) and one.get("name") == step)
             found = next(named, None)
-    if found is None:
-        raise StudyError(
-            f"{key}: the scene has no value there to multiply; give it one, or vary it without *"
-        )
+        else:
+            return None
     return found
 
 

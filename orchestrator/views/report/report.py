@@ -9,12 +9,12 @@ from html import escape
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.key_figures import headline, headline_rows
-from ...results.parts import json_of
+from ...results.parts import TOLD, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
 
 _FIDELITIES = {"flexible": "flexible bodies", "large_deformation": "bodies of large deformation"}
-_SCENE = ("scene", "scene_tree", *_FIDELITIES)
+_SCENE = ("scene", "scene_tree", TOLD, *_FIDELITIES)
 _DIGEST = "fmu."
 
 
@@ -58,7 +58,7 @@ def _numbers(result: Result) -> Iterator[str]:
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
-    for sentence in (*found.open_ends(), *found.warnings):
+    for sentence in dict.fromkeys((*result.told, *found.open_ends(), *found.warnings)):
         yield paragraph(f"Warning: {sentence}.", "warning")
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]

@@ -1,0 +1,147 @@
+"""What a scene is to be tuned to: headline numbers, and measured curves of signals."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from components.contract.component import Vector
+from components.contract.errors import unknown
+
+from ...scene.units import UNITS, to_si
+from .distributions import StudyError
+from .sample import Sample
+
+_MISSED = 1.0
+"""What a number counts as missed by, relative to its target, where a run does not have it: a line has not latched."""
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A headline number, by the name that it has in studies, and what it is to be, in its unit or with one."""
+
+    number: str
+    wanted: float | str
+
+    def value(self, unit: str) -> float:
+        """What is wanted, in the unit that the number is told in; StudyError where that cannot be."""
+        number, _, given = str(self.wanted).strip().partition(" ")
+        if given.strip() in ("", unit):
+            found = _number(number, f"target {self.number}")
+        elif unit in UNITS:
+            try:
+                found = to_si(self.wanted, unit)
+            except ValueError as error:
+                raise StudyError(f"target {self.number}: {error}") from None
+        else:
+            raise StudyError(f"target {self.number}: is {self.wanted!r}; it must be in {unit}")
+        if not isfinite(found):
+            raise StudyError(f"target {self.number}: is {self.wanted!r}; it must be finite")
+        return found
+
+    def off(self, sample: Sample) -> float:
+        """Difference over what is wanted, or plain where that is zero."""
+        if self.number not in sample.numbers:
+            return _MISSED
+        found, unit, _ = sample.numbers[self.number]
+        wanted = self.value(unit)
+        return (found - wanted) / (abs(wanted) or 1.0)
+
+
+def target(text: str) -> Target:
+    """What NAME.QUANTITY=VALUE means, such as "HL1.latch_time=11.6 s"; StudyError where it means nothing."""
+    name, equals, wanted = text.partition("=")
+    of, _, quantity = name.strip().rpartition(".")
+    if not equals or not of or not quantity or not wanted.strip():
+        raise StudyError(f"{text!r} is not of the form NAME.QUANTITY=VALUE, such as HL1.latch_time=11.6")
+    return Target(" ".join(filter(None, (quantity.replace("_", " "), of))), wanted.strip())
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s), in its unit."""
+
+    signal: str
+    times: tuple[float, ...]
+    values: tuple[float, ...]
+
+    @property
+    def pattern(self) -> str:
+        """What a sample keeps for it."""
+        return self.signal.partition("[")[0]
+
+    def off(self, sample: Sample, until: float) -> Vector:
+        """Differences (N,) over the measured range, such that a curve weighs as much as a number."""
+        values, _ = sample.signals[self.signal]
+        times = np.linspace(0.0, until, len(values))
+        size = float(np.ptp(self.values)) or 1.0
+        found: Vector = (np.interp(self.times, times, values) - self.values) / (size * sqrt(len(self.times)))
+        return found
+
+
+def curves(path: Path) -> tuple[Curve, ...]:
+    """Of a CSV file: times (s) in the first column, others headed by their signals; StudyError for anything else."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = [row for row in csv.reader(file) if row]
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: cannot be read as a table of measured values ({error})") from None
+    if len(rows) < 3 or len(rows[0]) < 2 or any(len(row) != len(rows[0]) for row in rows):
+        raise StudyError(
+            f"{path}: give a row of headings (time, COMPONENT.VARIABLE, ...), then two rows or more of as many numbers"
+        )
+    columns = [
+        tuple(_number(cell, f"{path}, row {n}") for n, cell in enumerate(column, 2))
+        for column in zip(*rows[1:], strict=True)
+    ]
+    times = columns[0]
+    if not all(np.diff(times) > 0.0) or times[0] < 0.0:
+        raise StudyError(f"{path}: its times must rise, from zero on")
+    return tuple(
+        Curve(name.strip(), times, values) for name, values in zip(rows[0][1:], columns[1:], strict=True)
+    )
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        found = float(text)
+    except ValueError:
+        found = float("nan")
+    if not isfinite(found):
+        raise StudyError(f"{where}: {text!r} is no finite number")
+    return found
+
+
+def refuse_unknown(
+    targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, lines: Mapping[str, bool]
+) -> None:
+    """StudyError for numbers and signals that runs of this scene do not have, or have only where a line latches."""
+    problems = list(_unknown(targets, measured, sample, lines))
+    if problems:
+        raise StudyError("\n".join(problems))
+
+
+def _unknown(
+    targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, lines: Mapping[str, bool]
+) -> Iterator[str]:
+    for one in targets:
+        if one.number in sample.numbers:
+            one.value(sample.numbers[one.number][1])
+            continue
+        line = next(
+            (name for name, latched in lines.items() if one.number.endswith(f" {name}") and not latched), None
+        )
+        yield (
+            f"target {one.number}: {unknown(one.number, list(sample.numbers), 'number')}"
+            if line is None
+            else f"target {one.number}: {line} does not latch with the values that the search starts from; vary it "
+            "from where it does"
+        )
+    for curve in measured:
+        if curve.signal not in sample.signals:
+            yield f"curve {curve.signal}: {unknown(curve.signal, list(sample.signals), 'signal')}"

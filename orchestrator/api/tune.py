@@ -1,0 +1,67 @@
+"""Tuning from Python: values of a scene's keys that bring it where it is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from ..analysis.sampling.sample import Task
+from ..analysis.sampling.targets import Target, curves, target
+from ..analysis.sampling.tuning import Tuned
+from ..analysis.sampling.tuning import tune as _tune
+from ..analysis.sampling.varied import varied
+from ..run.simulation import Options
+from ..scene.builder import Names, listed
+from .simulate import Quantity, SceneLike, in_si, load
+
+
+def tune(
+    scene: SceneLike,
+    vary: Mapping[str, str] | Sequence[str],
+    targets: Mapping[str, float | str] | Sequence[str] = (),
+    *,
+    curve: str | Path | None = None,
+    accuracy: float = 1e-4,
+    most_runs: int = 100,
+    workers: int = 1,
+    rigid: Names = (),
+    flexible: Names = (),
+    large_deformation: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    watch: Callable[[int, float], None] = lambda runs, residual: None,
+) -> Tuned:
+    """Find values within ranges that bring headline numbers, and measured curves, where they are wanted.
+
+    vary: ranges by key, such as {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}; a key that ends in * is
+    multiplied, keys with commas between get the same. targets: by NAME.QUANTITY, such as {"HL1.latch_time": "11.6 s"}
+    or {"HL2.latch_torque_peak": 40}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
+    first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares with
+    derivatives by differences of runs, from the scene's own values. accuracy: largest relative difference to end with.
+    most_runs: after which the best so far is returned, with `reached` False. workers: processes. watch: takes how many
+    runs were made and the smallest residual. rigid ... tolerance: as for `simulate`; let it be well below the accuracy.
+
+    StudyError or SceneError where it cannot begin.
+    """
+    texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
+    wanted = (
+        [_wanted(name, value) for name, value in targets.items()]
+        if isinstance(targets, Mapping)
+        else list(map(target, targets))
+    )
+    options = Options(
+        rigid=frozenset(listed(rigid)),
+        flexible=frozenset(listed(flexible)),
+        large_deformation=frozenset(listed(large_deformation)),
+        until=in_si(until, "s", "until"),
+        tolerance=tolerance,
+    )
+    measured = () if curve is None else curves(Path(curve))
+    task = Task(load(scene), options)
+    return _tune(
+        task, [varied(text) for text in texts], wanted, measured, workers, accuracy, most_runs, watch
+    )
+
+
+def _wanted(name: str, value: float | str) -> Target:
+    return Target(target(f"{name}=0").number, value)

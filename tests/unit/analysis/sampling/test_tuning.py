@@ -1,0 +1,147 @@
+"""Tuning: keys of a scene against closed forms and a data sheet, from latch times and from measured curves."""
+
+import json
+import re
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from orchestrator.cli.main import main
+
+INERTIA, ANGLE = 2.0, 0.5 * pi
+MOTOR = "hinge_line.line.motor.stowed,hinge_line.line.motor.deployed"
+RANGE = "uniform(0.5 N.m, 3 N.m)"
+
+
+def flap(torque=1.0):
+    """A flap about a line through its centre of mass, opened by a constant torque: t = sqrt(2 angle J / T)."""
+    scene = fanfold.Scene("flap", until="5 s", tolerance=1e-6)
+    points = {"left": (0, 0.5, 0), "right": (0, -0.5, 0)}
+    base = scene.base(points=points)
+    body = scene.body(
+        "flap", rigid={"mass": 5.0, "center_of_mass": (0, 0, 0), "inertia": (1, INERTIA, 1), "points": points}
+    )
+    scene.hinge_line(
+        "line", base, body, axis="+y", aligned_angle=f"{ANGLE} rad", hinges={"left": "left", "right": "right"},
+        motor={"stowed": torque, "deployed": torque}, latch={"stiffness": 100.0, "effective_inertia": INERTIA},
+    )  # fmt: skip
+    return scene
+
+
+def test_a_torque_from_a_latch_time():
+    """Closed form: T = 2 angle J / t^2, and d t / d T = -t / 2 T."""
+    time = 1.75
+    torque = 2.0 * ANGLE * INERTIA / time**2
+    found = fanfold.tune(flap(), {MOTOR: RANGE}, {"line.latch_time": f"{time} s"}, accuracy=1e-6)
+    assert found.reached
+    assert found.values[MOTOR] == pytest.approx(torque, rel=3e-6)
+    assert found.settings["hinge_line.line.motor.stowed"] == f"{found.values[MOTOR]!r} N.m"
+    assert found.start[MOTOR] == pytest.approx(1.0, rel=1e-12)
+    (number,) = found.numbers
+    assert (number.unit, number.wanted) == ("s", time)
+    assert number.start == pytest.approx(sqrt(2.0 * ANGLE * INERTIA / 1.0), rel=1e-6)
+    assert found.derivatives[0, 0] == pytest.approx(
+        -0.5 * time / torque, rel=5e-3
+    )  # a difference over 5 mN.m
+    assert found.runs < 12
+
+
+def test_a_torque_from_a_measured_curve(tmp_path):
+    """Closed form: the angle is T t^2 / 2 J; a factor times what the scene has."""
+    times, torque = np.linspace(0.0, 1.5, 16), 1.3
+    rows = ["time,left.angle", *(f"{t},{0.5 * torque / INERTIA * t * t}" for t in times.tolist())]
+    (tmp_path / "measured.csv").write_text("\n".join(rows), encoding="utf-8")
+    keys = ",".join(f"hinge_line.line.motor.{end}" for end in ("stowed", "deployed"))
+    found = fanfold.tune(
+        flap(), {f"{keys}*": "uniform(0.5, 2)"}, curve=tmp_path / "measured.csv", accuracy=2e-4
+    )
+    assert found.values[f"{keys}*"] == pytest.approx(torque, rel=2e-3)
+    assert found.reached
+
+
+def test_the_data_sheet_of_amos3_from_its_latch_times():
+    """Data sheet: 1.648, 1.591 and 2.021 N.m, found within 1e-3 from three latch times in less than thirty runs."""
+    wing = fanfold.load("amos3")
+    keys = {f"hinge_line.HL{k}.motor.stowed": torque for k, torque in enumerate((1.648, 1.591, 2.021), 1)}
+    options = {"rigid": "all", "until": 13, "tolerance": 1e-4}
+    times = fanfold.simulate(wing, estimate=False, **options).latch_times
+    away = wing.with_settings(dict(zip(keys, ("1.75 N.m", "1.5 N.m", "1.9 N.m"), strict=True)))
+    found = fanfold.tune(
+        away, dict.fromkeys(keys, "uniform(1.3 N.m, 2.4 N.m)"),
+        {f"{line}.latch_time": time for line, time in times.items()}, accuracy=1e-6, most_runs=30, **options,
+    )  # fmt: skip
+    assert list(found.values.values()) == pytest.approx(list(keys.values()), rel=1e-3)
+    assert found.runs < 30
+
+
+def test_what_targets_do_not_tell_is_named():
+    """Definition: the damping of a latch moves no latch time."""
+    vary = {MOTOR: RANGE, "hinge_line.line.latch.damping_ratio": "uniform(0.01, 0.5)"}
+    found = fanfold.tune(flap(), vary, {"line.latch_time": 1.75}, accuracy=1e-5)
+    assert found.reached
+    assert found.blind == ("hinge_line.line.latch.damping_ratio",)
+
+
+def test_a_target_beyond_the_range_is_not_reached():
+    """The nearest end of the range is what is found."""
+    found = fanfold.tune(flap(), {MOTOR: RANGE}, {"line.latch_time": 0.5}, most_runs=20)
+    assert not found.reached
+    assert found.values[MOTOR] == pytest.approx(3.0, abs=0.02)
+
+
+WRONG = {
+    "form": ({"targets": ["line=3"]}, "is not of the form NAME.QUANTITY=VALUE"),
+    "no such number": (
+        {"targets": {"line.latch_tome": 2}},
+        "target latch tome line: .*did you mean latch time line",
+    ),
+    "unit": ({"targets": {"line.latch_time": "2 kg"}}, "target latch time line: is '2 kg'"),
+    "no number": ({"targets": {"line.latch_time": "soon"}}, "'soon' is no finite number"),
+    "no target": ({"targets": {}}, "there is no target"),
+    "no range": ({"vary": {MOTOR: "normal(1 N.m, 0.1 N.m)"}}, "a search needs a range"),
+    "no key": ({"vary": {}}, "nothing is varied"),
+    "mistyped key": ({"vary": {"hinge_line.line.moter.stowed": RANGE}}, "moter"),
+    "does not latch": ({"until": 0.5}, "line does not latch with the values that the search starts from"),
+    "twice": ({"vary": [f"{MOTOR}={RANGE}", f"{MOTOR}={RANGE}"]}, "varied twice"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_what_cannot_be_searched_is_a_sentence(kind):
+    given, sentence = WRONG[kind]
+    keys = {"vary": {MOTOR: RANGE}, "targets": {"line.latch_time": 1.75}} | given
+    with pytest.raises(fanfold.FanfoldError, match=sentence):
+        fanfold.tune(flap(), **keys)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("time,left.angle\n0,0\n", "give a row of headings"),
+        ("time,left.angle\n0,0\n1,x\n", "row 3: 'x' is no finite number"),
+        ("time,left.angle\n1,0\n0,1\n", "its times must rise"),
+        ("time,left.angel\n0,0\n1,1\n", "curve left.angel"),
+    ],
+)
+def test_curves_that_cannot_be_read(tmp_path, text, sentence):
+    (tmp_path / "curve.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(fanfold.FanfoldError, match=re.escape(sentence)):
+        fanfold.tune(flap(), {MOTOR: RANGE}, curve=tmp_path / "curve.csv")
+
+
+def test_the_command(tmp_path):
+    """Exit code 2 where the target is out of reach, settings that can be pasted, JSON."""
+    scene = tmp_path / "flap.toml"
+    scene.write_text(flap().to_toml(), encoding="utf-8")
+    vary = ["--vary", f"{MOTOR}={RANGE}", "--accuracy", "1e-4"]
+    done = CliRunner().invoke(main, ["tune", str(scene), "--target", "line.latch_time=1.75", *vary])
+    assert done.exit_code == 0, done.output
+    assert "--set 'hinge_line.line.motor.stowed=" in done.stdout
+    assert "latch time line" in done.stdout
+    off = ["tune", str(scene), "--target", "line.latch_time=0.5", *vary, "--most-runs", "4", "--json"]
+    away = CliRunner().invoke(main, off)
+    assert away.exit_code == 2
+    assert json.loads(away.stdout)["reached"] is False
