@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from components import FanfoldError
 from components.contract.component import Vector
 
 from ...scene.units import QUANTITY, UNITS
@@ -66,7 +67,7 @@ class Tuned:
     runs: int
 
 
-class _ReachedError(Exception):
+class _ReachedError(FanfoldError):
     """The targets are met."""
 
 
