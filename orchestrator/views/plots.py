@@ -16,11 +16,14 @@ from matplotlib.ticker import MaxNLocator
 from components.contract.component import Vector
 from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD
 
+from ..analysis.motion.histories import chosen
 from ..results import point_loads
 from ..results.key_figures import extremes, latch_times, line_latch_torque, peak
 from ..results.lines.straying import overruns
 from ..results.result import Result, ResultError
 from ..results.signal import Peak
+from .motion.histories import draw_histories
+from .motion.plates import draw_plates
 from .shapes import shapes
 from .style import (
     COLOURS,
@@ -65,12 +68,17 @@ def draw_all(result: Result) -> Iterator[Drawing]:
             if figure is not None:
                 tell_of_interruption(figure, result)
                 yield Drawing(name, caption, as_written(figure))
+        yield from _of_motions(result)
 
 
 def draw_one(result: Result, name: str) -> Drawing:
     """The figure of a name, without the suffix of its file; ResultError where the result has none such."""
     known = _drawers(result)
     if name not in known:
+        with mpl.rc_context(STYLE):
+            for drawing in _of_motions(result):
+                if drawing.name == name:
+                    return drawing
         raise ResultError(f"{result.name}: there is no figure {name!r}; figures are {', '.join(known)}")
     caption, draw_it = known[name]
     with mpl.rc_context(STYLE):
@@ -79,6 +87,13 @@ def draw_one(result: Result, name: str) -> Drawing:
         raise ResultError(f"{result.name}: it has no signals for the figure {name!r}")
     tell_of_interruption(figure, result)
     return Drawing(name, caption, as_written(figure))
+
+
+def _of_motions(result: Result) -> Iterator[Drawing]:
+    """Figures of a run that follows a prescribed motion."""
+    for name, caption, figure in (*draw_histories(result), *draw_plates(result)):
+        tell_of_interruption(figure, result)
+        yield Drawing(name, caption, as_written(figure))
 
 
 def _drawers(result: Result) -> dict[str, tuple[str, Callable[[], Figure | None]]]:
@@ -325,9 +340,12 @@ def add_figure(name: str, draw_it: Callable[[Result], Figure | None]) -> None:
 
 
 def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:
-    """The sensor hinge of every line, and hinges that belong to no line."""
+    """The sensor hinge of every line, and hinges that belong to no line, of arrays the first."""
     others = {hinge for line in result.hinge_lines for hinge in line.hinges if hinge != line.sensor}
-    return [name for name in names if name not in others]
+    shown = [name for name in names if name not in others]
+    of_lines = {line.sensor for line in result.hinge_lines}
+    free = chosen([name for name in shown if name not in of_lines])
+    return [name for name in shown if name in of_lines or name in free]
 
 
 def _crossings(time: Vector, torque: Vector, start: float) -> Vector:

@@ -9,12 +9,13 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from matplotlib.tri import Triangulation
 
 from components.contract.component import Vector
 from components.flexible.finite_elements import PlateNodes
-from components.flexible.stress import Indices, PeakStress, StressRecovery
+from components.flexible.stress import Indices
 
 from ..analysis.stress.hot_spots import PanelStress
 from ..results.key_figures import latch_times
@@ -28,21 +29,24 @@ MOST_HISTORIES = len(DASHES)
 def plot_stress(found: PanelStress, folder: Path) -> list[Path]:
     """Pictures of the peak field and of the hottest nodes' histories; the paths written."""
     paths = [folder / f"{found.body}_stress_{what}.png" for what in ("field", "histories")]
-    stress, peak, places = found.stress, found.peak, found.places
-    title = f"{found.body}: peak of the larger face over time"
-    draw_field(paths[0], title, stress.plate, stress.recovery, peak, places)
-    hottest = stress.recovery.at(places[:MOST_HISTORIES])
-    title = f"{found.body}: von Mises stress of the hottest nodes"
-    histories = hottest.von_mises(stress.coordinates)
-    marks = latch_times(found.result)
-    draw_histories(paths[1], title, found.result.time, histories, hottest.nodes, marks)
+    with mpl.rc_context(STYLE):
+        field_figure(found).savefig(paths[0])
+        hottest_figure(found).savefig(paths[1])
     return paths
 
 
-def draw_field(
-    path: Path, title: str, plate: PlateNodes, recovery: StressRecovery, peak: PeakStress, hot: Indices
-) -> None:
+def hottest_figure(found: PanelStress) -> Figure:
+    """Von Mises stress of the hottest nodes over time."""
+    hottest = found.stress.recovery.at(found.places[:MOST_HISTORIES])
+    histories = hottest.von_mises(found.stress.coordinates)
+    title = f"{found.body}: von Mises stress of the hottest nodes"
+    return _histories(title, found.result.time, histories, hottest.nodes, latch_times(found.result))
+
+
+def field_figure(found: PanelStress) -> Figure:
     """Contours of the peak stress where whole elements were asked for, points elsewhere; hot spots numbered."""
+    plate, recovery, peak, hot = found.stress.plate, found.stress.recovery, found.peak, found.places
+    title = f"{found.body}: peak of the larger face over time"
     with mpl.rc_context({**STYLE, "axes.grid": False}):
         x, y = recovery.positions[:, 0], recovery.positions[:, 1]
         length, width = np.ptp(plate.positions[:, :2], axis=0)
@@ -67,7 +71,7 @@ def draw_field(
         low, high = plate.positions.min(axis=0), plate.positions.max(axis=0)
         axes.set(title=title, xlabel="x, m", ylabel="y, m", aspect="equal")
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-        figure.savefig(path)
+    return figure
 
 
 def _field(axes: Axes, x: Vector, y: Vector, value: Vector, triangles: Indices) -> Any:  # noqa: ANN401
@@ -92,23 +96,18 @@ def _triangles(plate: PlateNodes, nodes: Indices) -> Indices:
     return np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
 
 
-def draw_histories(
-    path: Path, title: str, time: Vector, stress: Vector, nodes: Indices, marks: dict[str, float]
-) -> None:
+def _histories(title: str, time: Vector, stress: Vector, nodes: Indices, marks: dict[str, float]) -> Figure:
     """Von Mises stress (N, k) in Pa of at most `MOST_HISTORIES` nodes; marks: instants by name."""
-    with mpl.rc_context(STYLE):
-        figure = empty_figure(WIDTH, 3.6, "constrained")
-        axes = figure.subplots()
-        for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
-            axes.plot(
-                time, _MEGA * history, color=colour, linestyle=dash, linewidth=1.1, label=f"node {node}"
-            )
-        for name, instant in marks.items():
-            axes.axvline(instant, color="0.5", linewidth=0.8, linestyle=":")
-            axes.annotate(
-                name, (instant, 1.0), (-2, -9), xycoords=("data", "axes fraction"),
-                textcoords="offset points", fontsize=7, ha="right",
-            )  # fmt: skip
-        axes.set(title=title, xlabel="time, s", ylabel="von Mises stress, MPa")
-        axes.legend(fontsize=8)
-        figure.savefig(path)
+    figure = empty_figure(WIDTH, 3.6, "constrained")
+    axes = figure.subplots()
+    for history, node, colour, dash in zip(stress.T, nodes, COLOURS, DASHES, strict=False):
+        axes.plot(time, _MEGA * history, color=colour, linestyle=dash, linewidth=1.1, label=f"node {node}")
+    for name, instant in marks.items():
+        axes.axvline(instant, color="0.5", linewidth=0.8, linestyle=":")
+        axes.annotate(
+            name, (instant, 1.0), (-2, -9), xycoords=("data", "axes fraction"),
+            textcoords="offset points", fontsize=7, ha="right",
+        )  # fmt: skip
+    axes.set(title=title, xlabel="time, s", ylabel="von Mises stress, MPa")
+    axes.legend(fontsize=8)
+    return figure

@@ -56,7 +56,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         raise ResultError(
             f"{result.name}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
         )
-    scene = _scene(result)
+    scene = scene_of(result)
     table = next((table for table in scene.bodies if table.name == body), None)
     if table is None or not table.can_bend:
         raise ResultError(f"{result.name}: {body} is not a body that can bend")
@@ -88,7 +88,8 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
     )
 
 
-def _scene(result: Result) -> CheckedScene:
+def scene_of(result: Result) -> CheckedScene:
+    """The scene that a result holds; ResultError where it holds none."""
     try:
         tree = json.loads(result.provenance["scene_tree"])
     except (KeyError, ValueError):

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterator
 from html import escape
 
+from ...analysis.motion.deflection import quiet
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
 from ...results.key_figures import headline, headline_rows
@@ -60,6 +61,9 @@ def _numbers(result: Result) -> Iterator[str]:
     yield table(columns, headline_rows(found), numeric=(2, 4))
     for sentence in dict.fromkeys((*result.told, *found.open_ends(), *found.warnings)):
         yield paragraph(f"Warning: {sentence}.", "warning")
+    if waits := [one.sentence(float(result.time[-1])) for one in quiet(result)]:
+        yield heading("After the prescribed motion")
+        yield from (paragraph(f"{sentence}.") for sentence in waits)
     yield heading("Events")
     events = [(f"{time:.6f}", component, text) for time, component, text in result.events]
     yield table(("time, s", "component", "event"), events or [("", "", "none")], numeric=(0,))

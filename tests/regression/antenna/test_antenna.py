@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.analysis.motion.deflection import deflections
+from orchestrator.analysis.motion.histories import histories
+from orchestrator.analysis.stress.hot_spots import Choice, panel_stress
+from orchestrator.views import plots
 
 TRAVEL = {(): 1.176, ("without_spacers",): 1.176, ("diagonal",): 0.9996}
 """m, of the law by variant."""
@@ -81,3 +85,42 @@ def test_joints_of_the_border_are_alike(runs):
     assert np.ptp(sides[::2]) < 1e-6 * max(sides)
     assert np.ptp(sides[1::2]) < 1e-6 * max(sides)
     assert np.ptp(sides) < 1e-3 * max(sides)
+
+
+@pytest.fixture(scope="module")
+def drawn(runs):
+    """Figures of the thesis, by name."""
+    return {drawing.name: drawing for drawing in plots.draw_all(runs[()])}
+
+
+def test_figures_of_the_thesis_are_drawn(drawn):
+    """Chapter 5: law, accelerations, joint loads, modes, deformed shape, stress and its hot spots over time."""
+    assert set(drawn) >= {
+        "prescribed_motion", "accelerations", "angular_accelerations", "joint_accelerations", "joint_forces",
+        "joint_torques", "modal_accelerations", "deformations", "membrane_shape", "membrane_stress_field",
+        "membrane_stress_histories",
+    }  # fmt: skip
+
+
+def test_acceleration_of_the_top_is_that_of_its_law(runs):
+    """Mean over the run, as the point motion is a spring: rate gained in 0.1 s, within its swing."""
+    panels = {one.name: one.panels for one in histories(runs[()])}
+    time, upward = next(p for p in panels["accelerations"] if p.label == "z, m/s2").curves["top"]
+    (law_time, rate) = panels["prescribed_motion"][1].curves["motion"]
+    steps = np.diff(runs[()].time)
+    gained = float(np.sum(upward * steps[steps > 2e-7]))
+    assert time[-1] < law_time[-1]
+    assert gained == pytest.approx(rate[-1], rel=0.02)
+
+
+def test_modes_and_stress_are_those_of_the_thesis(runs, drawn):
+    """M11: 6.41 and 18.9 Hz; M13: 11.17 mm in the body's frame; M14: 100.55 MPa at (10, 500) mm at 0.07 s."""
+    labels = [line.get_label() for line in drawn["modal_accelerations"].figure.axes[0].lines]
+    assert labels[:2] == ["membrane 6.419 Hz", "membrane 19.07 Hz"]
+    (deflection,) = deflections(runs[()], ["membrane"]).values()
+    assert 1e3 * deflection.size[deflection.row] == pytest.approx(11.17, rel=2e-3)
+    hottest = panel_stress(runs[()], "membrane", Choice(), 0.05, 10).hot_spots
+    assert len(hottest) == 10
+    assert hottest[0].stress == pytest.approx(100.55e6, rel=0.01)
+    assert hottest[0].time == pytest.approx(0.070, abs=2e-3)
+    assert min(abs(hottest[0].position[0] - x) for x in (0.01, 0.99)) < 1e-9

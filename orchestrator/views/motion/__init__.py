@@ -1,0 +1,1 @@
+"""Figures of runs that follow a prescribed motion."""
