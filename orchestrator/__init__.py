@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from .api.study import resume_study as resume_study
     from .api.study import study as study
     from .api.tune import tune as tune
+    from .api.viewers import export_view as export_view
     from .api.warnings import FanfoldWarning as FanfoldWarning
     from .scene.builder import Scene as Scene
 
@@ -77,6 +78,7 @@ _HOMES = {
     "figure": "orchestrator.api.plugins",
     "load_plugin": "orchestrator.api.plugins",
     "Result": "orchestrator.api.result",
+    "export_view": "orchestrator.api.viewers",
     "FanfoldWarning": "orchestrator.api.warnings",
     "check": "orchestrator.api.simulate",
     "check_scene": "orchestrator.api.simulate",

@@ -1,4 +1,4 @@
-"""`fanfold export` and `export-body`: the components of a scene as FMUs, a body of it as finite elements."""
+"""`fanfold export`, `export-body`, `export-view`: a scene as FMUs, a body as finite elements, a result for viewers."""
 
 from __future__ import annotations
 
@@ -9,8 +9,16 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, backend_option, large_deformation_option, layered_scene, scene_choice
-from .types import Count
+from .options import (
+    SceneChoice,
+    backend_option,
+    large_deformation_option,
+    layered_scene,
+    ordered_names,
+    plugin_option,
+    scene_choice,
+)
+from .types import Count, Number, OutputFile
 
 if TYPE_CHECKING:
     from fmus import Backend, FmiVersion
@@ -84,3 +92,33 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     found = fanfold.export_body(choice.load(), body, output, modes=modes)
     click.echo(f"# {found.path}")
     click.echo(found.to_toml(), nl=False)
+
+
+@click.command("export-view")
+@click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
+@click.option(
+    "-o", "--out", "--output", "output", type=OutputFile(), required=True,
+    help="File that ends with .csv or .mat.",
+)  # fmt: skip
+@click.option("--format", "format", metavar="csv|mat", help="By default what the ending of the file says.")
+@click.option(
+    "--signals", default="", callback=ordered_names, metavar="PATTERNS",
+    help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
+)  # fmt: skip
+@click.option(
+    "--every", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
+)  # fmt: skip
+@click.option("--replace", is_flag=True, help="Replace a file that is there already.")
+@plugin_option
+def view_command(
+    result: Path,
+    output: Path,
+    format: str | None,
+    signals: tuple[str, ...],
+    every: float | None,
+    replace: bool,
+) -> None:
+    """Write RESULT for other programs: a table (csv) or a file of MATLAB (mat)."""
+    for path in fanfold.export_view(result, output, format, signals=signals, every=every, replace=replace):
+        click.echo(path)

@@ -101,3 +101,4 @@ def analyse_group() -> None:
 for _command in (cache, check, compare, export, listing, plot, report, resume, run, study, tune):
     main.add_command(_command.command)
 main.add_command(export.body_command)
+main.add_command(export.view_command)

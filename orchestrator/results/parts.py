@@ -47,6 +47,8 @@ _SCALARS: Final = (
 
 Loads may have three axes, but for those of contacts, which are looked at touch by touch.
 """
+_OF_ELEMENTS: Final = ("section_force",)
+"""Names that end like those of scalars and hold three numbers of every element of a beam."""
 
 
 def times(file: Any) -> Vector:  # noqa: ANN401
@@ -78,7 +80,7 @@ def signal(dataset: Any, variable: str, rows: int) -> Vector:  # noqa: ANN401
     size = _SIZES.get(variable.rpartition(".")[2])
     if size is not None:
         _refuse(found.shape != (rows, size), f"{variable} must have {size} columns")
-    elif variable.endswith(_SCALARS):
+    elif variable.endswith(_SCALARS) and variable not in _OF_ELEMENTS:
         of_axes = found.shape[1:] == (3,) and variable != "contact_force"
         is_load = dataset.attrs.get("role") == LOAD
         _refuse(found.ndim != 1 and not (of_axes and is_load), f"{variable} must be one number a row")

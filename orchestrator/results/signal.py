@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from itertools import pairwise
 from math import copysign, prod, sqrt
 from typing import Any, Literal, NamedTuple
@@ -25,11 +26,24 @@ _BEYOND = 1e-9
 """Of the end time; round-off of summed steps."""
 
 
+class Place(NamedTuple):
+    """A time between two rows: their numbers, and how much of the way from one to the other."""
+
+    left: int
+    right: int
+    share: float
+
+
 class Peak(NamedTuple):
     """An extreme value and when it happened (s)."""
 
     time: float
     value: float
+
+
+def matches(key: tuple[str, str], pattern: str) -> bool:
+    """Whether a signal is one of a pattern's, of its component or of COMPONENT.VARIABLE, as of file names."""
+    return fnmatchcase(key[0], pattern) or fnmatchcase(".".join(key), pattern)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +123,25 @@ def _at(
     time: Vector, values: Vector, events: Sequence[Event], asked: float, side: Side
 ) -> NDArray[np.float64]:
     """Values at a time: those of the first or last of the rows that share an instant, else between two rows."""
+    left, right, share = _between(time, events, asked, side)
+    return np.asarray(values[left] + share * (values[right] - values[left]))
+
+
+def values_at(values: Vector, places: Sequence[Place]) -> Vector:
+    """Values (k,) or (k, size) of a signal at the places of k times."""
+    left, right, share = (np.array(part) for part in zip(*places, strict=True))
+    weight = share.reshape(-1, *(1 for _ in values.shape[1:]))
+    found: Vector = values[left] + weight * (values[right] - values[left])
+    return found
+
+
+def places(result: Result, times: ArrayLike) -> list[Place]:
+    """Where times (k,) in s lie in a result: after what happens there, see `Result.at`; ResultError outside of it."""
+    asked = np.asarray(times, dtype=float).tolist()
+    return [_between(result.time, result.events, one, "after") for one in asked]
+
+
+def _between(time: Vector, events: Sequence[Event], asked: float, side: Side) -> Place:
     _refuse_outside(time, asked)
     near = min((event[0] for event in events), key=lambda event: abs(event - asked), default=np.inf)
     low, high = (
@@ -116,12 +149,13 @@ def _at(
     )
     first, beyond = int(np.searchsorted(time, low)), int(np.searchsorted(time, high, side="right"))
     if first < beyond:
-        return np.asarray(values[first if side == "before" else beyond - 1])
+        row = first if side == "before" else beyond - 1
+        return Place(row, row, 0.0)
     if time.size == 1:
-        return np.asarray(values[0])
+        return Place(0, 0, 0.0)
     right = min(max(first, 1), time.size - 1)
-    share = (asked - time[right - 1]) / (time[right] - time[right - 1])
-    return np.asarray(values[right - 1] + min(max(share, 0.0), 1.0) * (values[right] - values[right - 1]))
+    share = float((asked - time[right - 1]) / (time[right] - time[right - 1]))
+    return Place(right - 1, right, min(max(share, 0.0), 1.0))
 
 
 def maxima_near(time: Vector, values: Vector, top: int) -> Iterator[Peak]:

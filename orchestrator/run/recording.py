@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field, fields, replace
-from fnmatch import fnmatchcase
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -25,7 +24,7 @@ from ..results.lines.straying import overruns
 from ..results.point_loads import hinge_loads, port_loads
 from ..results.result import Result, Vector
 from ..results.result_file import save
-from ..results.signal import EVENT_WIDTH
+from ..results.signal import EVENT_WIDTH, matches
 
 _BESIDE = 7
 """Rows beside an event or a touch: what interpolants at the edge of a smooth stretch go through and are judged by."""
@@ -138,11 +137,6 @@ def _peaked(result: Result) -> Iterator[Vector]:
     for unit in ("N", "N.m"):
         for vector in (*port_loads(result, unit).values(), *hinge_loads(result, unit).values()):
             yield np.linalg.norm(vector, axis=1)
-
-
-def matches(key: Key, pattern: str) -> bool:
-    """Whether a signal is one of a pattern's, of its component or of COMPONENT.VARIABLE, as of file names."""
-    return fnmatchcase(key[0], pattern) or fnmatchcase(".".join(key), pattern)
 
 
 @dataclass(frozen=True)

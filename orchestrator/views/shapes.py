@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
-from ..assembly import Geometry
 from ..results.key_figures import is_latch_up
 from ..results.result import Result
+from .placement import placed
 from .space import bounds, draw_bodies, scale, set_view, with_margin
 from .style import COLOURS, WIDTH, empty_figure
 
@@ -93,20 +93,3 @@ def instants(result: Result) -> NDArray[np.int64]:
     levels = np.linspace(way[0], way[-1], _INSTANTS - (end <= last))
     on_the_way = np.minimum(np.searchsorted(way, levels), end - 1)
     return np.unique([*on_the_way, last]).astype(np.int64)
-
-
-def placed(result: Result, name: str, body: Geometry, rows: NDArray[np.int64]) -> Vector:
-    """Nodes of a body in world axes at the given rows, shape (rows, nodes, 3)."""
-    if result.has(name, "node_position"):
-        moved: Vector = result.signal(name, "node_position")[rows].reshape(rows.size, -1, 3)
-        return moved
-    nodes = np.repeat(np.asarray(body.positions)[None], rows.size, axis=0)
-    if not result.has(name, "frame_position"):
-        return nodes
-    if result.has(name, "modal_coordinate"):
-        coordinates = result.signal(name, "modal_coordinate").reshape(result.time.size, -1)[rows]
-        nodes = nodes + np.einsum("dam,rm->rda", np.asarray(body.shapes), coordinates)
-    w, vector = np.split(result.signal(name, "frame_orientation")[rows][:, None, :], [1], axis=2)
-    twice = 2.0 * np.cross(vector, nodes)
-    turned: Vector = nodes + w * twice + np.cross(vector, twice)
-    return turned + result.signal(name, "frame_position")[rows][:, None, :]

@@ -16,7 +16,7 @@ from components.contract.component import Vector
 from fmus import Backend
 
 from ...results.result import Result
-from ...run.recording import matches
+from ...results.signal import matches
 from ...run.run import Loader, kept_fmus
 from ...run.simulation import Options, simulate
 from ...scene.builder import Scene

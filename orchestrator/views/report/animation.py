@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from ...results.result import Result
+from ..placement import rows_near
 from ..shapes import Structure
 from ..style import STYLE, empty_figure
 
@@ -32,7 +32,7 @@ def frames(result: Result, count: int) -> list[Frame]:
 
     None where no body has a geometry.
     """
-    rows = _rows(result, count)
+    rows = rows_near(result.time, np.linspace(result.time[0], result.time[-1], count))
     structure = Structure(result, rows)
     if not structure.names or not rows.size:
         return []
@@ -50,16 +50,6 @@ def frames(result: Result, count: int) -> list[Frame]:
             found.append(Frame(time, _png(figure)))
     every = -(-sum(len(frame.png) for frame in found) // _LARGEST)
     return found[:: max(every, 1)]
-
-
-def _rows(result: Result, count: int) -> NDArray[np.int64]:
-    """Communication points nearest to equal steps in time."""
-    time = result.time
-    wanted = np.linspace(time[0], time[-1], count)
-    after = np.clip(np.searchsorted(time, wanted), 0, time.size - 1)
-    before = np.maximum(after - 1, 0)
-    nearest = np.where(wanted - time[before] < time[after] - wanted, before, after)
-    return np.unique(nearest).astype(np.int64)
 
 
 def _png(figure: Figure) -> bytes:

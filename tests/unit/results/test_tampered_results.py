@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 from orchestrator.cli.main import main
 from orchestrator.results.parts import printable
+from orchestrator.results.result import Result
 from tests.benchmark.faults import results as tampering
 from tests.references import synthetic_result as reference
 
@@ -47,6 +48,15 @@ def answer(*arguments):
     run = CliRunner().invoke(main, [str(one) for one in arguments])
     assert run.exception is None or isinstance(run.exception, SystemExit), run.exception
     return run
+
+
+def test_section_forces_of_beams_are_read(tmp_path):
+    """They have three numbers of every element, though their name ends like that of one number a row."""
+    path = reference.write(tmp_path / "run.h5")
+    with h5py.File(path, "r+") as file:
+        forces = np.arange(6.0 * len(file["time"])).reshape(-1, 6)
+        file["signals/yoke/section_force"] = forces
+    np.testing.assert_array_equal(Result.open(path).signal("yoke", "section_force"), forces)
 
 
 @pytest.mark.parametrize("kind", SPOILED)
