@@ -61,4 +61,5 @@ def _spaced(result: Result, every: float) -> Vector:
             f"rows every {every:g} s up to {last:g} s are more than {_MOST_ROWS}; take them farther apart"
         )
     count = int((last - first) / every + _ROUND_OFF) + 1
-    return np.minimum(first + every * np.arange(count), last)
+    time: Vector = np.minimum(first + every * np.arange(count), last)
+    return time
