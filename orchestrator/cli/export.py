@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -24,6 +24,16 @@ if TYPE_CHECKING:
     from fmus import Backend, FmiVersion
 
     from ..scene.component_connections import WrenchMode
+
+
+def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[float, ...] | None:
+    """Times (s) with commas between."""
+    if value is None:
+        return None
+    try:
+        return tuple(float(one) for one in value.split(","))
+    except ValueError:
+        raise click.BadParameter(f"{value!r} is no list of times in seconds, such as 0,1.5,3") from None
 
 
 @click.command("export")
@@ -98,9 +108,21 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
     "-o", "--out", "--output", "output", type=OutputFile(), required=True,
-    help="File that ends with .csv or .mat.",
+    help="File that ends with .glb, .pvd, .csv or .mat.",
 )  # fmt: skip
-@click.option("--format", "format", metavar="csv|mat", help="By default what the ending of the file says.")
+@click.option("--format", metavar="glb|vtu|csv|mat", help="By default what the ending of the file says.")
+@click.option(
+    "--tolerance", type=Number(min=0.0, min_open=True), metavar="METRES",
+    help="glb: no node is off by more between the keys of the animation; by default 1e-4 of the structure's size.",
+)  # fmt: skip
+@click.option("--frames", type=Count(min=1), help="vtu: files at equal steps in time; by default 60.")
+@click.option(
+    "--times", callback=_times, metavar="SECONDS",
+    help="vtu: with commas between; the recorded rows nearest to them.",
+)  # fmt: skip
+@click.option(
+    "--no-stress", is_flag=True, help="vtu: leave out von Mises stress, whose recovery takes its time."
+)
 @click.option(
     "--signals", default="", callback=ordered_names, metavar="PATTERNS",
     help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
@@ -109,16 +131,9 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     "--every", type=Number(min=0.0, min_open=True), metavar="SECONDS",
     help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
 )  # fmt: skip
-@click.option("--replace", is_flag=True, help="Replace a file that is there already.")
+@click.option("--replace", is_flag=True, help="Replace what is there already.")
 @plugin_option
-def view_command(
-    result: Path,
-    output: Path,
-    format: str | None,
-    signals: tuple[str, ...],
-    every: float | None,
-    replace: bool,
-) -> None:
-    """Write RESULT for other programs: a table (csv) or a file of MATLAB (mat)."""
-    for path in fanfold.export_view(result, output, format, signals=signals, every=every, replace=replace):
+def view_command(result: Path, output: Path, no_stress: bool, **options: Any) -> None:  # noqa: ANN401
+    """Write RESULT for other programs: animated bodies (glb), fields (vtu), a table (csv), MATLAB (mat)."""
+    for path in fanfold.export_view(result, output, stress=False if no_stress else None, **options):
         click.echo(path)
