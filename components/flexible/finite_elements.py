@@ -132,6 +132,8 @@ class PlateNodes:
     """(6 K, n) row 6 k + component; zero at nodes that no deforming element touches"""
     slopes: SparseMatrix
     """(2 K, n) w,x and w,y, row 2 k + axis; zero there as well"""
+    translations: SparseMatrix
+    """(3 K, n), row 3 k + axis"""
     membrane: Vector
     """(3, 3) forces in tension by the strains of the mid-plane, N/m"""
     inserts: tuple[Rectangle, ...]
@@ -139,7 +141,12 @@ class PlateNodes:
 
     def reduced(self, reduce: Callable[[SparseMatrix], SparseMatrix]) -> PlateNodes:
         """The same on other degrees of freedom."""
-        return replace(self, resultants=reduce(self.resultants), slopes=reduce(self.slopes))
+        return replace(
+            self,
+            resultants=reduce(self.resultants),
+            slopes=reduce(self.slopes),
+            translations=reduce(self.translations),
+        )
 
     def insert_distance(self) -> Vector:
         """Distance (K,) in the plane from every node to the nearest rigid insert, m; inf without inserts."""

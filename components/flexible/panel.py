@@ -155,7 +155,8 @@ class PlateElements:
 
     def nodes(self, inserts: Sequence[Rectangle]) -> PlateNodes:
         """Mesh nodes and the force and moment resultants there; nothing deforms inside the inserts."""
-        return plate_nodes(self._x.corners(), self._y.corners(), self._plate, inserts)
+        x, y = self._x.corners(), self._y.corners()
+        return plate_nodes(x, y, self._plate, inserts, self.translations(x.nodes, y.nodes))
 
     def rigid_motion(self, origin: Vector) -> Vector:
         """Values (n, 6) of the degrees of freedom when the plate moves with a rigid point at origin (3,)."""

@@ -31,8 +31,13 @@ class AxisCorners:
     """the same of the in-plane functions, up to first derivatives"""
 
 
-def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Sequence[Rectangle]) -> PlateNodes:
-    """Nodes of a plate on a tensor mesh; degrees of freedom are those of w, then of u, then of v."""
+def plate_nodes(
+    x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Sequence[Rectangle], translations: SparseMatrix
+) -> PlateNodes:
+    """Nodes of a plate on a tensor mesh; degrees of freedom are those of w, then of u, then of v.
+
+    translations: (3 K, n) of the nodes, y fastest.
+    """
     nx, ny = x.nodes.size - 1, y.nodes.size - 1
     faces = _corner_nodes(nx, ny)[:, [0, 2, 3, 1]]
     places = np.column_stack([np.repeat(x.nodes, y.nodes.size), np.tile(y.nodes, x.nodes.size)])
@@ -44,6 +49,7 @@ def plate_nodes(x: AxisCorners, y: AxisCorners, plate: Plate, inserts: Sequence[
         faces=faces[deforming],
         resultants=_by_node([sparse.csr_array(average @ r) for r in _at_corners(x, y, plate)], len(places)),
         slopes=_by_node([sparse.csr_array(average @ r) for r in _slopes_at_corners(x, y)], len(places)),
+        translations=translations,
         membrane=np.array([[a11, a12, 0.0], [a12, a22, 0.0], [0.0, 0.0, a66]]),
         inserts=tuple(inserts),
     )

@@ -41,6 +41,8 @@ class BodyStress:
     """(2 K, S) by modal coordinates, row 2 k + axis, where bending stretches the plate"""
     prestress: float
     """tension of the plate at rest, Pa, which the recovery leaves out"""
+    shapes: Vector
+    """(n, 3, M) of all nodes of the plate by the modal coordinates of the run, m / (kg^1/2 m)"""
 
 
 def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indices]) -> BodyStress:
@@ -83,9 +85,10 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         raise ResultError(f"{result.name}: {body}: {error}") from None
     field = acceleration_field(result, body, data, scene.header.gravity)
     eta = result.signal(body, "modal_coordinate")
-    return BodyStress(
-        model.plate, recovery, np.hstack([eta, field, _tensions(forms, eta)]), slopes, prestress
-    )
+    moved = np.asarray(model.plate.translations @ shapes[:, : eta.shape[1]])
+    coordinates = np.hstack([eta, field, _tensions(forms, eta)])
+    displacement = moved.reshape(-1, 3, eta.shape[1])
+    return BodyStress(model.plate, recovery, coordinates, slopes, prestress, displacement)
 
 
 def scene_of(result: Result) -> CheckedScene:

@@ -46,7 +46,8 @@ class Motion:
         share = ((times - self.time[left]) / (self.time[right] - self.time[left]))[:, None]
         ends = [(part[left], part[right]) for part in (self.position, self.amplitudes)]
         position, amplitudes = (first + share * (last - first) for first, last in ends)
-        return self._placed(position, _slerp(*self.orientation[[left, right]], share), amplitudes)
+        orientation = _slerp(self.orientation[left], self.orientation[right], share)
+        return self._placed(position, orientation, amplitudes)
 
     def part(self, rows: Rows) -> Motion:
         """The same motion at some of its rows."""
