@@ -14,7 +14,7 @@ from orchestrator.results.parts import Meaning
 from orchestrator.views.placement import placed
 from orchestrator.views.viewers.surface import surface
 from tests.references import synthetic_result as reference
-from tests.references.gltf_reader import Glb
+from tests.unit.views.viewers.gltf_reader import Glb
 
 SINGLE = 3e-6
 """m; nodes are within 8 m, where single precision has steps of 5e-7 m, and a place is the sum of several numbers."""
