@@ -28,7 +28,7 @@ from .latch_up import (
     watched_torques,
 )
 from .network import Network
-from .participant import ParticipantError
+from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
@@ -336,10 +336,14 @@ class Master(CoSimulation):
     def _take_signals(self) -> None:
         """Have FMUs with signals act at this instant; where they change something, go on as after an event."""
         if self._exchange_signals():
-            forget = self.solver.forget_all if self._signals.sets_bodies else self.solver.forget
+            solver, h = self.solver, self._sizes.size
+            forget = solver.forget_all if self._signals.sets_bodies else solver.forget
+            after = min(_IMPULSE_STEP, 0.1 * h)
+            before = solver.predicted(self.time, after).copy()
             forget()
-            self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size), forget)
-            self._renew()
+            found = self._record_jump(after, forget)
+            square = None if found is None else solver.jump_square(h, found - before, self._error.energy)
+            self._renew(0.0 if square is None else h * self._error.share(square))
         else:
             self._begin_segment()
         self._watch()
@@ -361,10 +365,11 @@ class Master(CoSimulation):
         self._sizes.restart(size, stirred=False)
         self._begin_segment()
 
-    def _renew(self) -> None:
-        """Go on with short steps where a motion law changes its form, and let nothing before tell of what follows."""
+    def _renew(self, known: float = 0.0) -> None:
+        """Go on with short steps (s), or what is known to be short enough; nothing before tells of what follows."""
         self.solver.restart()
-        self._sizes.restart(min(self._sizes.size, self.settings.event_step), stirred=False)
+        if (size := max(self.settings.event_step, known)) < self._sizes.size:
+            self._sizes.restart(size, stirred=False)
         self._begin_segment()
 
     def _begin_segment(self) -> None:
@@ -372,11 +377,15 @@ class Master(CoSimulation):
         if self.segments[-1]:
             self.segments.append([])
 
-    def _record_jump(self, after: float, forget: Callable[[], None]) -> None:
-        """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back."""
-        solver = self.solver
+    def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
+        """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
+
+        The wrenches of that step; None where it does not converge.
+        """
+        solver, found = self.solver, None
         solver.restore()
         if solver.solve(self.time, after, solver.accepted).converged:
+            found = solver.wrenches.copy()
             self._observe(after)
         else:
             solver.restore()
@@ -386,6 +395,7 @@ class Master(CoSimulation):
         self.time -= after
         solver.restore()
         forget()
+        return found
 
     def _engage(self, line: HingeLine) -> float:
         """Latch a line, and return the step size (s) to go on with.

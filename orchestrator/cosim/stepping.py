@@ -156,6 +156,10 @@ class ErrorEstimate(Structure):
         """Error over what is allowed, from the square of the relative error that the wrenches h^2 u'' make."""
         return sqrt(square) / self.allowed
 
+    def share(self, square: float) -> float:
+        """Part of a step, at most all of it, whose error leaves room to grow, where errors go with the step."""
+        return min(1.0, GROWTH_MARGIN / max(self(square), LEAST_ERROR))
+
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
     """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.

@@ -133,6 +133,11 @@ class InterfaceJacobian:
         """Known mobilities of all bodies, in the axes of now."""
         return self._mobilities[key].turned()
 
+    def nearest(self, mode: str, h: float) -> Key | None:
+        """The known step size next to one, for what goes with a power of it."""
+        known = [key for key in self._mobilities if key[0] == mode]
+        return min(known, key=lambda key: abs(np.log(key[1] / h)), default=None)
+
     def outdate(self, key: Key | None = None, *, bodies: bool = False) -> None:
         """Connections are evaluated anew when they are asked for, of one key or of all; so are a key's varying bodies.
 

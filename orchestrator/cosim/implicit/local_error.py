@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..network import Network
 from ..participant import Matrix, Vector
@@ -55,17 +56,32 @@ def error_square(
     solutions have in it does not count. mobilities: of all bodies at the present orientations.
     """
     total, left = 0.0, np.zeros(network.size)
-    wrench, coordinates = network.width
     for rows, mobility in zip(network.rows, mobilities, strict=True):
-        means = np.flatnonzero(np.arange(rows.stop - rows.start) % wrench < 6)
-        poses = means // wrench * coordinates + means % wrench
-        mean_mobility, change = mobility[np.ix_(poses, means)], bend.change[rows][means]
+        means, mean_mobility = _of_means(network, rows, mobility)
+        change = bend.change[rows][means]
         own = np.diag(mean_mobility)
         unknown = noise(own, accuracy.tolerated[rows][means], accuracy.rounded[rows][means], accuracy.reach)
         left[rows.start + means] = unknown
         total += float(change @ mean_mobility @ change) - bend.gain**2 * float(own @ unknown**2)
     squares = [_watched_square(network, w, bend, left, h) for w in watched]
     return max(0.0, total / energy, *squares)
+
+
+def jump_work(network: Network, mobilities: Sequence[Matrix], change: Vector) -> float:
+    """Work (J) of a jump of wrenches (size,) on the motion that it causes over a step of these mobilities."""
+    total = 0.0
+    for rows, mobility in zip(network.rows, mobilities, strict=True):
+        means, mean_mobility = _of_means(network, rows, mobility)
+        total += float(change[rows][means] @ mean_mobility @ change[rows][means])
+    return total
+
+
+def _of_means(network: Network, rows: slice, mobility: Matrix) -> tuple[NDArray[np.intp], Matrix]:
+    """Places of mean wrenches among a body's rows, and the mobility (means, means) of poses under them."""
+    wrench, coordinates = network.width
+    means = np.flatnonzero(np.arange(rows.stop - rows.start) % wrench < 6)
+    poses = means // wrench * coordinates + means % wrench
+    return means, mobility[np.ix_(poses, means)]
 
 
 def _watched_square(network: Network, w: WatchedTorque, bend: Bend, left: Vector, h: float) -> float:

@@ -18,7 +18,7 @@ from ..participant import Matrix, ParticipantError, Vector
 from .convergence import ROUND_OFF, Solution, Tolerance, is_credible
 from .history import Table
 from .interface_jacobian import InterfaceJacobian, Key, Matrices
-from .local_error import WatchedTorque
+from .local_error import WatchedTorque, jump_work
 
 _MAX_DAMPED = 30
 _SMALLEST_SHARE = 1e-3
@@ -142,6 +142,17 @@ class Solver(ABC):
         ]
         result: Matrix = np.concatenate(moved).reshape(-1, self.network.width.coordinates)
         return result
+
+    def jump_square(self, h: float, change: Vector, energy: float) -> float | None:
+        """Square of the relative error that a jump of wrenches (size,) makes in a step that takes it as bent ones.
+
+        From the mobilities of a step as near to h as there is, which go with its square; None where none are known.
+        """
+        key = self.jacobian.nearest(self.mode, h)
+        if key is None:
+            return None
+        work = jump_work(self.network, self.jacobian.mobilities(key), change)
+        return work * (h / key[1]) ** 2 / energy
 
     def solve(self, time: float, h: float, guess: Vector) -> Solution:
         """Find the wrenches of the step from the saved states; participants end stepped when it converges."""
