@@ -20,16 +20,17 @@ _digests: dict[tuple[int, int], bytes] = {}
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
-def zip_bytes(files: Mapping[str, bytes], below: bytes = b"") -> bytes:
+def zip_bytes(files: Mapping[str, bytes], below: bytes = b"", *, compressed: bool = True) -> bytes:
     """A zip archive whose bytes depend on names and contents only; its files come after those of one `below`.
 
     The library compresses in a fifth of the time at level 1, to 630 in place of 570 kB.
     """
     buffer = io.BytesIO(below)
-    with zipfile.ZipFile(buffer, "a", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+    kind = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+    with zipfile.ZipFile(buffer, "a", kind, compresslevel=1) as archive:
         for name, data in sorted(files.items()):
             entry = zipfile.ZipInfo(name, _EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.compress_type = kind
             entry.create_system = 3
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)

@@ -54,13 +54,14 @@ def build_fmu(
     fmi: FmiVersion = "2.0",
     with_sources: bool = False,
     experiment: Experiment | None = None,
+    compressed: bool = True,
 ) -> Path:
     """Write `name`.fmu into `directory` (made if missing) and return its path.
 
     `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
     native FMU where there is none, and FMI 3.0 or sources of a PythonFMU. Without a `backend` it is native where
     possible. `experiment` is what a tool runs by default. `with_sources` adds the C sources, for platforms that this
-    one does not build for; no compiler is needed then.
+    one does not build for; no compiler is needed then. Not `compressed`: for files that are soon gone.
     """
     starts = start_values(component, start or {})
     only_native = fmi == "3.0" or with_sources
@@ -85,10 +86,11 @@ def build_fmu(
         )
     component.prepare(np.array(starts[: component.parameter_layout.size]))
     key = digest_of(code)
-    archive = kept("fmu", key, lambda: zip_bytes(code))
+    archive = kept("fmu", key, lambda: zip_bytes(code)) if compressed else zip_bytes(code, compressed=False)
     target = Path(directory) / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
-    replace_file(target, zip_bytes(_dated(key, {**data, "modelDescription.xml": description}), archive))
+    files = _dated(key, {**data, "modelDescription.xml": description})
+    replace_file(target, zip_bytes(files, archive, compressed=compressed))
     return target
 
 

@@ -152,6 +152,7 @@ def check_scene(
 ) -> SceneCheck:
     """A scene looked at before it is run: its problems and what is hardly meant, as sentences, and what it is made of.
 
+    Problems are also those of variants that are not chosen, which runs do not look at.
     `warnings`, `bodies`, `lines`, `loops` are records, `plot` draws it stowed and deployed. Where there are `problems`
     there is nothing else. A scene in phases is checked phase by phase, see `Scene.runs`.
     """
@@ -159,7 +160,10 @@ def check_scene(
     from ..analysis.scene_check import check_scene as look_at
 
     try:
-        checked = load(scene, variant, settings).check_one_run()
+        chosen = load(scene, variant, settings)
+        checked = chosen.check_one_run()
+        if problems := chosen.variant_problems():
+            raise SceneError(problems)
         return look_at(checked, listed(rigid), listed(flexible), listed(large_deformation))
     except SceneError as error:
         return SceneCheck(scene.name if isinstance(scene, Scene) else Path(scene).stem, tuple(error.problems))

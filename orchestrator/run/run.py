@@ -102,15 +102,29 @@ def export(
     fmi: FmiVersion = "2.0",
     with_sources: bool = False,
     experiment: Experiment | None = None,
+    compressed: bool = True,
 ) -> list[Path]:
-    """Write every part of an assembly as an FMU into a directory (made if missing); native where possible."""
+    """Write every part of an assembly as an FMU into a directory (made if missing); native where possible.
+
+    Not compressed: for files that are soon gone.
+    """
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for part in assembly.parts:
         try:
             component = REGISTRY[part.kind](**part.structure)
             paths.append(
-                build_fmu(component, part.name, directory, part.start, backend, fmi, with_sources, experiment)
+                build_fmu(
+                    component,
+                    part.name,
+                    directory,
+                    part.start,
+                    backend,
+                    fmi,
+                    with_sources,
+                    experiment,
+                    compressed,
+                )
             )
         except ComponentError as error:
             raise RunError(f"{assembly.name}: {part.name}: {error}") from None
@@ -128,7 +142,7 @@ def as_fmus(
     with ExitStack() as stack:
         folder = Path(stack.enter_context(TemporaryDirectory(dir=process_folder())))
         participants: list[FmuParticipant] = []
-        for path in export(assembly, folder, backend):
+        for path in export(assembly, folder, backend, compressed=False):
             participants.append(FmuParticipant(path.stem, path, isolate=isolate))
             stack.callback(participants[-1].close)
         yield participants

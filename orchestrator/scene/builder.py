@@ -16,7 +16,7 @@ from .damping import StructuralDamping
 from .events.tables import Event
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, with_absolute_files
-from .reader import check_layers, find_scene
+from .reader import check_layers, find_scene, variant_problems
 from .schema import CheckedScene, Header
 from .signals.tables import Fmu
 from .table import SceneError, Table
@@ -234,6 +234,10 @@ class Scene:
             layers = deepcopy(self._layers)  # what is added later must not get into the records
             self._checked = check_layers(layers, self._variants, self._settings)
         return self._checked
+
+    def variant_problems(self) -> list[str]:
+        """What is wrong with each of its variants when it alone is chosen, as sentences."""
+        return variant_problems(self._layers)
 
     def check_one_run(self) -> CheckedScene:
         """Its records; SceneError as well where it runs in phases and none of them is chosen."""

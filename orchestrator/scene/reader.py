@@ -63,16 +63,15 @@ def check_layers(
 ) -> CheckedScene:
     """The scene of layers with variants and settings; SceneError with everything that is wrong with them.
 
-    Every variant, chosen or not, must be a sound scene when it alone is laid over what is below.
+    Variants that are not chosen are looked at where something is wrong, and by `variant_problems`.
     """
     scene, problems = _checked(layers.file, *layers.over(variants, settings))
-    below = problems
-    if layers.variants and (variants or settings):
-        below = _checked(layers.file, *layers.over(()))[1]
-    own = {name: [p for p in _problems_of(layers, name) if p not in below] for name in layers.variants}
-    told = {problem for name in variants for problem in own[name]}
-    sentences = [problem for problem in problems if problem not in told]
-    sentences += [f"variant.{name}.{problem}" for name, found in own.items() for problem in found]
+    sentences: list[str] = []
+    if problems:
+        own = _own_problems(layers, problems if not (variants or settings) else None)
+        told = {problem for name in variants for problem in own[name]}
+        sentences += [problem for problem in problems if problem not in told]
+        sentences += [f"variant.{name}.{problem}" for name, found in own.items() for problem in found]
     if scene is not None:
         known = ", ".join(layers.variants) or "none"
         sentences += [
@@ -83,6 +82,21 @@ def check_layers(
     if scene is None or sentences:
         raise SceneError([f"{layers.file}: {sentence}" for sentence in sentences])
     return scene
+
+
+def variant_problems(layers: Layers) -> list[str]:
+    """What is wrong with every variant when it alone is laid over what is below, as sentences."""
+    own = _own_problems(layers)
+    return [f"{layers.file}: variant.{name}.{problem}" for name, found in own.items() for problem in found]
+
+
+def _own_problems(layers: Layers, below: Sequence[str] | None = None) -> dict[str, list[str]]:
+    """What is wrong with a file under each of its variants and is not `below` them."""
+    if below is None and layers.variants:
+        below = _checked(layers.file, *layers.over(()))[1]
+    return {
+        name: [p for p in _problems_of(layers, name) if p not in (below or ())] for name in layers.variants
+    }
 
 
 def _problems_of(layers: Layers, variant: str) -> list[str]:

@@ -176,3 +176,12 @@ def test_tables_and_legend_leave_out_what_a_scene_has_not(checked):
     assert len(list(scene_tables(checked))) == len(list(scene_tables(bare))) + 3
     shown = [{text.get_text() for text in draw_scene(one).legends[0].get_texts()} for one in (checked, bare)]
     assert shown[0] - shown[1] == {"hinge line", "cable loop"}
+
+
+def test_variants_that_are_not_chosen_are_checked():
+    """Where runs look only at what they take."""
+    scene = fanfold.load("amos3")
+    scene.variant("odd", {"friction": {"coefficient": -1.0}})
+    assert scene.check().friction.coefficient == 0.1
+    (problem,) = fanfold.check_scene(scene).problems
+    assert problem.startswith("amos3.toml: variant.odd.friction.coefficient: is -1")

@@ -64,9 +64,13 @@ def test_a_scene_is_checked_again_only_after_a_change():
     scene.friction(coefficient=0.3)
     assert scene.check().friction.coefficient == 0.3
     scene.variant("wrong", {"friction": {"coefficient": -1.0}})
+    assert scene.check().friction.coefficient == 0.3  # what is not chosen is not looked at
+    (problem,) = scene.variant_problems()
+    assert "variant.wrong.friction.coefficient" in problem
     with pytest.raises(SceneError, match=r"variant\.wrong\.friction\.coefficient"):
-        scene.check()
+        scene.with_variants("wrong").check()
     scene.variant("wrong", {})
+    assert scene.variant_problems() == []
     scene.damper("second", "root_hinge", damping_coefficient=1)
     assert [damper.name for damper in scene.check().dampers] == ["brake", "second"]
     assert (checked.friction.coefficient, len(checked.dampers), len(checked.tree["damper"])) == (0.1, 1, 1)
