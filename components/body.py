@@ -480,3 +480,10 @@ class Body(Component):
                 {"name": "outboard", "point": "right", "offset": (0.1, 0.0, 0.02)},
             ],
         )
+
+    @classmethod
+    def other_examples(cls) -> dict[str, Body]:
+        """The free spacecraft."""
+        rigid = ModalData.rigid(1.0, (0.0,) * 3, tuple(np.eye(3).tolist()), {"port": (0.0,) * 3})
+        ports = [{"name": "hinge", "point": "port"}]
+        return {"a free spacecraft": cls(modal=rigid.to_arrays(), ports=ports, is_base=True)}

@@ -73,7 +73,9 @@ class MovingBase(Component):
             observed("m", "Shift of the base along its axis").called("shift"),
             observed("rad", "Turn of the base about its axis").called("turn"),
             observed("m", "Position of the frame, world axes").called("frame_position", 3),
-            observed("1", "Quaternion of the frame").called("frame_orientation", 4),
+            observed("1", "Quaternion of the frame, body to world axes, scalar first").called(
+                "frame_orientation", 4
+            ),
             SUPPLIED_ENERGY.saying("Work of the motion since the start"),
         ]
         self.noun = "interface" if is_base else "motion"

@@ -91,7 +91,7 @@ def observations(nodes: int) -> list[Quantity]:
     elements = nodes - 1
     return [
         Quantity("linear_momentum", "N.s", "Linear momentum, world axes", 3),
-        Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin", 3),
+        Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin, world axes", 3),
         KINETIC_ENERGY,
         POTENTIAL_ENERGY.saying("Strain energy and energy in gravity"),
         DISSIPATED_ENERGY.saying("Energy dissipated by damping in proportion to the stiffness since the start"),

@@ -55,9 +55,11 @@ def observations(modes: int) -> list[Quantity]:
     """What is recorded of a body with this number of modes."""
     found = [
         Quantity("frame_position", "m", "Position of the construction frame, world axes", 3),
-        Quantity("frame_orientation", "1", "Quaternion of the body", 4, (1.0, 0.0, 0.0, 0.0)),
+        Quantity(
+            "frame_orientation", "1", "Quaternion, body to world axes, scalar first", 4, (1.0, 0.0, 0.0, 0.0)
+        ),
         Quantity("linear_momentum", "N.s", "Linear momentum, world axes", 3),
-        Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin", 3),
+        Quantity("angular_momentum", "N.m.s", "Angular momentum about the world origin, world axes", 3),
         KINETIC_ENERGY,
         POTENTIAL_ENERGY.saying("Strain energy and energy in gravity"),
         DISSIPATED_ENERGY.saying("Energy dissipated by modal damping since the start"),

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import inf, isnan, nan
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from ..flexible.beam_frame import BeamSection, tube_section
 from ..flexible.laminate import Layer, laminate_stiffness
 from ..flexible.plate import Geometry, HingeArm, Panel, Plate, sandwich_stiffness
 from ..flexible.stress import FaceSheets
+from ..imported.body import ImportedBody
+from .beam import BeamBody
 from .beam_reader import read_beam, read_material
 from .definition import BodyDefinition, PointMasses, RigidTwin
 from .frame import Frame, Path, SpreadMass
@@ -36,15 +38,18 @@ def read_body(raw: Mapping[str, Any], convert: Convert = stated) -> BodyDefiniti
     """
     problems: list[str] = []
     table = Table(raw, "", convert, problems)
-    panel, sheets = _panel(table.table("panel", required=False))
-    frame, joints, frame_nodes = _frame(table.table("frame", required=False))
-    beam, stations, beam_nodes = read_beam(table.table("beam", required=False))
-    imported, file_ends, file_nodes = read_import(table.table("import", required=False))
+    (
+        (panel, sheets),
+        (frame, joints, frame_nodes),
+        (beam, stations, beam_nodes),
+        (imported, file_ends, file_nodes),
+        twin,
+    ) = read_parts(table)
     arms = [arm.name for arm in panel.arms] if panel else []
     own = (name for name in arms if frame is None or name not in dict(frame.joints))
     ends = (*joints, *own, *stations, *file_ends)
     nodes = (*(panel.nodes if panel else ()), *frame_nodes, *beam_nodes, *file_nodes)
-    twin, masses = _twin(table.table("rigid_twin", required=False)), _masses(table, (*ends, *nodes))
+    masses = _masses(table, (*ends, *nodes))
     table.close()
     if panel is None and frame is None and beam is None and imported is None and not problems:
         problems.append("give a table panel, a table frame, both, a table import, or a table beam")
@@ -59,6 +64,30 @@ def read_body(raw: Mapping[str, Any], convert: Convert = stated) -> BodyDefiniti
     if problems:
         raise TableError(problems)
     return BodyDefinition(panel, frame, ends, nodes, masses, twin, sheets, beam, imported)
+
+
+_Points: TypeAlias = tuple[str, ...]
+
+
+class Parts(NamedTuple):
+    """What the tables of a body say, with the names of its attachment points and of its further ones."""
+
+    panel: tuple[Panel | None, FaceSheets | None]
+    frame: tuple[Frame | None, _Points, _Points]
+    beam: tuple[BeamBody | None, _Points, _Points]
+    imported: tuple[ImportedBody | None, _Points, _Points]
+    twin: RigidTwin
+
+
+def read_parts(table: Table) -> Parts:
+    """The parts of a body, None where a table is not there."""
+    return Parts(
+        _panel(table.table("panel", required=False)),
+        _frame(table.table("frame", required=False)),
+        read_beam(table.table("beam", required=False)),
+        read_import(table.table("import", required=False)),
+        _twin(table.table("rigid_twin", required=False)),
+    )
 
 
 def _lost(ends: tuple[str, ...], nodes: tuple[str, ...]) -> list[str]:

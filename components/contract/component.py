@@ -244,4 +244,9 @@ class Component(ABC):
     @classmethod
     @abstractmethod
     def example(cls) -> Self:
-        """A small instance with every kind of variable the component can have."""
+        """A small instance with every kind of variable the component can have, but for those of `other_examples`."""
+
+    @classmethod
+    def other_examples(cls) -> Mapping[str, Self]:
+        """Instances with variables that the example lacks, by the words of a scene or structure that make them so."""
+        return {}

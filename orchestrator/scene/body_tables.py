@@ -22,28 +22,36 @@ class Inertial(Table):
     """Mass properties; the inertia is about the centre of mass."""
 
     mass: Mass
+    """Mass."""
     center_of_mass: Position = ORIGIN
+    """Centre of mass, axes of the body."""
     inertia: Inertia
+    """About the centre of mass: three principal moments, or xx, yy, zz, xy, xz, yz of the tensor."""
 
 
 class RigidBody(Inertial):
     """A rigid body written into the scene, with the points that connections use."""
 
     points: dict[Name, Position]
+    """Positions by name, axes of the body, that connections use."""
 
 
 class Motion(Table):
     """What moves a base or a placed body whatever it takes: a shift along an axis and a turn about another, world axes.
 
-    translation, rotation: terms of motion laws (m, rad), see `components.numerics.motion_law`, counted from where the
-    body was written; the scene starts where they do. pivot: the body's own point that stays on the shifted line.
+    Terms are those of `components.numerics.motion_law`; the scene starts where they do.
     """
 
     translation: tuple[Mapping[str, Any], ...] = NOTHING
+    """Terms of the motion law (m) of the shift, counted from where the body was written."""
     rotation: tuple[Mapping[str, Any], ...] = NOTHING
+    """Terms of the motion law (rad) of the turn, counted likewise."""
     translation_axis: Direction = (1.0, 0.0, 0.0)
+    """Direction of the shift, world axes."""
     rotation_axis: Direction = (0.0, 0.0, 1.0)
+    """Axis of the turn, world axes."""
     pivot: Position = ORIGIN
+    """The body's own point that stays on the shifted line."""
 
     @property
     def laws(self) -> tuple[MotionLaw, MotionLaw]:
@@ -65,9 +73,13 @@ class Base(Table):
     """[base]: the spacecraft, fixed unless `free` gives its mass properties or `motion` moves it."""
 
     name: Name = "base"
+    """Name of the spacecraft."""
     points: dict[Name, Position]
+    """Positions by name, axes of the base, that connections use."""
     free: Inertial | None = None
+    """Mass properties of a spacecraft that moves under the loads."""
     motion: Motion | None = None
+    """What the spacecraft follows, whatever it takes."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -80,43 +92,60 @@ class AttachedMass(Table):
     """A mass fixed to a point of a body of the catalogue, such as a bracket."""
 
     point: str
+    """One of the body's points."""
     mass: Mass
+    """Mass at it, such as of a bracket."""
 
 
 class Body(Table):
     """[[body]]: panel, frame or both, beam, an entry of the catalogue, or a rigid body; options of its flexible model.
 
     panel, frame, beam, import, rigid_twin: tables that `components.catalogue.reader` reads, or changes to those of the
-    catalogue entry. like: another body of the scene, whose keys are those of this one where it says nothing else.
-
-    place: where the origin of a body that no hinge line carries starts, its offset in world axes, and how the body is
-    turned; loops that its joints close are closed from there. motion: what a placed body follows, rigid, whatever it
-    takes. second_order_modes: so many of the lowest modes shorten what they bend, so that spin stiffens it.
-    damping_ratio: of all its modes; structural_damping: in proportion to their frequency, in place of the scene's.
-    damping_scale multiplies what there is.
+    catalogue entry.
     """
 
     name: Name
+    """Name of the body."""
     place: Place | None = None
+    """Where the origin of a body that no hinge line carries starts, offset in world axes; loops close from there."""
     motion: Motion | None = None
+    """What a placed body follows, rigid, whatever it takes."""
     like: Name | None = None
+    """Another body of the scene, whose keys are those of this one where it says nothing else."""
     catalogue: str | None = None
+    """Entry of the catalogue, which the tables below change."""
     panel: dict[str, Any] | None = None
+    """Plate with hinge arms."""
     frame: dict[str, Any] | None = None
+    """Beams through joints."""
     beam: dict[str, Any] | None = None
+    """One beam, straight or curved."""
     imported: dict[str, Any] | None = Field(None, alias="import")
+    """Finite elements of another program."""
     rigid_twin: dict[str, Any] | None = None
+    """Mass properties of the rigid body, where they differ from the flexible one."""
     rigid: RigidBody | None = None
+    """A rigid body with points."""
     fidelity: Fidelity | None = None
+    """Its model unless the run says otherwise: flexible where it can bend, else rigid."""
     fixed_interface_modes: Annotated[int, Field(ge=0)] = 10
+    """Vibration modes kept with all attachment points held, beside six shapes a point."""
     second_order_modes: Annotated[int, Field(ge=0)] = 0
+    """So many of the lowest modes shorten what they bend, so that spin and loads stiffen it."""
     inertia_coupling: CouplingLevel = "full"
+    """How much of the change of inertia by deformation is kept."""
     damping_ratio: Ratio | None = None
+    """Of all its modes; by default 1 %, 10 % above 100 Hz and critical above 1 kHz."""
     structural_damping: StructuralDamping | None = None
+    """Damping in proportion to the frequency of a mode, in place of the scene's."""
     damping_scale: Ratio = 1.0
+    """Factor on the damping that there is."""
     modes_off: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    """Numbers of modes, from 0, that are left out."""
     frequencies_off: tuple[tuple[Frequency, Frequency], ...] = ()
+    """Bands of frequency, from and to, whose modes are left out."""
     attached_masses: tuple[AttachedMass, ...] = ()
+    """Masses fixed to points."""
 
     @property
     def can_bend(self) -> bool:

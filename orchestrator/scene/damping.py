@@ -23,7 +23,9 @@ class StructuralDamping(Table):
     """
 
     ratio: Annotated[Ratio, Field(le=1.0)]
+    """Damping ratio, of critical, at the reference frequency; half the loss factor."""
     reference_frequency: Annotated[PositiveFrequency, Field(ge=_LOWEST)]
+    """Frequency at which the ratio holds; a mode gets it in proportion to its own."""
 
     @property
     def time(self) -> float:

@@ -50,10 +50,15 @@ class Joint(Table):
     """
 
     axial_stiffness: Stiffness = 2e6
+    """Along the hinge line."""
     radial_stiffness: Stiffness = 5e6
+    """Along the two axes across."""
     cross_stiffness: TurningStiffness = 2e4
+    """About the two axes across."""
     damping_ratio: Annotated[Ratio, Field(le=1.0)] = 0.05
+    """Damping ratio of the mode of a panel on its hinges."""
     damping_frequency: PositiveFrequency = 184.0
+    """Frequency of that mode; damping is in proportion to stiffness."""
 
     @property
     def time(self) -> float:
@@ -65,24 +70,38 @@ class Friction(Table):
     """[friction]: pins of every hinge; the transition velocity is raised beside a flexible body."""
 
     coefficient: Ratio = 0.0
+    """Coulomb friction of the hinge pins, sliding."""
     static_ratio: Annotated[PositiveRatio, Field(ge=1.0)] = 1.2
+    """Static over sliding friction coefficient."""
     pin_radius: Radius = 0.006
+    """Radius of the pins."""
     bending_arm: Arm = 0.0
+    """Arm that turns bending moment into pin force; 0 for none."""
     stiction_velocity: AngularRate = 0.0167
+    """Hinge rate from which friction is full."""
     flexible_stiction_factor: PositiveRatio = 10.0
+    """Factor on this rate beside a flexible body."""
 
 
 class Hinge(Table):
     """One hinge of a line between points of its two bodies; stiffnesses along (about) the line come first."""
 
     name: Name
+    """Name of the hinge."""
     inboard: str
+    """Point of the line's inboard body."""
     outboard: str
+    """Point of the line's outboard body."""
     kind: HingeKind = "revolute"
+    """What it holds: a cylindrical one is free along the line, a spherical one about all axes."""
     translational_stiffness: Stiffnesses | None = None
+    """Along the line and the two axes across, in place of those of [joint]."""
     rotational_stiffness: TurningStiffnesses | None = None
+    """About the line and the two axes across, in place of those of [joint]."""
     harness: bool = False
+    """Whether it carries the line's harness."""
     sensor: bool = False
+    """Whether its angle latches the line; by default the first hinge."""
 
     @model_validator(mode="after")
     def _bushing_is_complete(self) -> Self:
@@ -94,16 +113,19 @@ class Hinge(Table):
 class Motor(Table):
     """Motor of a line, positive opening: a spring by its torques at the stowed and at the latch angle, or a table.
 
-    The table has the torque over the hinge angle while the line opens, and closing_torque what it is while it closes,
-    where that differs: more, as a motor with hysteresis resists being wound up. A table, such as a variant lays over a
-    spring, takes its place.
+    A table, such as a variant lays over a spring, takes its place. A motor with hysteresis resists being wound up.
     """
 
     stowed: Torque | None = None
+    """Torque of a spring at the stowed angle, positive opening."""
     deployed: Torque | None = None
+    """Torque of a spring at the latch angle, positive opening."""
     angle: tuple[Angle, ...] = ()
+    """Hinge angles of a table, increasing."""
     torque: tuple[Torque, ...] = ()
+    """Torques over these angles while the line opens, positive opening."""
     closing_torque: tuple[Torque, ...] = ()
+    """Torques over these angles while the line closes, where hysteresis makes them more."""
 
     @property
     def loop(self) -> TorqueLoop | None:
@@ -124,14 +146,14 @@ class Motor(Table):
 
 
 class Harness(Table):
-    """Harness of a line: table of the torque that resists opening over the hinge angle.
-
-    closing_torque: the same while the line closes, where hysteresis makes it less.
-    """
+    """Harness of a line: table of the torque that resists opening over the hinge angle."""
 
     angle: tuple[Angle, ...]
+    """Hinge angles, increasing."""
     resisting_torque: tuple[Torque, ...]
+    """Torque that resists opening over these angles."""
     closing_torque: tuple[Torque, ...] = ()
+    """The same while the line closes, where hysteresis makes it less."""
 
     @property
     def opening_law(self) -> Law:
@@ -213,7 +235,9 @@ class MeasuredLatch(Table):
     """Measured torque of a latched line over its deflection, both increasing through zero."""
 
     deflection: tuple[Angle, ...]
+    """Deflections of the latched line, increasing through zero."""
     torque: tuple[Torque, ...]
+    """Torques at these deflections, increasing through zero."""
 
     @model_validator(mode="after")
     def _curve(self) -> Self:
@@ -229,19 +253,23 @@ class Latch(Table):
     """Latch of a line: its whole stiffness, and how much of the structure's compliance each side contributes.
 
     A side that is not given adds no compliance. What neither side models is the latch spring: where bodies hold
-    all of it, the latch is kinematic. kind: "kinematic" or "spring" (of `stiffness`) whatever the bodies hold.
-    measured: the torque of the hinges, in place of a linear spring where both sides are modelled with their
-    compliance. The effective inertia turns the damping ratio into N.m.s/rad, by default that of the bodies; where the
-    scene has structural damping, the latch has that instead.
+    all of it, the latch is kinematic.
     """
 
     kind: Literal["by_fidelity", "kinematic", "spring"] = "by_fidelity"
+    """Whether the line is locked, or held by a spring: by_fidelity is a spring of the compliance that bodies lack."""
     stiffness: TurningStiffness
+    """Stiffness of the latched line with both sides of the structure."""
     inboard_stiffness: TurningStiffness | None = None
+    """Stiffness of the structure on the inboard side, in series; without it that side adds no compliance."""
     outboard_stiffness: TurningStiffness | None = None
+    """The same on the outboard side."""
     effective_inertia: MomentOfInertia | None = None
+    """Inertia that turns the damping ratio into N.m.s/rad; by default that of the bodies."""
     damping_ratio: Ratio = 0.02
+    """Damping ratio of the latched line; with structural damping of the scene it has that instead."""
     measured: MeasuredLatch | None = None
+    """Measured torque of the hinges, in place of a spring where both sides are modelled with compliance."""
 
     @model_validator(mode="after")
     def _sides_stiffer_than_line(self) -> Self:
@@ -263,13 +291,15 @@ class Latch(Table):
 class Presliding(Table):
     """How the friction of a line sticks: an elastic deflection, of the total stiffness, until its torque breaks away.
 
-    The effective inertia turns the damping ratio of the line while it sticks into N.m.s/rad, by default that of the
-    bodies. Half of critical is what Canudas de Wit, Olsson, Astrom and Lischinsky (1995) take.
+    Half of critical is what Canudas de Wit, Olsson, Astrom and Lischinsky (1995) take.
     """
 
     stiffness: TurningStiffness
+    """Stiffness of the line while friction sticks."""
     damping_ratio: Ratio = 0.5
+    """Damping ratio while it sticks."""
     effective_inertia: MomentOfInertia | None = None
+    """Inertia that turns the damping ratio into N.m.s/rad; by default that of the bodies."""
 
 
 class EndStop(Table):
@@ -280,34 +310,50 @@ class EndStop(Table):
     """
 
     angle: Angle | None = None
+    """Angle from which it pushes back; by default the deployed angle."""
     stiffness: TurningStiffness
+    """Total of the line's hinges."""
     damping: TurningDamping = 0.0
+    """Total of the line's hinges."""
     arm: Radius = 0.05
+    """Distance of its pads from the hinge line."""
 
 
 class HingeLine(Table):
-    """[[hinge_line]]: one rotation between two bodies; torques are totals that its hinges share.
-
-    start_angle: where a run begins, by default the stowed angle. held: the line does not move, and what it joins
-    is one rigid piece.
-    """
+    """[[hinge_line]]: one rotation between two bodies; torques are totals that its hinges share."""
 
     name: Name
+    """Name of the line."""
     inboard: str
+    """Body on the side of the spacecraft."""
     outboard: str
+    """Body that it carries."""
     axis: Axis
+    """Hinge line; a positive turn of the outboard body about it opens."""
     aligned_angle: Angle
+    """Hinge angle at which the axes of both bodies coincide."""
     stowed_angle: Angle = 0.0
+    """Hinge angle of the stowed configuration."""
     start_angle: Angle | None = None
+    """Hinge angle at which a run begins; by default the stowed angle."""
     latch_angle: Angle | None = None
+    """Hinge angle at which it latches; by default the aligned angle."""
     held: bool = False
+    """Whether it does not move: what it joins is one rigid piece."""
     motor: Motor | None = None
+    """What opens it, the total of its hinges."""
     harness: Harness | None = None
+    """What resists it, the total of the hinges that carry it."""
     friction_preload: FrictionTorque = 0.0
+    """Friction torque at any load, the total of its hinges, until latch-up."""
     presliding: Presliding | None = None
+    """How its friction sticks; without it the transition is smooth."""
     latch: Latch | None = None
+    """What ends the motion by holding the line."""
     end_stop: EndStop | None = None
+    """What ends the motion by pushing back."""
     hinges: tuple[Hinge, ...]
+    """Hinges between the two bodies."""
 
     @property
     def deployed_angle(self) -> float:

@@ -19,19 +19,36 @@ from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
 from .expansion import plugins
-from .expansion.arrays import expanded
+from .expansion.arrays import Array, expanded
 from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, resolved
 from .loops.closing import closed, open_loops
 from .schema import CheckedScene, Header
 from .signals.tables import Fmu
-from .table import SceneError
+from .table import SceneError, Table
 from .validation import Entries, EntryReader
 
 _STRUCTURAL = "structural_damping"
-_TABLES = {"scene", "base", "joint", "friction", _STRUCTURAL}
-_ARRAYS = {"array", "body", "hinge_line", "ccl", "damper", "connection", "event", "fmu"}
+TABLES: Mapping[str, type[Table]] = {
+    "scene": Header,
+    "base": Base,
+    "joint": Joint,
+    "friction": Friction,
+    _STRUCTURAL: StructuralDamping,
+}
+"""Tables of a scene file by name."""
+ARRAYS: Mapping[str, type[Table]] = {
+    "body": Body,
+    "hinge_line": HingeLine,
+    "ccl": Ccl,
+    "damper": Damper,
+    "connection": Connection,
+    "event": Event,
+    "fmu": Fmu,
+    "array": Array,
+}
+"""Arrays of tables of a scene file by name."""
 _ANY_HEADER = Header(name="any", until=1.0)
 
 
@@ -128,7 +145,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     reader = EntryReader(with_presets(whole), added)
     reader.note(plugins.problems(_plugins(tree)))
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
-    known = sorted(_TABLES | _ARRAYS)
+    known = sorted({*TABLES, *ARRAYS})
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
     header, base = reader.table("scene", Header, required=True), reader.table("base", Base, required=True)
     joint, friction = (

@@ -24,20 +24,26 @@ SMALLEST_STEP = 1e-7
 
 
 class Header(Table):
-    """[scene]: what to run; `phases` are variants that run one after the other, each from its own start.
-
-    `plugins` are files of components (.py) and of bodies (.toml) that it uses, beside the scene.
-    """
+    """[scene]: what to run, how long and how accurately."""
 
     name: SceneName
+    """Name of the scene, which names its result too."""
     description: str = ""
+    """A line for people, shown by `fanfold list`."""
     until: Duration
+    """Time at which a run ends."""
     tolerance: Annotated[PositiveRatio, Field(ge=TOLERANCES[0], le=TOLERANCES[1])] = 1e-4
+    """Relative accuracy of the headline numbers."""
     largest_step: Annotated[Duration, Field(ge=SMALLEST_STEP)] = 0.02
+    """Largest communication step."""
     preload: bool = False
+    """Whether a run starts in static equilibrium, bodies bent and cables taut."""
     gravity: Acceleration = ORIGIN
+    """Gravitational acceleration, world axes."""
     phases: tuple[Name, ...] = ()
+    """Variants that run one after the other, each from its own start."""
     plugins: tuple[str, ...] = ()
+    """Files of components and figures (.py) and of bodies (.toml) that the scene uses, from its folder."""
 
 
 @dataclass(frozen=True, slots=True)

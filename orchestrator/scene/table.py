@@ -19,7 +19,7 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 
-from .units import Position, to_si
+from .units import Position, schema_of, to_si, written_as
 
 Tensor = tuple[Vector3, Vector3, Vector3]
 
@@ -101,11 +101,16 @@ def _direction(value: object) -> Vector3:
     return x, y, z
 
 
-Direction = Annotated[Vector3, BeforeValidator(_direction)]
+_THREE = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+_NAMED_AXIS = {"anyOf": [{"enum": list(_AXES)}, _THREE]}
+_TENSOR = {"type": "array", "items": schema_of("kg.m2"), "minItems": 3, "maxItems": 6}
+Direction = Annotated[Vector3, BeforeValidator(_direction, json_schema_input_type=written_as(_THREE))]
 Name = Annotated[str, AfterValidator(_identifier), AfterValidator(_short)]
 SceneName = Annotated[str, AfterValidator(_scene_name), AfterValidator(_short)]
-Axis = Annotated[Vector3, BeforeValidator(_axis)]
-Inertia = Annotated[Tensor, BeforeValidator(_tensor), AfterValidator(_physical)]
+Axis = Annotated[Vector3, BeforeValidator(_axis, json_schema_input_type=written_as(_NAMED_AXIS))]
+Inertia = Annotated[
+    Tensor, BeforeValidator(_tensor, json_schema_input_type=written_as(_TENSOR)), AfterValidator(_physical)
+]
 Y_AXIS: Vector3 = (0.0, 1.0, 0.0)
 ORIGIN: Vector3 = (0.0, 0.0, 0.0)
 
@@ -120,15 +125,20 @@ class Seat(Table):
     """Where something sits on a body: a point and a rigid arm from it."""
 
     body: str
+    """Name of the body."""
     point: str
+    """One of the body's points."""
     offset: Position = ORIGIN
+    """Rigid arm from the point, in axes of the body."""
 
 
 class Orientation(Table):
     """Axes in the world: x along one direction, z as near another as x allows."""
 
     x: Direction = (1.0, 0.0, 0.0)
+    """Direction of the x axis in the world."""
     z: Direction = (0.0, 0.0, 1.0)
+    """Direction of the z axis in the world, as near as x allows."""
 
     @property
     def quaternion(self) -> Quaternion:
@@ -153,4 +163,7 @@ def _right_handed(x: Vector3, z: Vector3) -> tuple[Vector3, Vector3, Vector3]:
 class Place(Seat):
     """Where the origin of a body starts, and how it is turned."""
 
+    offset: Position = ORIGIN
+    """Of the origin from that point, world axes."""
     orientation: Orientation = Orientation()
+    """How the body is turned."""

@@ -10,9 +10,9 @@ import re
 from collections.abc import Mapping
 from functools import partial
 from math import degrees, isfinite, pi
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Field
 
 from components.contract.frames import Vector3
 
@@ -106,14 +106,26 @@ def _vector(value: object, unit: str, sign: Sign) -> tuple[float, ...]:
     return tuple(written(entry, unit, sign) for entry in value)
 
 
+def schema_of(unit: str, sign: Sign = "any") -> dict[str, Any]:
+    """JSON schema of a value as it is written, with its `unit` and `sign`."""
+    return {"type": ["number", "string"], "unit": unit, "sign": sign}
+
+
+def written_as(schema: dict[str, Any]) -> Any:  # noqa: ANN401 - a type made at run time
+    """Type of what is written where a validator reads it, for JSON schemas alone."""
+    return Annotated[Any, Field(json_schema_extra=schema)]
+
+
 def quantity(unit: str, sign: Sign = "any", largest: float = LARGEST) -> BeforeValidator:
     """Annotation of a float field that is read as a quantity."""
-    return BeforeValidator(partial(written, unit=unit, sign=sign, largest=largest))
+    read = partial(written, unit=unit, sign=sign, largest=largest)
+    return BeforeValidator(read, json_schema_input_type=written_as(schema_of(unit, sign)))
 
 
 def vector(unit: str, sign: Sign = "any") -> BeforeValidator:
     """Annotation of a field of three floats, each read as a quantity."""
-    return BeforeValidator(partial(_vector, unit=unit, sign=sign))
+    schema = {"type": "array", "items": schema_of(unit, sign), "minItems": 3, "maxItems": 3}
+    return BeforeValidator(partial(_vector, unit=unit, sign=sign), json_schema_input_type=written_as(schema))
 
 
 def damping_time(ratio: float, frequency: float) -> float:

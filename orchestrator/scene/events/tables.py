@@ -11,15 +11,16 @@ from ..units import quantity
 
 
 class When(Table):
-    """The condition of an event: an observation of a component, or of a line's sensor, passes a value.
-
-    variable: a vector's with its number, such as "force[3]". above, below: the value, with its unit.
-    """
+    """The condition of an event: an observation of a component, or of a line's sensor, passes a value."""
 
     component: str
+    """Component, or hinge line for its sensor, that is watched."""
     variable: str
+    """One of its signals, of a vector with its number, such as "force[3]"."""
     above: Any = None
+    """The event happens where the signal first exceeds this, in the signal's unit."""
     below: Any = None
+    """The event happens where the signal first falls below this, in the signal's unit."""
 
     @model_validator(mode="after")
     def _has_one_side(self) -> Self:
@@ -29,17 +30,18 @@ class When(Table):
 
 
 class Event(Table):
-    """[[event]]: at a time, or when a condition first holds, joints are released and variables are set.
-
-    release: names of hold-downs and joints, or of hinge lines for all their hinges. set: values by component (or line)
-    and variable, a tunable parameter or the command of a latch.
-    """
+    """[[event]]: at a time, or when a condition first holds, joints are released and variables are set."""
 
     name: Name
+    """Name of the event."""
     time: Annotated[float, quantity("s", "zero or positive")] | None = None
+    """When it happens."""
     when: When | None = None
+    """Condition on which it happens, in place of a time."""
     release: tuple[str, ...] = ()
+    """Names of hold-downs, joints, or hinge lines for all their hinges, that let go."""
     set: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    """Values by component or line, and by tunable parameter or command."""
 
     @model_validator(mode="after")
     def _happens_and_acts(self) -> Self:

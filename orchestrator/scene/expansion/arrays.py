@@ -36,13 +36,21 @@ class Array(Table):
     """
 
     name: Name
+    """Name of the array."""
     count: Annotated[int, Field(ge=1, le=1000)]
+    """Number of copies."""
     axis: Axis = (0.0, 0.0, 1.0)
+    """Axis about which they are turned."""
     body: _Entries = ()
+    """Bodies to repeat."""
     connection: _Entries = ()
+    """Connections to repeat."""
     hinge_line: _Entries = ()
+    """Hinge lines to repeat."""
     ccl: _Entries = ()
+    """Cable loops to repeat."""
     damper: _Entries = ()
+    """Dampers to repeat."""
 
     def turn(self, number: int) -> Quaternion:
         """Of the copy of a number."""

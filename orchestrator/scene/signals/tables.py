@@ -18,20 +18,23 @@ def _is_there(path: str) -> str:
 
 
 class Fmu(Table):
-    """[[fmu]]: a co-simulation FMU, of FMI 2.0 or 3.0, that reads signals of components and sets parameters of them.
-
-    file: from the scene's folder. step: its communication step size, by default what it says itself. parameters: start
-    values by the FMU's names. inputs: by the FMU's names, where each comes from, "component.variable" or
-    "component.variable[1]": an observation, or an output such as the motion of a body's port. outputs: by the FMU's
-    names, tunable parameters that they set, one or several.
-    """
+    """[[fmu]]: a co-simulation FMU, of FMI 2.0 or 3.0, that reads signals of components and sets parameters of them."""
 
     name: Name
+    """Name of the FMU in the scene."""
     file: Annotated[str, AfterValidator(_is_there)]
+    """Path from the scene's folder."""
     step: Duration | None = None
+    """Its communication step; by default what it says itself."""
     parameters: dict[str, Any] = Field(default_factory=dict)
+    """Start values by the FMU's names."""
     inputs: dict[str, str] = Field(default_factory=dict)
+    """By the FMU's names, where each comes from: "component.variable" or "component.variable[1]".
+
+    A signal, or an output such as the motion of a body's port.
+    """
     outputs: dict[str, str | tuple[str, ...]] = Field(default_factory=dict)
+    """By the FMU's names, the tunable parameter that each sets, or several."""
 
     @model_validator(mode="after")
     def _is_joined(self) -> Self:
