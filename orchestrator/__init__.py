@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .api.documents import report as report
     from .api.export import export as export
     from .api.export import export_body as export_body
+    from .api.handbook.face import docs as docs
     from .api.handbook.face import json_schema as json_schema
     from .api.pictures import plot as plot
     from .api.plugins import figure as figure
@@ -75,6 +76,7 @@ _HOMES = {
     "compare": "orchestrator.api.documents",
     "plot_comparison": "orchestrator.api.documents",
     "report": "orchestrator.api.documents",
+    "docs": "orchestrator.api.handbook.face",
     "json_schema": "orchestrator.api.handbook.face",
     "plot": "orchestrator.api.pictures",
     "figure": "orchestrator.api.plugins",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import webbrowser
 from pathlib import Path
 
 import click
@@ -14,13 +15,28 @@ from .types import OutputFile
 
 @click.command("docs")
 @click.option(
+    "--browser/--no-browser", default=True, help="Whether the first page is opened, or its path only told."
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of the pages; by default beside the cache.",
+)
+@click.option(
+    "--gallery/--no-gallery", default=True, help="Whether examples are run too, which takes a minute or two."
+)
+@click.option(
     "--json-schema", "schema", type=OutputFile(),
     help="Write the JSON schema of scene files, for editors, and nothing else.",
 )  # fmt: skip
-def command(schema: Path | None) -> None:
-    """Open the documents."""
+def command(browser: bool, out: Path | None, gallery: bool, schema: Path | None) -> None:
+    """Open the documents, which are built (extra docs) where they are not there."""
     if schema is not None:
-        schema.write_text(
-            json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8"
-        )
+        text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
+        schema.write_text(f"{text}\n", encoding="utf-8")
         click.echo(schema)
+        return
+    page = fanfold.docs(out, gallery=gallery)
+    click.echo(page)
+    if browser:
+        webbrowser.open(page.resolve().as_uri())

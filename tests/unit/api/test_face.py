@@ -142,5 +142,5 @@ def test_every_command_is_a_function():
     names = {name.replace("-", "_") for name in main.commands["analyse"].list_commands(None)}
     words = {"impact": "impacts"}
     assert {words.get(name, name) for name in names} <= set(fanfold.__all__)
-    words = {"run": "simulate", "list": "scenes", "analyse": "modes", "docs": "json_schema"}
+    words = {"run": "simulate", "list": "scenes", "analyse": "modes"}
     assert {words.get(name, name.replace("-", "_")) for name in main.commands} <= set(fanfold.__all__)

@@ -1,0 +1,106 @@
+"""The documents: their code runs and is right, Sphinx finds nothing wrong, and they are built once."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from components import REGISTRY
+from orchestrator.api.handbook import build, face
+from orchestrator.api.handbook.python_page import python_page
+from orchestrator.api.handbook.snippets import run_page, snippets
+from orchestrator.api.handbook.theory import theory_page
+from orchestrator.api.handbook.words import EQUATIONS
+from orchestrator.cli.main import main
+
+FIRST_HOUR = (build.PAGES / "first_hour.md").read_text(encoding="utf-8")
+
+
+def in_this_process(arguments):
+    """What a command prints, without the start of a process."""
+    result = CliRunner().invoke(main, arguments.split())
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_the_first_hour_runs(tmp_path):
+    """Done-when: every file, command and line of Python of the page works as it stands, and its pictures are there."""
+    kinds = [snippet.kind for snippet in snippets(FIRST_HOUR)]
+    assert kinds.count("toml") == 2
+    assert kinds.count("python") >= 4
+    shown = run_page(FIRST_HOUR, tmp_path, "first_hour.md", in_this_process)
+    assert "no problem found" in shown
+    assert re.search(r"latch torque peak +HL1 +\d", shown)
+    pictures = re.findall(r"!\[[^]]+\]\(([^)]+)\)", FIRST_HOUR)
+    assert len(pictures) >= 6
+    assert all((tmp_path / picture).is_file() for picture in pictures)
+
+
+def test_a_page_that_is_wrong_is_told_of(tmp_path):
+    """Control: a command that fails and Python that raises do not pass."""
+    with pytest.raises(fanfold.FanfoldError, match="no scene"):
+        run_page("```console\n$ fanfold check nowhere.toml\n```\n", tmp_path, "page.md")
+    with pytest.raises(ZeroDivisionError):
+        run_page("```python\n1 / 0\n```\n", tmp_path, "page.md")
+    assert "```text\n3\n```" in run_page("```python\nprint(1 + 2)\n```\n", tmp_path, "page.md")
+
+
+def test_python_and_theory_are_whole():
+    """Completeness: every name of the Python face and every kind of component has its entry."""
+    page = python_page()
+    assert all(f":: orchestrator.{name}\n" in page for name in fanfold.__all__)
+    assert all(f"## `{kind}`\n" in theory_page() for kind in REGISTRY)
+    assert set(EQUATIONS) <= set(REGISTRY)
+
+
+def test_pages_build_without_a_warning(tmp_path):
+    """Done-when: Sphinx finds nothing wrong in any page; what is measured is left out, and its pictures are blank."""
+    pytest.importorskip("sphinx", reason="the extra docs is not installed")
+    source = tmp_path / "source"
+    build.write_sources(source, gallery=False, measure=False)
+    for picture in re.findall(r"!\[[^]]+\]\(([^)]+)\)", FIRST_HOUR):
+        path = source / picture
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"")
+    build.run_sphinx(source, tmp_path / "pages", tmp_path / "trees")
+    found = (tmp_path / "pages" / "scene_keys.html").read_text(encoding="utf-8")
+    assert 'id="key-hinge-line-latch"' in found
+    (source / "glossary.md").write_text("# Glossary\n\n[nowhere](#nowhere)\n", encoding="utf-8")
+    with pytest.raises(fanfold.FanfoldError, match=r"glossary\.md"):
+        build.run_sphinx(source, tmp_path / "again", tmp_path / "other_trees")
+
+
+def test_a_missing_extra_is_a_sentence(tmp_path, monkeypatch):
+    """Without Sphinx the command says what to install, and builds nothing."""
+    monkeypatch.setattr(build, "_NEEDS", ("no_such_library",))
+    result = CliRunner().invoke(main, ["docs", "--no-browser", "--out", str(tmp_path / "pages")])
+    assert result.exit_code == 1
+    assert "no_such_library is not installed" in result.output
+    assert ".[docs]" in result.output
+    assert not (tmp_path / "pages").exists()
+
+
+def test_documents_are_built_once_and_opened(tmp_path, monkeypatch):
+    """Pages that are there are opened; those of other sources are built anew."""
+    built: list[Path] = []
+
+    def fake(target, gallery):
+        built.append(target)
+        target.mkdir(exist_ok=True)
+        (target / "index.html").write_text("", encoding="utf-8")
+
+    opened = []
+    monkeypatch.setattr(build, "build", fake)
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    for _ in range(2):
+        assert CliRunner().invoke(main, ["docs", "--out", str(tmp_path)]).exit_code == 0
+    assert built == [tmp_path]
+    assert opened == [(tmp_path / "index.html").as_uri()] * 2
+    monkeypatch.setattr(face, "_digest", lambda: "of other sources")
+    assert CliRunner().invoke(main, ["docs", "--no-browser", "--out", str(tmp_path)]).exit_code == 0
+    assert len(built) == 2
+    assert len(opened) == 2
