@@ -14,7 +14,7 @@ import click
 import orchestrator as fanfold
 
 from ..run.progress import ended_like_ctrl_c
-from . import analyse, cache, check, compare, docs, export, listing, plot, report, resume, run, study, tune
+from . import analyse, cache, check, compare, docs, export, listing, plot, report, run, study, tune
 
 _INTERRUPTED = "interrupted; what it wrote up to there stays"
 _OF_CLICK = (click.ClickException, click.exceptions.Exit, click.Abort)
@@ -98,7 +98,8 @@ def analyse_group() -> None:
     """Analyses of a scene or of a result."""
 
 
-for _command in (cache, check, compare, docs, export, listing, plot, report, resume, run, study, tune):
+for _command in (cache, check, compare, docs, export, listing, plot, report, run, study, tune):
     main.add_command(_command.command)
+main.add_command(run.resume_command)
 main.add_command(export.body_command)
 main.add_command(export.view_command)

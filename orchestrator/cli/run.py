@@ -1,4 +1,4 @@
-"""`fanfold run`: deploy a scene."""
+"""`fanfold run` and `fanfold resume`: deploy a scene, and go on with a run that was interrupted."""
 
 from __future__ import annotations
 
@@ -137,6 +137,21 @@ def content(result: Result, verified: list[Verified] | None) -> dict[str, object
     if verified is not None:
         content["verification"] = [one.as_dict() for one in verified]
     return content
+
+
+@click.command("resume")
+@click.argument("result", type=click.Path(path_type=Path, dir_okay=False))
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def resume_command(result: Path, as_json: bool) -> None:
+    """Go on with the interrupted run of RESULT from its last checkpoint, in every bit as it would have gone on.
+
+    Runs keep checkpoints with --checkpoint.
+    """
+    found = fanfold.resume(result, progress=progress)
+    if as_json:
+        click.echo(json.dumps(content(found, None)))
+    else:
+        report(found, None)
 
 
 def report(result: Result, verified: list[Verified] | None) -> None:

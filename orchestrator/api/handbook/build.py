@@ -14,7 +14,7 @@ from typing import Any
 
 from components import FanfoldError
 
-from .gallery import write_examples
+from .gallery import pictures, write_examples
 from .measured import performance_page, tests_page, validation_page
 from .python_page import python_page
 from .reference import components_page, scene_page
@@ -104,7 +104,7 @@ def _settings(source: Path) -> dict[str, Any]:
             "examples_dirs": str(source / "examples"),
             "gallery_dirs": "gallery",
             "filename_pattern": r"\.py",
-            "image_scrapers": ("orchestrator.api.handbook.gallery",),
+            "image_scrapers": (f"{pictures.__module__}.{pictures.__name__}",),
             "download_all_examples": False,
             "show_signature": False,
             "abort_on_example_error": True,

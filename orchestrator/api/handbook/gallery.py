@@ -20,7 +20,7 @@ def write_examples(examples: Path, folder: Path) -> None:
     (folder / "GALLERY_HEADER.rst").write_text(text, encoding="utf-8")
 
 
-def _pictures(block: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:  # noqa: ANN401 - its protocol
+def pictures(block: Any, variables: dict[str, Any], settings: dict[str, Any]) -> str:  # noqa: ANN401 - its protocol
     """The pictures that a program has written, as sphinx-gallery shows them."""
     from sphinx_gallery.scrapers import figure_rst
 
@@ -31,8 +31,3 @@ def _pictures(block: Any, variables: dict[str, Any], settings: dict[str, Any]) -
         found.append(target)
     text: str = figure_rst(found, settings["src_dir"])
     return text
-
-
-def _get_sg_image_scraper() -> Any:  # noqa: ANN401 - its protocol
-    """What sphinx-gallery asks a module for."""
-    return _pictures
