@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 _TESTS = "test_"
+_HERE = {"Path(__file__).parent": "Path.cwd()"}
+"""Sphinx-gallery runs programs in their folder and tells them no file."""
 
 
 def write_examples(examples: Path, folder: Path) -> None:
@@ -15,6 +17,8 @@ def write_examples(examples: Path, folder: Path) -> None:
     for path in folder.glob("*.py"):
         title = path.stem.replace("_", " ").capitalize()
         sentence, rest = path.read_text(encoding="utf-8").removeprefix('"""').split('"""', 1)
+        for there, here in _HERE.items():
+            rest = rest.replace(there, here)
         path.write_text(f'"""\n{title}\n{"=" * len(title)}\n\n{sentence}\n"""{rest}', encoding="utf-8")
     text = "Gallery\n=======\n\nPrograms of ``tests/examples``, run while these pages were built.\n"
     (folder / "GALLERY_HEADER.rst").write_text(text, encoding="utf-8")

@@ -11,10 +11,10 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from components import REGISTRY
 from orchestrator.api.handbook import build, face
+from orchestrator.api.handbook.equations import EQUATIONS, SOURCES
 from orchestrator.api.handbook.python_page import python_page
 from orchestrator.api.handbook.snippets import run_page, snippets
 from orchestrator.api.handbook.theory import theory_page
-from orchestrator.api.handbook.words import EQUATIONS
 from orchestrator.cli.main import main
 
 FIRST_HOUR = (build.PAGES / "first_hour.md").read_text(encoding="utf-8")
@@ -50,11 +50,16 @@ def test_a_page_that_is_wrong_is_told_of(tmp_path):
 
 
 def test_python_and_theory_are_whole():
-    """Completeness: every name of the Python face and every kind of component has its entry."""
-    page = python_page()
+    """Completeness: each name of the Python face, each kind with its equations, and each source that a text names."""
+    page, theory = python_page(), theory_page()
     assert all(f":: orchestrator.{name}\n" in page for name in fanfold.__all__)
-    assert all(f"## `{kind}`\n" in theory_page() for kind in REGISTRY)
-    assert set(EQUATIONS) <= set(REGISTRY)
+    assert all(f"### `{kind}`\n\n```{{math}}\n" in theory for kind in REGISTRY)
+    modules = {name for name in EQUATIONS if name not in REGISTRY}
+    assert all(f"### `{name.replace('.', '/')}.py`\n\n```{{math}}" in theory for name in modules)
+    named = re.findall(r"((?:[A-Z]\w+(?:, | and )?)+),? \(?((?:19|20)\d\d)\b", theory.split("## Sources")[0])
+    assert len(named) >= 10
+    known = {name.split()[0].rstrip(",") + " " + name.split()[-1] for name in SOURCES}
+    assert {f"{re.split(r'[ ,]', who)[0]} {year}" for who, year in named} <= known
 
 
 def test_pages_build_without_a_warning(tmp_path):
