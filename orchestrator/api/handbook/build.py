@@ -15,7 +15,7 @@ from typing import Any
 from components import FanfoldError
 
 from .gallery import pictures, write_examples
-from .measured import performance_page, tests_page, validation_page
+from .measured import performance_page, readme_section, tests_page, validation_page
 from .python_page import python_page
 from .reference import components_page, scene_page
 from .snippets import run_page
@@ -63,7 +63,8 @@ def write_sources(source: Path, gallery: bool, *, measure: bool = True) -> None:
     for name, page in GENERATED.items():
         (source / name).write_text(page(), encoding="utf-8")
     for name, measured in MEASURED.items():
-        (source / name).write_text(measured(measure) + tests_page(ROOT, name), encoding="utf-8")
+        text = measured(measure) + readme_section(ROOT, name) + tests_page(ROOT, name)
+        (source / name).write_text(text, encoding="utf-8")
     for name in _RUN if measure else ():
         path = source / name
         path.write_text(run_page(path.read_text(encoding="utf-8"), source, name), encoding="utf-8")
@@ -112,8 +113,11 @@ def _settings(source: Path) -> dict[str, Any]:
     return {**settings, "extensions": extensions}
 
 
-def run_sphinx(source: Path, pages: Path, doctrees: Path) -> None:
-    """Run Sphinx with every warning an error; FanfoldError with what it says where it finds any."""
+def run_sphinx(source: Path, pages: Path, doctrees: Path, builder: str = "html") -> None:
+    """Run Sphinx with every warning an error; FanfoldError with what it says where it finds any.
+
+    builder: `dummy` reads everything and resolves all links without writing pages.
+    """
     from sphinx.application import Sphinx
     from sphinx.errors import SphinxError
     from sphinx.util.console import nocolor
@@ -123,7 +127,7 @@ def run_sphinx(source: Path, pages: Path, doctrees: Path) -> None:
     try:
         with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
             app = Sphinx(
-                source, None, pages, doctrees, "html", _settings(source),
+                source, None, pages, doctrees, builder, _settings(source),
                 status=None, warning=said, warningiserror=True,
             )  # fmt: skip
             app.build()

@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import warnings
 from collections.abc import Iterator
+from math import acos, pi, sqrt
 from pathlib import Path
 from platform import machine, python_version
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from ..analyses import modes
 from ..result import Result
 from ..simulate import simulate
 from ..warnings import FanfoldWarning
@@ -41,30 +43,83 @@ _TESTS = {
 }
 
 
-def validation_page(measure: bool) -> str:
-    """Latch times of rigid wings beside published ones, the programs that compare more, and the tests."""
-    lines = [
-        "# Validation",
-        "",
-        _VALIDATION,
-        "",
-        "| scene | line | published, s | here, s | source |",
-        "|---|---|---|---|---|",
+_MOTOR = (2.304, 1.434)
+"""Torques (N.m) of the workbench's spring, stowed and deployed."""
+_INERTIA, _LATCH = 6.2514, 4147.8
+"""Inertia (kg.m2) of its panel about the hinge line by the data sheet, and its latch (N.m/rad)."""
+
+
+class _Compared(NamedTuple):
+    """A number of a row: what is known and what a run gave."""
+
+    what: str
+    known: float
+    here: float | None
+
+
+def _workbench(measure: bool) -> list[_Compared]:
+    """Closed forms of one rigid panel that a spring opens by half a turn, without friction."""
+    run = _quiet("workbench", rigid="all") if measure else None
+    found = modes("workbench", "deployed", rigid="all") if measure else None
+    fall = (_MOTOR[0] - _MOTOR[1]) / pi
+    swing = acos(1.0 - pi * fall / _MOTOR[0]) / sqrt(fall / _INERTIA)
+    return [
+        _Compared("energy of the motor, J", 0.5 * sum(_MOTOR) * pi, run and run.headline.motor_energy),
+        _Compared("latch-up, s", swing, run and run.latch_times["HL"]),
+        _Compared(
+            "frequency latched, Hz",
+            sqrt(_LATCH / _INERTIA) / (2.0 * pi),
+            found and float(found.frequencies[0]),
+        ),
     ]
-    found = (
-        {scene: _quiet(scene, rigid="all") for scene in {one.scene for one in _LATCH_TIMES}}
-        if measure
-        else {}
-    )
+
+
+def validation_page(measure: bool) -> str:
+    """Latch times beside published ones, closed forms, balances of energy."""
+    scenes = sorted({one.scene for one in _LATCH_TIMES})
+    found = {scene: _quiet(scene, rigid="all") for scene in scenes} if measure else {}
+    lines = ["# Validation", "", _VALIDATION, "", "## Latch times of rigid wings", ""]
+    lines += ["| scene | line | published, s | here, s | source |", "|---|---|---|---|---|"]
     for one in _LATCH_TIMES:
         here = f"{found[one.scene].latch_times[one.line]:.3f}" if measure else _NOT_RUN
         lines.append(f"| `{one.scene}` | {one.line} | {one.time:g} | {here} | {one.source} |")
+    lines += ["", "## Closed forms", "", _WORKBENCH, "", "| | closed form | here |", "|---|---|---|"]
+    for row in _workbench(measure):
+        here = _NOT_RUN if row.here is None else f"{row.here:.5g}"
+        lines.append(f"| {row.what} | {row.known:.5g} | {here} |")
+    lines += ["", "## Balance of energy", "", _BALANCE, ""]
+    lines += ["| scene, rigid | energy exchanged, J | left open, J |", "|---|---|---|"]
+    for scene in scenes:
+        numbers = found[scene].headline if measure else None
+        cells = (numbers.energy_exchanged, numbers.energy_residual) if numbers else None
+        lines.append(
+            f"| `{scene}` | "
+            + (f"{cells[0]:.4g} | {cells[1]:.1e} |" if cells else f"{_NOT_RUN} | {_NOT_RUN} |")
+        )
     return "\n".join(lines) + "\n\n"
 
 
 _VALIDATION = """What Fanfold computes is compared with closed forms, conservation laws, data sheets, published results
-and other programs. The table is computed while this page is built: latch times of the rigid scenes, whose published
-values are read from diagrams or given with two or three digits."""
+and other programs. Numbers of the first three sections are computed while this page is built; published latch times are
+read from diagrams or given with two or three digits."""
+_WORKBENCH = """The rigid panel of `workbench`, which a spring opens by 180 deg without friction: the motor's mean
+torque times the travel, a part of a swing under a torque that falls along a line, and the latch spring on the inertia
+of the data sheet."""
+_BALANCE = (
+    "What motors, heat, latches, motion and the scheme itself have of the energy, each computed on its own."
+)
+
+
+def readme_section(root: Path, page: str) -> str:
+    """What the README says besides; empty where there is none."""
+    title, readme = _SECTIONS.get(page), root / "README.md"
+    if title is None or not readme.is_file():
+        return ""
+    text = readme.read_text(encoding="utf-8").split(f"\n## {title}\n", 1)[1].split("\n## ", 1)[0]
+    return f"## {title}\n{text}\n"
+
+
+_SECTIONS = {"validation.md": "Against the thesis"}
 
 
 def performance_page(measure: bool) -> str:
