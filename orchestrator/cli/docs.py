@@ -25,18 +25,19 @@ from .types import OutputFile
 @click.option(
     "--gallery/--no-gallery", default=True, help="Whether examples are run too, which takes a minute or two."
 )
+@click.option("--rebuild", is_flag=True, help="Build what is there too, such as to measure on this machine.")
 @click.option(
     "--json-schema", "schema", type=OutputFile(),
     help="Write the JSON schema of scene files, for editors, and nothing else.",
 )  # fmt: skip
-def command(browser: bool, out: Path | None, gallery: bool, schema: Path | None) -> None:
+def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schema: Path | None) -> None:
     """Open the documents, which are built (extra docs) where they are not there."""
     if schema is not None:
         text = json.dumps(fanfold.json_schema(), indent=1, ensure_ascii=False)
         schema.write_text(f"{text}\n", encoding="utf-8")
         click.echo(schema)
         return
-    page = fanfold.docs(out, gallery=gallery)
+    page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
     click.echo(page)
     if browser:
         webbrowser.open(page.resolve().as_uri())

@@ -83,13 +83,15 @@ def _examples() -> Path:
 
 def _settings(source: Path) -> dict[str, Any]:
     """Sphinx's configuration, which has no file of its own."""
-    extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+    extensions = ["myst_parser", "sphinx.ext.autodoc", f"{__package__}.mathml"]
     settings: dict[str, Any] = {
         "project": "Fanfold",
         "version": version("fanfold"),
         "release": version("fanfold"),
         "html_title": f"Fanfold {version('fanfold')}",
         "html_theme": "furo",
+        "html_math_renderer": "mathml",
+        "html_theme_options": {"light_css_variables": {"code-font-size": "var(--font-size--small--3)"}},
         "html_show_copyright": False,
         "default_role": "code",
         "autodoc_typehints": "none",
@@ -106,6 +108,7 @@ def _settings(source: Path) -> dict[str, Any]:
             "gallery_dirs": "gallery",
             "filename_pattern": r"\.py",
             "image_scrapers": (f"{pictures.__module__}.{pictures.__name__}",),
+            "default_thumb_file": str(ROOT / "orchestrator" / "scene" / "scenes" / "amos3.png"),
             "download_all_examples": False,
             "show_signature": False,
             "abort_on_example_error": True,

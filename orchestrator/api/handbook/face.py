@@ -23,18 +23,20 @@ def json_schema() -> dict[str, Any]:
     return scene_schema()
 
 
-def docs(folder: str | Path | None = None, *, gallery: bool = True) -> Path:
+def docs(folder: str | Path | None = None, *, gallery: bool = True, rebuild: bool = False) -> Path:
     """The first page of the documents, which are built where they are not there or are of other sources.
 
     folder: where they are kept, by default beside the cache. gallery: run the examples too, which takes a minute or
-    two. Building needs the extra `docs`; FanfoldError says so.
+    two. rebuild: build them in any case, so that times and numbers are measured anew. Building needs the extra `docs`;
+    FanfoldError says so.
     """
     from .build import build
 
     target = _folder() if folder is None else Path(folder)
     stamp = f"{_digest()} {'with' if gallery else 'without'} gallery"
     known = target / _STAMP
-    if not (target / _INDEX).is_file() or not known.is_file() or known.read_text(encoding="utf-8") != stamp:
+    is_built = (target / _INDEX).is_file() and known.is_file() and known.read_text(encoding="utf-8") == stamp
+    if rebuild or not is_built:
         build(target, gallery)
         known.write_text(stamp, encoding="utf-8")
     return target / _INDEX

@@ -12,6 +12,7 @@ import orchestrator as fanfold
 from components import REGISTRY
 from orchestrator.api.handbook import build, face
 from orchestrator.api.handbook.equations import EQUATIONS, SOURCES
+from orchestrator.api.handbook.mathml import mathml
 from orchestrator.api.handbook.python_page import python_page
 from orchestrator.api.handbook.snippets import run_page, snippets
 from orchestrator.api.handbook.theory import theory_page
@@ -71,12 +72,26 @@ def test_pages_build_without_a_warning(tmp_path):
         path = source / picture
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(b"")
-    build.run_sphinx(source, tmp_path / "pages", tmp_path / "trees")
-    found = (tmp_path / "pages" / "scene_keys.html").read_text(encoding="utf-8")
-    assert 'id="key-hinge-line-latch"' in found
-    (source / "glossary.md").write_text("# Glossary\n\n[nowhere](#nowhere)\n", encoding="utf-8")
-    with pytest.raises(fanfold.FanfoldError, match=r"glossary\.md"):
-        build.run_sphinx(source, tmp_path / "again", tmp_path / "other_trees")
+    build.run_sphinx(source, tmp_path / "pages", tmp_path / "trees", "dummy")
+
+
+def test_a_page_is_built_and_a_dead_link_is_told_of(tmp_path):
+    """Control: equations stand in the page without a network, and what Sphinx warns of is an error."""
+    pytest.importorskip("sphinx", reason="the extra docs is not installed")
+    pages, trees = tmp_path / "pages", tmp_path / "trees"
+    (tmp_path / "source").mkdir()
+    page = tmp_path / "source" / "index.md"
+    page.write_text("(here)=\n# Title\n\n$F = m a$ [](#here)\n", encoding="utf-8")
+    build.run_sphinx(page.parent, pages, trees)
+    found = (pages / "index.html").read_text(encoding="utf-8")
+    assert "<math" in found
+    assert not re.search(r"<(script|link)[^>]+https?:", found)
+    page.write_text("# Title\n\n[nowhere](#nowhere)\n", encoding="utf-8")
+    with pytest.raises(fanfold.FanfoldError, match=r"index\.md"):
+        build.run_sphinx(page.parent, pages, trees)
+    for equations, words in EQUATIONS.values():
+        assert all("</math>" in mathml(equation, True) for equation in equations)
+        assert all("</math>" in mathml(letter, False) for letter in re.findall(r"\$([^$]+)\$", words))
 
 
 def test_a_missing_extra_is_a_sentence(tmp_path, monkeypatch):
@@ -108,4 +123,8 @@ def test_documents_are_built_once_and_opened(tmp_path, monkeypatch):
     monkeypatch.setattr(face, "_digest", lambda: "of other sources")
     assert CliRunner().invoke(main, ["docs", "--no-browser", "--out", str(tmp_path)]).exit_code == 0
     assert len(built) == 2
+    assert (
+        CliRunner().invoke(main, ["docs", "--no-browser", "--rebuild", "--out", str(tmp_path)]).exit_code == 0
+    )
+    assert len(built) == 3
     assert len(opened) == 2
