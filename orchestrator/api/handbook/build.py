@@ -124,11 +124,12 @@ def run_sphinx(source: Path, pages: Path, doctrees: Path, builder: str = "html")
     from sphinx.application import Sphinx
     from sphinx.errors import SphinxError
     from sphinx.util.console import nocolor
+    from sphinx.util.docutils import docutils_namespace, patch_docutils
 
     said = StringIO()
     nocolor()
     try:
-        with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+        with redirect_stdout(StringIO()), redirect_stderr(StringIO()), patch_docutils(), docutils_namespace():
             app = Sphinx(
                 source, None, pages, doctrees, builder, _settings(source),
                 status=None, warning=said, warningiserror=True,

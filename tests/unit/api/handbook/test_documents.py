@@ -43,8 +43,8 @@ def test_the_first_hour_runs(tmp_path):
 
 def test_a_page_that_is_wrong_is_told_of(tmp_path):
     """Control: a command that fails and Python that raises do not pass."""
-    with pytest.raises(fanfold.FanfoldError, match="no scene"):
-        run_page("```console\n$ fanfold check nowhere.toml\n```\n", tmp_path, "page.md")
+    with pytest.raises(fanfold.FanfoldError, match="No such command"):
+        run_page("```console\n$ fanfold deploy\n```\n", tmp_path, "page.md")
     with pytest.raises(ZeroDivisionError):
         run_page("```python\n1 / 0\n```\n", tmp_path, "page.md")
     assert "```text\n3\n```" in run_page("```python\nprint(1 + 2)\n```\n", tmp_path, "page.md")
