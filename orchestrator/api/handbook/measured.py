@@ -49,29 +49,22 @@ _INERTIA, _LATCH = 6.2514, 4147.8
 """Inertia (kg.m2) of its panel about the hinge line by the data sheet, and its latch (N.m/rad)."""
 
 
-class _Compared(NamedTuple):
-    """A number of a row: what is known and what a run gave."""
-
-    what: str
-    known: float
-    here: float | None
-
-
-def _workbench(measure: bool) -> list[_Compared]:
-    """Closed forms of one rigid panel that a spring opens by half a turn, without friction."""
-    run = _quiet("workbench", rigid="all") if measure else None
-    found = modes("workbench", "deployed", rigid="all") if measure else None
+def _workbench(measure: bool) -> Iterator[str]:
+    """Rows of closed forms of one rigid panel that a spring opens by half a turn, without friction."""
     fall = (_MOTOR[0] - _MOTOR[1]) / pi
-    swing = acos(1.0 - pi * fall / _MOTOR[0]) / sqrt(fall / _INERTIA)
-    return [
-        _Compared("energy of the motor, J", 0.5 * sum(_MOTOR) * pi, run and run.headline.motor_energy),
-        _Compared("latch-up, s", swing, run and run.latch_times["HL"]),
-        _Compared(
-            "frequency latched, Hz",
-            sqrt(_LATCH / _INERTIA) / (2.0 * pi),
-            found and float(found.frequencies[0]),
-        ),
-    ]
+    known = {
+        "energy of the motor, J": 0.5 * sum(_MOTOR) * pi,
+        "latch-up, s": acos(1.0 - pi * fall / _MOTOR[0]) / sqrt(fall / _INERTIA),
+        "frequency latched, Hz": sqrt(_LATCH / _INERTIA) / (2.0 * pi),
+    }
+    here = [_NOT_RUN] * len(known)
+    if measure:
+        run, found = _quiet("workbench", rigid="all"), modes("workbench", "deployed", rigid="all")
+        numbers = (run.headline.motor_energy, run.latch_times["HL"], float(found.frequencies[0]))
+        here = [f"{number:.5g}" for number in numbers]
+    return (
+        f"| {what} | {value:.5g} | {got} |" for (what, value), got in zip(known.items(), here, strict=True)
+    )
 
 
 def validation_page(measure: bool) -> str:
@@ -84,9 +77,7 @@ def validation_page(measure: bool) -> str:
         here = f"{found[one.scene].latch_times[one.line]:.3f}" if measure else _NOT_RUN
         lines.append(f"| `{one.scene}` | {one.line} | {one.time:g} | {here} | {one.source} |")
     lines += ["", "## Closed forms", "", _WORKBENCH, "", "| | closed form | here |", "|---|---|---|"]
-    for row in _workbench(measure):
-        here = _NOT_RUN if row.here is None else f"{row.here:.5g}"
-        lines.append(f"| {row.what} | {row.known:.5g} | {here} |")
+    lines += _workbench(measure)
     lines += ["", "## Balance of energy", "", _BALANCE, ""]
     lines += ["| scene, rigid | energy exchanged, J | left open, J |", "|---|---|---|"]
     for scene in scenes:
