@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 _BODY = (
-    r"\ddot\eta_j + 2 \zeta_j \omega_j \dot\eta_j + \omega_j^2 \eta_j = Q_j(t),\qquad "
+    r"\ddot{\eta}{}_j + 2 \zeta_j \omega_j \dot{\eta}{}_j + \omega_j^2 \eta_j = Q_j(t),\qquad "
     r"\mathbf r = \mathbf r_c + \mathbf R\,(\mathbf X + \boldsymbol\Phi\, \boldsymbol\eta)",
     r"\dot{\mathbf p} = \sum_k \mathbf F_k + m \mathbf g,\qquad "
     r"\dot{\mathbf L} = \sum_k (\mathbf r_k \times \mathbf F_k + \mathbf T_k) + \mathbf r_c \times m \mathbf g",
@@ -12,9 +12,9 @@ _BODY = (
 EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "beam": (
         (
-            r"U = \tfrac L2\, \mathbf e^T \mathbf C\, \mathbf e,\qquad \mathbf e = (\boldsymbol\gamma - "
+            r"U = \frac{L}{2}\, \mathbf e^T \mathbf C\, \mathbf e,\qquad \mathbf e = (\boldsymbol\gamma - "
             r"\boldsymbol\gamma_0,\; \boldsymbol\kappa - \boldsymbol\kappa_0),\qquad \boldsymbol\gamma = \mathbf R^T "
-            r"\mathbf x',\quad \hat{\boldsymbol\kappa} = \mathbf R^T \mathbf R'",
+            r"\mathbf x',\quad \boldsymbol\kappa = \operatorname{axial}\left(\mathbf R^T \mathbf R'\right)",
         ),
         r"of an element of the length $L$ with stretch and shear $\boldsymbol\gamma$, twist and bending "
         r"$\boldsymbol\kappa$, and the stiffness $\mathbf C$ of its section.",
@@ -28,7 +28,7 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     "ccl": (
         (
             r"e_{a,b} = \Delta \ell \pm (r_1\, \Delta\varphi_1 - r_2\, \Delta\varphi_2),\qquad "
-            r"T_{a,b} = \max(0,\; P + k\, e_{a,b} + c\, \dot e_{a,b}) \text{ where the strand is taut}",
+            r"T_{a,b} = \max(0,\; P + k\, e_{a,b} + c\, \dot e{}_{a,b}) \text{ where the strand is taut}",
         ),
         r"with the preload $P$, the stiffness $k$ and the damping $c$ of one strand, the radii $r_i$, the angles "
         r"$\varphi_i$ of the pulleys against the strands, and the length $\ell$ of these.",
@@ -42,17 +42,18 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     ),
     "drag": (
         (
-            r"F = -\tfrac12\, \rho\, c_d\, b \int_{x_0}^{x_1} v(x)\, |v(x)|\, \mathrm d x,\qquad v(x) = v_0 - \omega x",
+            r"F = -\frac{1}{2}\, \rho\, c_d\, b \int_{x_0}^{x_1} v(x)\, |v(x)|\, \mathrm d x,\qquad "
+            r"v(x) = v_0 - \omega x",
         ),
         r"with the velocity $v$ along the normal of the plate of width $b$, which turns at the rate $\omega$ about y.",
     ),
     "drive": (
         (
-            r"T = k\,(\varphi_c - \varphi) + c\,(\dot\varphi_c - \dot\varphi),\qquad "
+            r"T = k\,(\varphi_c - \varphi) + c\,(\dot{\varphi}{}_c - \dot\varphi),\qquad "
             r"\varphi_c = \varphi_0 + (\varphi_1 - \varphi_0)\, s^3 (10 - 15 s + 6 s^2)",
         ),
         r"for the profile `step5`, $s^2 (3 - 2 s)$ for `step`, $s$ the share of the duration $\tau$ that has passed; "
-        r"for `commanded` $\tau\, \dot\varphi_c = \varphi_1 - \varphi_c$.",
+        r"for `commanded` $\tau\, \dot{\varphi}{}_c = \varphi_1 - \varphi_c$.",
     ),
     "eddy_current_damper": (
         (r"T = -\frac{c\, \omega}{1 + (\omega / \omega_\mathrm{peak})^2}",),
@@ -70,14 +71,14 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         (
             r"T = T_\mathrm{motor}(\varphi) + T_\mathrm{harness}(\varphi) - \left(\mu\, r_p F_r + "
             r"T_\mathrm{pre}\right) \operatorname{sgn} \dot\varphi - T_\mathrm{latch}",
-            r"T_\mathrm{latch} = k_l (\varphi - \varphi_l) + c_l \dot\varphi,\qquad F_i = -k_i q_i - c_i \dot q_i",
+            r"T_\mathrm{latch} = k_l (\varphi - \varphi_l) + c_l \dot\varphi,\qquad F_i = -k_i q_i - c_i \dot q{}_i",
         ),
         r"about the hinge line and, with $F_i$, along and about all axes, with the pin's radius $r_p$ and its force "
         r"$F_r$ normal to the line (Bagnoli 2007, equation 2.2). The latch torque begins with the latch-up; the sign "
         r"of the rate is smooth, or friction sticks by an elastic deflection.",
     ),
     "hold_down": (
-        (r"F_i = -k_i\, q_i - c_i\, \dot q_i - P a_i,\qquad i = x, y, z",),
+        (r"F_i = -k_i\, q_i - c_i\, \dot q{}_i - P a_i,\qquad i = x, y, z",),
         r"on the outboard port in axes of the inboard one, with displacements $q$ from the start, the preload $P$ "
         r"along the axis $\mathbf a$; nothing from the release on.",
     ),
@@ -96,12 +97,12 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         r"and the orientation $\mathbf R_0$ where both are zero.",
     ),
     "point_motion": (
-        (r"F = k\,(d_c - d) + c\,(\dot d_c - \dot d),\qquad d_c = d_0 + \mathrm{law}(t)",),
+        (r"F = k\,(d_c - d) + c\,(\dot d{}_c - \dot d),\qquad d_c = d_0 + \mathrm{law}(t)",),
         r"with the distance $d$ of the ports along the axis.",
     ),
     "rail": (
         (
-            r"F_n = -k_n q_n - c_n \dot q_n,\qquad T_i = -k_r \theta_i - c_r \dot\theta_i,\qquad "
+            r"F_n = -k_n q_n - c_n \dot q{}_n,\qquad T_i = -k_r \theta_i - c_r \dot{\theta}{}_i,\qquad "
             r"\mathbf F_t = -F_\mu\, \frac{\mathbf v}{|\mathbf v|}",
         ),
         r"with the displacement $q_n$ normal to the plane, rotations $\theta_i$, and friction $F_\mu$ against the "

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from typing import Any
 
+_FONTS = "'STIX Two Math', 'Cambria Math', 'Latin Modern Math', 'DejaVu Math TeX Gyre', math"
+"""Without a font for it browsers neither stretch brackets nor place accents."""
+
 
 def mathml(equation: str, block: bool) -> str:
-    """LaTeX as MathML, by docutils; ValueError or SyntaxError where it does not know a command."""
+    """LaTeX as MathML, by docutils; ValueError or SyntaxError where it does not know a command.
+
+    An accent below an index needs `{}` between both.
+    """
     from docutils.utils.math.latex2mathml import tex2mathml
 
-    return str(tex2mathml(equation, as_block=block))
+    made = str(tex2mathml(equation, as_block=block))
+    return made.replace("<math ", f'<math style="font-family: {_FONTS}" ', 1)
 
 
 def setup(app: Any) -> dict[str, bool]:  # noqa: ANN401 - Sphinx is optional
