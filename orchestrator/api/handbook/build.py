@@ -17,6 +17,7 @@ from components import FanfoldError
 from .gallery import pictures, write_examples
 from .measured import performance_page, readme_section, tests_page, validation_page
 from .python_page import python_page
+from .recipe import recipe
 from .reference import components_page, scene_page
 from .snippets import run_page
 from .theory import theory_page
@@ -24,6 +25,7 @@ from .theory import theory_page
 PAGES = Path(__file__).parent / "pages"
 ROOT = Path(__file__).parents[3]
 _NEEDS = ("sphinx", "furo", "myst_parser", "sphinx_gallery")
+_EXTENDING = "extending.md"
 _RUN = ("first_hour.md",)
 """Pages whose code is run while they are built."""
 
@@ -65,6 +67,9 @@ def write_sources(source: Path, gallery: bool, *, measure: bool = True) -> None:
     for name, measured in MEASURED.items():
         text = measured(measure) + readme_section(ROOT, name) + tests_page(ROOT, name)
         (source / name).write_text(text, encoding="utf-8")
+    (source / _EXTENDING).write_text(
+        (PAGES / _EXTENDING).read_text(encoding="utf-8") + recipe(_examples()), encoding="utf-8"
+    )
     for name in _RUN if measure else ():
         path = source / name
         path.write_text(run_page(path.read_text(encoding="utf-8"), source, name), encoding="utf-8")

@@ -50,6 +50,25 @@ def test_a_page_that_is_wrong_is_told_of(tmp_path):
     assert "```text\n3\n```" in run_page("```python\nprint(1 + 2)\n```\n", tmp_path, "page.md")
 
 
+def test_what_pages_name_is_there():
+    """Commands with their options, files and names of Python that the pages name exist."""
+    root, seen = build.ROOT, set()
+    for path in sorted(build.PAGES.glob("*.md")):
+        page = path.read_text(encoding="utf-8")
+        for line in re.findall(r"(?:`|\$ )fanfold ([a-z][^`\n]*)", page):
+            name, *arguments = line.split()
+            command = main.commands[name]
+            if name == "analyse":
+                name, command = arguments[0], command.get_command(None, arguments[0])
+            seen.add(name)
+            options = {option for parameter in command.params for option in parameter.opts}
+            assert {word for word in arguments if word.startswith("--")} <= options, line
+        files = re.findall(r"`((?:components|fmus|orchestrator|tests)/[\w/.]+)`", page)
+        assert all((root / file).exists() for file in files), files
+        assert set(re.findall(r"`fanfold\.(\w+)`", page)) <= set(fanfold.__all__)
+    assert {"check", "run", "compare", "study", "tune", "export", "stress", "docs"} <= seen
+
+
 def test_python_and_theory_are_whole():
     """Completeness: each name of the Python face, each kind with its equations, and each source that a text names."""
     page, theory = python_page(), theory_page()
@@ -68,6 +87,7 @@ def test_pages_build_without_a_warning(tmp_path):
     pytest.importorskip("sphinx", reason="the extra docs is not installed")
     source = tmp_path / "source"
     build.write_sources(source, gallery=False, measure=False)
+    assert "tape_spring" in (source / "extending.md").read_text(encoding="utf-8")
     for picture in re.findall(r"!\[[^]]+\]\(([^)]+)\)", FIRST_HOUR):
         path = source / picture
         path.parent.mkdir(exist_ok=True)
