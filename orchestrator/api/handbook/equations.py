@@ -27,7 +27,7 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
     ),
     "ccl": (
         (
-            r"e_{a,b} = \Delta \ell \pm (r_1\, \Delta\varphi_1 - r_2\, \Delta\varphi_2),\qquad "
+            r"e_{a,b} = \Delta \ell \pm (r_1\, \Delta\varphi_1 - r_2\, \Delta\varphi_2)",
             r"T_{a,b} = \max(0,\; P + k\, e_{a,b} + c\, \dot e{}_{a,b}) \text{ where the strand is taut}",
         ),
         r"with the preload $P$, the stiffness $k$ and the damping $c$ of one strand, the radii $r_i$, the angles "
