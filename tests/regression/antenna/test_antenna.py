@@ -11,6 +11,8 @@ from orchestrator.analysis.motion.histories import histories
 from orchestrator.analysis.stress.hot_spots import Choice, panel_stress
 from orchestrator.views import plots
 
+pytestmark = pytest.mark.slow
+
 TRAVEL = {(): 1.176, ("without_spacers",): 1.176, ("diagonal",): 0.9996}
 """m, of the law by variant."""
 WHOLE = 1.2

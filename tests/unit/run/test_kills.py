@@ -6,6 +6,8 @@ import pytest
 
 from tests.benchmark.faults.kills import RUNS, kills
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
 def test_killed_runs_are_readable_and_go_on(tmp_path):

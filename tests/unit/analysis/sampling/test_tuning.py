@@ -11,6 +11,8 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from orchestrator.cli.main import main
 
+pytestmark = pytest.mark.slow
+
 INERTIA, ANGLE = 2.0, 0.5 * pi
 MOTOR = "hinge_line.line.motor.stowed,hinge_line.line.motor.deployed"
 RANGE = "uniform(0.5 N.m, 3 N.m)"

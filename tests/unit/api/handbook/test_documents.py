@@ -18,6 +18,8 @@ from orchestrator.api.handbook.snippets import run_page, snippets
 from orchestrator.api.handbook.theory import theory_page
 from orchestrator.cli.main import main
 
+pytestmark = pytest.mark.slow
+
 FIRST_HOUR = (build.PAGES / "first_hour.md").read_text(encoding="utf-8")
 
 
