@@ -44,12 +44,13 @@ _ROUNDING = 1e-9  # of the sum of causes
 _UNSEEN = 1e-3
 """Of the largest load of a unit: what is below lies within the width of a line drawn to one scale."""
 
-_TOTALS: Final = {
+ENERGIES: Final = {
     "stored_energy": "stored",
     "dissipated_energy": "dissipated",
     "numerical_dissipation": "taken by the scheme",
     "supplied_energy": "supplied",
 }
+"""Energies of a scene (J) that the balance adds up, and what figures call them."""
 
 
 class Drawing(NamedTuple):
@@ -129,7 +130,7 @@ def deployment_angles(result: Result) -> Figure | None:
         return None
     figure, (axes,) = new_figure("Deployment angles", [1.0])
     lines = {line.sensor: line.name for line in result.hinge_lines}
-    shown = _one_a_line(result, names)
+    shown = one_a_line(result, names)
     draw(
         axes,
         result.time,
@@ -195,7 +196,7 @@ def loads(result: Result, found: Sequence[tuple[str, str]]) -> Figure:
     figure, axes = new_figure(loads_title(result, found), [1.0] * len(units))
     for panel, unit in zip(axes, units, strict=True):
         shown = [of for of in found if result.unit(*of) == unit]
-        draw(panel, result.time, [curve for of in shown for curve in _curves_of(result, *of, len(names) > 1)])
+        draw(panel, result.time, [curve for of in shown for curve in curves_of(result, *of, len(names) > 1)])
         finish(panel, result, f"{'torque' if unit == 'N.m' else 'force'}, {unit}")
     return figure
 
@@ -214,7 +215,7 @@ def loads_title(result: Result, found: Sequence[tuple[str, str]]) -> str:
     return f"Loads: {result.noun(found[0][0])}"
 
 
-def _curves_of(result: Result, name: str, variable: str, with_name: bool) -> Iterator[tuple[str, Vector]]:
+def curves_of(result: Result, name: str, variable: str, with_name: bool) -> Iterator[tuple[str, Vector]]:
     """Labelled curves of a signal, one an axis of a vector."""
     values, words = result.signal(name, variable), variable.replace("_", " ")
     label = f"{name} {words}" if with_name else words
@@ -282,13 +283,13 @@ def energy_balance(result: Result) -> Figure | None:
         return None
     signals = [
         (label, result.signal("scene", channel))
-        for channel, label in _TOTALS.items()
+        for channel, label in ENERGIES.items()
         if result.has("scene", channel)
     ]
     totals = [(label, energy) for label, energy in signals if energy.any()]
     figure, axes = new_figure("Energy balance", [1.0, 1.0, 0.8])
     draw(axes[0], result.time, totals)
-    draw(axes[1], result.time, _dissipated_by_cause(result))
+    draw(axes[1], result.time, dissipated_by_cause(result))
     if result.has("scene", "energy_residual"):
         axes[2].plot(result.time, result.signal("scene", "energy_residual"), color=COLOURS[0])
     for panel, label in zip(axes, ("energy, J", "dissipated, J", "residual, J"), strict=True):
@@ -339,7 +340,7 @@ def add_figure(name: str, draw_it: Callable[[Result], Figure | None]) -> None:
     _added[name] = draw_it
 
 
-def _one_a_line(result: Result, names: Sequence[str]) -> list[str]:
+def one_a_line(result: Result, names: Sequence[str]) -> list[str]:
     """The sensor hinge of every line, and hinges that belong to no line, of arrays the first."""
     others = {hinge for line in result.hinge_lines for hinge in line.hinges if hinge != line.sensor}
     shown = [name for name in names if name not in others]
@@ -355,7 +356,7 @@ def _crossings(time: Vector, torque: Vector, start: float) -> Vector:
     return crossings
 
 
-def _dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
+def dissipated_by_cause(result: Result) -> list[tuple[str, Vector]]:
     """Dissipated energy by cause since the start, and what the scheme itself took.
 
     What a component tells no cause of counts by what it is; a static search before the run counts for nothing.

@@ -1,4 +1,4 @@
-"""The deployment as a row of pictures for a player: equal steps in time, deformation to scale."""
+"""The deployment as a few still pictures, for paper and for browsers that show nothing in space."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -10,9 +9,11 @@ from io import BytesIO
 
 from matplotlib.figure import Figure
 
-from .animation import Frame
+from .scene3d.fragment import style
 
 _FIGURE_DPI = 120
+_ALLOWED = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
+"""What a browser lets the page do: nothing but what is inside it."""
 
 _STYLE = """
 :root { color-scheme: light; }
@@ -31,47 +32,12 @@ figure img { max-width: 100%; height: auto; }
 figcaption { color: #333; font-size: .92rem; }
 pre { font-size: .8rem; white-space: pre-wrap; overflow-wrap: anywhere; background: #f5f5f5; padding: .6rem; }
 code { overflow-wrap: anywhere; }
-.controls { display: flex; gap: .8rem; align-items: center; flex-wrap: wrap; max-width: 40rem; }
-.controls input[type=range] { flex: 1; min-width: 10rem; }
-.controls output { min-width: 5.5rem; text-align: right; font-variant-numeric: tabular-nums; }
 @media print {
   body { max-width: none; padding: 0; font-size: 10.5pt; }
-  .controls { display: none; }
   figure, tr { break-inside: avoid; }
   h2 { break-after: avoid; }
   @page { margin: 16mm; }
 }
-"""
-
-_PLAYER = """
-(() => {
-  const film = JSON.parse(document.getElementById("film").textContent);
-  const [picture, button, slider, speed, clock] =
-    ["picture", "play", "slider", "speed", "clock"].map(id => document.getElementById(id));
-  const last = film.length - 1;
-  let timer = null;
-  const show = k => {
-    slider.value = k;
-    picture.src = "data:image/png;base64," + film[k].png;
-    clock.value = film[k].time.toFixed(2) + " s";
-  };
-  const stop = () => { clearTimeout(timer); timer = null; button.textContent = "Play"; };
-  const next = () => {
-    const k = Number(slider.value);
-    if (k >= last) { stop(); return; }
-    timer = setTimeout(() => { show(k + 1); next(); },
-      1000 * (film[k + 1].time - film[k].time) / Number(speed.value));
-  };
-  button.addEventListener("click", () => {
-    if (timer !== null) { stop(); return; }
-    if (Number(slider.value) >= last) show(0);
-    button.textContent = "Pause";
-    next();
-  });
-  slider.addEventListener("input", () => { stop(); show(Number(slider.value)); });
-  addEventListener("beforeprint", stop);
-  show(0);
-})();
 """
 
 
@@ -81,7 +47,8 @@ def page(title: str, body: Iterable[str]) -> str:
         (
             '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>",
+            f'<meta http-equiv="Content-Security-Policy" content="{_ALLOWED}">',
+            f"<title>{escape(title)}</title>\n<style>{_STYLE}{style()}</style>\n</head>\n<body>",
             *body,
             "</body>\n</html>\n",
         )
@@ -126,22 +93,6 @@ def picture(figure: Figure, name: str, caption: str) -> str:
 def folded(summary: str, text: str) -> str:
     """Long text that opens when asked for."""
     return f"<details><summary>{escape(summary)}</summary>\n<pre>{escape(text)}</pre></details>"
-
-
-def player(film: Sequence[Frame], caption: str) -> str:
-    """Pictures with play, pause, a slider and a choice of speed; without scripts, and in print, the last picture."""
-    content = [{"time": frame.time, "png": b64encode(frame.png).decode()} for frame in film]
-    speeds = "".join(
-        f'<option value="{v:g}"{" selected" if v == 1.0 else ""}>{v:g} x</option>'
-        for v in (0.25, 0.5, 1.0, 2.0)
-    )
-    return f"""<figure id="animation"><img id="picture" alt="the structure" src="{_data(film[-1].png)}">
-<div class="controls"><button id="play" type="button">Play</button>
-<input id="slider" type="range" min="0" max="{len(film) - 1}" step="1" value="0" aria-label="instant">
-<output id="clock"></output><label>speed <select id="speed">{speeds}</select></label></div>
-<figcaption>{escape(caption)}</figcaption></figure>
-<script type="application/json" id="film">{json.dumps(content)}</script>
-<script>{_PLAYER}</script>"""
 
 
 def _data(png: bytes) -> str:

@@ -19,17 +19,17 @@ _SCENE = ("scene", "scene_tree", TOLD, *_FIDELITIES)
 _DIGEST = "fmu."
 
 
-def report(result: Result, other: Result | None = None, frame_count: int = 60) -> str:
-    """The page, as HTML text; other: a second result to set against the first; no animation for no frames."""
+def report(result: Result, other: Result | None = None, frame_count: int = 6) -> str:
+    """The page, as HTML text; other: a second result to set against the first; nothing that moves for no frames."""
     from .page import page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
     opening, figures = [*_opening(result, title), *_numbers(result)], [*_figures(result)]
     if other is not None:
         figures += _comparison(result, other)
-    # The film takes longest, so all that may be wrong with a result is told before.
-    film = _animation(result, frame_count)
-    return page(f"{title}: {_file(result)}", [*opening, *film, *figures, *_provenance(result)])
+    # What moves takes longest, so all that may be wrong with a result is told before.
+    moving = _animation(result, other, frame_count)
+    return page(f"{title}: {_file(result)}", [*opening, *moving, *figures, *_provenance(result)])
 
 
 def _file(result: Result) -> str:
@@ -83,14 +83,26 @@ def _ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
-def _animation(result: Result, count: int) -> Iterator[str]:
+def _animation(result: Result, other: Result | None, count: int) -> Iterator[str]:
+    """The structure in space and interactive plots; nothing for no pictures."""
+    if not count:
+        return
     from .animation import frames
-    from .page import heading, player
+    from .page import heading
+    from .scene3d.content import content
+    from .scene3d.fragment import plots, scripts, space
 
-    film = frames(result, count) if count else []
-    if film:
+    results = [result] if other is None else [result, other]
+    labels = [f"{letter}, {_file(one)}" for letter, one in zip("AB", results, strict=False)]
+    found = content(results, "AB"[: len(results)], labels)
+    if found.has_bodies:
         yield heading("Deployment")
-        yield player(film, f"Deployment in {len(film)} pictures, deformation to scale.")
+        yield space(frames(result, count), found)
+    if found.has_curves:
+        yield heading("Over time")
+        yield plots()
+    if found.has_bodies or found.has_curves:
+        yield scripts(found)
 
 
 def _figures(result: Result) -> Iterator[str]:

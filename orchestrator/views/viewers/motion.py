@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from components.contract.component import Vector
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
 from ..placement import placed
+from .thinning import sufficient
 
 Rows = NDArray[np.int64]
 _AT_ONCE = 2_000_000
@@ -141,19 +143,15 @@ def _slerp(first: Vector, last: Vector, share: Vector) -> Vector:
 
 
 def keys(found: Motion, tolerance: float) -> Rows:
-    """Rows that suffice: between them no node is, at any row, off by more than a tolerance (m).
-
-    The worst row between two is taken as a further one until none is off (Ramer 1972; Douglas and Peucker 1973).
-    """
+    """Rows that suffice: between them no node is, at any row, off by more than a tolerance (m)."""
     left_over = tolerance - (found.missed or 0.0)
-    chosen, open_ends = {0, found.time.size - 1}, [(0, found.time.size - 1)]
-    while open_ends:
-        left, right = open_ends.pop()
-        worst, error = _worst(found, left, right)
-        if error > left_over:
-            chosen.add(worst)
-            open_ends += [(left, worst), (worst, right)]
-    return np.array(sorted(chosen), dtype=np.int64)
+    return sufficient(found.time.size, lambda left, right: _worst(found, left, right), left_over)
+
+
+def farthest_off(found: Motion, chosen: Rows) -> float:
+    """How far (m) any node is off at any row that is not among the chosen ones, which hold the first and the last."""
+    off = (_worst(found, left, right)[1] for left, right in pairwise(chosen.tolist()))
+    return max(off, default=0.0) + (found.missed or 0.0)
 
 
 def _worst(found: Motion, left: int, right: int) -> tuple[int, float]:

@@ -7,12 +7,25 @@ from typing import NamedTuple
 import numpy as np
 
 from components.contract.component import Vector
+from components.flexible.stress import StressRecovery
 
 from ...analysis.stress.model import body_stress
 from ...analysis.stress.stretching import stretching
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
 from .motion import Rows
+
+
+class Plate(NamedTuple):
+    """A plate's nodes, shapes and elements; recovery at these nodes, with its coordinates (N, C) at all rows.
+
+    remarks: sentences on what the stresses leave out.
+    """
+
+    geometry: Geometry
+    recovery: StressRecovery
+    coordinates: Vector
+    remarks: list[str]
 
 
 class Stressed(NamedTuple):
@@ -23,14 +36,21 @@ class Stressed(NamedTuple):
     remarks: list[str]
 
 
-def stressed(result: Result, name: str, rows: Rows) -> Stressed:
-    """Stresses of a flexible panel at some rows; ResultError where the result does not allow it."""
+def plate(result: Result, name: str) -> Plate:
+    """The plate of a flexible panel; ResultError where the result does not allow stresses."""
     stress = body_stress(result, name, lambda plate: np.arange(len(plate.positions)))
-    von_mises = stress.recovery.von_mises(stress.coordinates[rows])
-    if not np.all(np.isfinite(von_mises)):
+    if not np.all(np.isfinite(stress.coordinates)):
         raise ResultError(f"{result.name}: {name}: the stresses are not finite; the run was unstable")
     remarks = [] if stress.slopes is None else [*stretching(stress, result.time).sentences(name)]
+    if stress.prestress:
+        remarks.append(f"stresses of {name} leave out its tension at rest, {stress.prestress:.4g} Pa")
     used, corners = np.unique(stress.plate.faces, return_inverse=True)
-    positions = stress.plate.positions[used]
     faces = corners.reshape(stress.plate.faces.shape).astype(np.int64)
-    return Stressed(Geometry(positions, stress.shapes[used], faces), von_mises[:, used], remarks)
+    geometry = Geometry(stress.plate.positions[used], stress.shapes[used], faces)
+    return Plate(geometry, stress.recovery.at(used), stress.coordinates, remarks)
+
+
+def stressed(result: Result, name: str, rows: Rows) -> Stressed:
+    """Stresses of a flexible panel at some rows; ResultError where the result does not allow it."""
+    found = plate(result, name)
+    return Stressed(found.geometry, found.recovery.von_mises(found.coordinates[rows]), found.remarks)

@@ -1,0 +1,60 @@
+// Vectors, unit quaternions (scalar first) and 4 x 4 matrices (by columns, as WebGL takes them).
+
+const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const times = (s, a) => [s * a[0], s * a[1], s * a[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const length = a => Math.hypot(a[0], a[1], a[2]);
+const unit = a => times(1 / (length(a) || 1), a);
+
+/** A vector turned by a quaternion. */
+const turned = (q, a) => {
+  const axis = [q[1], q[2], q[3]];
+  const twice = times(2, cross(axis, a));
+  return plus(plus(a, times(q[0], twice)), cross(axis, twice));
+};
+
+/** The quaternion at a share of the shorter way between two rows of four numbers (Shoemake 1985). */
+const slerp = (values, { left, share }) => {
+  const first = values.subarray(4 * left, 4 * left + 4);
+  if (share === 0) return Array.from(first);
+  const last = values.subarray(4 * left + 4, 4 * left + 8);
+  let cosine = 0;
+  for (let k = 0; k < 4; k++) cosine += first[k] * last[k];
+  const side = cosine < 0 ? -1 : 1;
+  const angle = Math.acos(Math.min(1, side * cosine));
+  const sine = Math.sin(angle);
+  const [a, b] = sine < 1e-6 ? [1 - share, share] : [Math.sin((1 - share) * angle) / sine, Math.sin(share * angle) / sine];
+  const mixed = [0, 1, 2, 3].map(k => a * first[k] + side * b * last[k]);
+  const size = Math.hypot(...mixed);
+  return mixed.map(value => value / size);
+};
+
+const multiplied = (a, b) => {
+  const found = new Float32Array(16);
+  for (let column = 0; column < 4; column++) {
+    for (let row = 0; row < 4; row++) {
+      let sum = 0;
+      for (let k = 0; k < 4; k++) sum += a[4 * k + row] * b[4 * column + k];
+      found[4 * column + row] = sum;
+    }
+  }
+  return found;
+};
+
+/** Perspective with a vertical half angle of this tangent; depth from near to far. */
+const perspective = (tangent, aspect, near, far) => new Float32Array([
+  1 / (tangent * aspect), 0, 0, 0,
+  0, 1 / tangent, 0, 0,
+  0, 0, (far + near) / (near - far), -1,
+  0, 0, (2 * far * near) / (near - far), 0,
+]);
+
+/** From the world to axes with x to the right, y up and z towards the eye. */
+const seenFrom = (eye, right, up, back) => new Float32Array([
+  right[0], up[0], back[0], 0,
+  right[1], up[1], back[1], 0,
+  right[2], up[2], back[2], 0,
+  -dot(right, eye), -dot(up, eye), -dot(back, eye), 1,
+]);

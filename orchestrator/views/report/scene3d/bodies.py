@@ -1,0 +1,158 @@
+"""Bodies of a result as a page moves them: nodes and forms once, poses and amplitudes at few times, stresses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from components import FanfoldError
+from components.contract.component import Vector
+from components.flexible.stress import von_mises
+
+from ....assembly import Geometry
+from ....results.result import Result
+from ...placement import placed
+from ...viewers.motion import Motion, Rows, farthest_off, keys, motion
+from ...viewers.stressed import Plate, plate
+from ...viewers.surface import Indices, surface
+from ...viewers.thinning import straight
+from .numbers import STEP, Block, double, short, single, whole
+
+_SHARE_OF_SIZE = 1e-4
+_SHARE_OF_PEAK = 5e-3
+_WATCHED = 10
+"""Nodes by which rows are chosen; how far the others are off is measured."""
+_SHOWN_PEAK = 99.0
+"""Percentile of the nodes' peaks where colours end: the largest stand at corners of inserts, where they depend on the mesh"""
+_LARGEST = 2_400_000
+"""Bytes of the stress rows of a page, a third more as text; bodies whose rows do not fit are shown without."""
+_SINGLE = 4e-7
+"""Of a coordinate: what several steps in single precision lose."""
+
+
+@dataclass
+class Room:
+    """Bytes that are left for rows of stresses."""
+
+    left: int = _LARGEST
+
+
+def extent(result: Result, bodies: dict[str, Geometry], rows: Rows) -> tuple[Vector, Vector]:
+    """Lowest and highest coordinates (3,) in m, world axes, of all nodes at some rows of the run."""
+    some = rows[:: max(1, rows.size // 40)]
+    every = np.concatenate([placed(result, name, body, some).reshape(-1, 3) for name, body in bodies.items()])
+    return every.min(axis=0), every.max(axis=0)
+
+
+class ShownBody(NamedTuple):
+    """A body for the page, and how far a node (m) and its von Mises stress (Pa) are off at the most at any row."""
+
+    name: str
+    data: dict[str, object]
+    tolerance: float
+    stress_tolerance: float
+
+
+def moving_bodies(
+    result: Result, bodies: dict[str, Geometry], rows: Rows, size: float, room: Room, remarks: list[str]
+) -> list[ShownBody]:
+    """Bodies for the page; rows (n,) rise in time; size (m): of all that is shown; remarks: gets what lacks."""
+    found = []
+    for name, body in bodies.items():
+        stresses = _plate(result, name, body, room, remarks)
+        found.append(_body(result, name, body, rows, _SHARE_OF_SIZE * size, stresses))
+    return found
+
+
+def _plate(result: Result, name: str, body: Geometry, room: Room, remarks: list[str]) -> Plate | None:
+    """The plate of a body with stresses that are known and have room."""
+    if not body.faces.size or not result.has(name, "modal_coordinate"):
+        return None
+    try:
+        found = plate(result, name)
+    except FanfoldError as error:
+        remarks.append(f"No stress is shown: {str(error).removeprefix(f'{result.name}: ')}")
+        return None
+    remarks += found.remarks
+    size = 2 * found.recovery.modal_stress.size
+    if size > room.left:
+        remarks.append(f"No stress of {name} is shown, as the page would be too large")
+        return None
+    room.left -= size
+    return found
+
+
+def _body(
+    result: Result, name: str, body: Geometry, rows: Rows, tolerance: float, stresses: Plate | None
+) -> ShownBody:
+    moving = motion(result, name, body, rows, tolerance)
+    chosen = keys(_watched(moving), tolerance)
+    off = farthest_off(moving, chosen)
+    shown = body if stresses is None else stresses.geometry
+    # a finer mesh of the same modes takes the same amplitudes
+    fine = moving.part(chosen) if stresses is None else motion(result, name, shown, rows[chosen], tolerance)
+    shape = surface(np.asarray(shown.faces))
+    stress = None if stresses is None else _stress(result.time, stresses, rows)
+    data: dict[str, object] = {
+        "name": name,
+        "nodes": single(fine.nodes),
+        "forms": short(fine.forms.reshape(fine.nodes.size, fine.forms.shape[2])),
+        "triangles": whole(shape.triangles),
+        "lines": whole(shape.lines),
+        "outline": whole(_outline(shape.triangles)),
+        "time": double(fine.time),
+        "position": single(fine.position),
+        "orientation": single(fine.orientation),
+        "amplitudes": short(fine.amplitudes),
+        "scales": fine.missed is None,
+        "stress": stress,
+    }
+    return ShownBody(name, data, off + _rounding(fine), 0.0 if stress is None else float(stress["tolerance"]))
+
+
+def _watched(found: Motion) -> Motion:
+    """The motion of few nodes: those farthest along the axes, and others in between."""
+    nodes = found.nodes
+    ends = [*nodes.argmin(axis=0), *nodes.argmax(axis=0)]
+    some = np.unique([*ends, *np.linspace(0, len(nodes) - 1, _WATCHED).astype(np.int64)])
+    return replace(found, nodes=nodes[some], forms=found.forms[some])
+
+
+def _rounding(found: Motion) -> float:
+    """How far (m) a node may be off by the bits of its numbers: forms and amplitudes of 16, all else single."""
+    forms = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0).sum()
+    reach = np.abs(found.nodes).max(initial=0.0) + np.abs(found.position).max(initial=0.0)
+    return float(2.0 * STEP * forms + _SINGLE * reach)
+
+
+def _outline(triangles: Indices) -> Indices:
+    """Edges (E, 2) of one triangle alone."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    found, count = np.unique(edges.reshape(-1, 2), axis=0, return_counts=True)
+    alone: Indices = found[count == 1]
+    return alone
+
+
+def _stress(time: Vector, found: Plate, rows: Rows) -> dict[str, Any]:
+    """Rows of stress (K, 2, 3) by scaled coordinates, upper face first, and these at few times; Pa."""
+    coordinates = found.coordinates[rows]
+    largest = np.abs(coordinates).max(axis=0, initial=0.0)
+    modal = np.moveaxis(found.recovery.modal_stress * largest, 3, 0)  # C, K, 2, 3
+    share = von_mises(modal).reshape(len(modal), -1).max(axis=1, initial=0.0)
+    peaks = found.recovery.peak(coordinates).value
+    peak = float(peaks.max())
+    used = np.flatnonzero(share > 1e-9 * peak)
+    # von Mises stress is a norm, so that of a sum is at most the sum of those of its parts
+    history = coordinates[:, used] / largest[used]
+    chosen = straight(time[rows], history * share[used], _SHARE_OF_PEAK * peak)
+    rounding = 2.0 * STEP * float(share[used].sum())
+    return {
+        "rows": short(modal[used].reshape(used.size, -1).T),
+        "time": double(time[rows][chosen]),
+        "coordinates": short(history[chosen]),
+        "tolerance": _SHARE_OF_PEAK * peak + rounding,
+        "peak": peak,
+        "shown_peak": float(np.percentile(peaks, _SHOWN_PEAK)),
+    }

@@ -1,0 +1,65 @@
+"""The parts of the page that play: elements, style sheet, data and scripts, all written into the one file."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+from ..animation import Frame
+from .content import Content
+from .numbers import safe_json
+
+_FOLDER = Path(__file__).parent
+_SCRIPTS = (
+    "numbers", "algebra", "body", "gpu", "camera", "picture", "labels", "clock", "plots", "main",
+)  # fmt: skip
+"""In the order in which they are needed."""
+
+
+def style() -> str:
+    """Style sheet of the parts."""
+    return _text("view.css")
+
+
+def space(film: Sequence[Frame], content: Content) -> str:
+    """The structure in space; without scripts or WebGL2, still pictures."""
+    pictures = "\n".join(
+        f'<img alt="the structure at {frame.time:.2f} s" src="data:image/png;base64,{b64encode(frame.png).decode()}">'
+        for frame in film
+    )
+    told = [
+        f"Nodes are within {content.tolerance:.1g} m of the result at every recorded row, at a deformation x 1.",
+        *([f"Stresses are within {content.stress_tolerance / 1e6:.2g} MPa."] if content.stress_tolerance else []),
+        *(f"{sentence}." for sentence in content.remarks),
+    ]
+    return f"""<figure id="animation">
+<div id="view-stills" class="stills">
+{pictures}
+</div>
+<p id="view-missing" class="warning" hidden></p>
+{_text("view.html")}<figcaption>{escape(" ".join(told))}</figcaption></figure>"""
+
+
+def plots() -> str:
+    """Plots over time, which scripts fill."""
+    return _text("plots.html")
+
+
+def scripts(content: Content) -> str:
+    """The data, and what shows it."""
+    shaders = {path.name: path.read_text(encoding="utf-8") for path in sorted(_FOLDER.glob("*.glsl"))}
+    body = "\n".join(_text(f"{name}.js") for name in _SCRIPTS)
+    return f"""<script type="application/json" id="view-data">{safe_json(content.data)}</script>
+<script>
+(() => {{
+"use strict";
+const SHADERS = {json.dumps(shaders)};
+{body}}})();
+</script>"""
+
+
+def _text(name: str) -> str:
+    return (_FOLDER / name).read_text(encoding="utf-8")
