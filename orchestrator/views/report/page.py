@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from io import BytesIO
 
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .scene3d.fragment import style
@@ -82,7 +83,8 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], numeric: Seque
 def picture(figure: Figure, name: str, caption: str) -> str:
     """A figure with its caption, the picture inside."""
     stream = BytesIO()
-    figure.savefig(stream, format="png", dpi=_FIGURE_DPI)
+    figure.set_dpi(_FIGURE_DPI)
+    FigureCanvasAgg(figure).print_png(stream)  # savefig draws a figure twice
     words = escape(name.replace("_", " "))
     return (
         f'<figure id="{escape(name)}"><img alt="{words}" src="{_data(stream.getvalue())}">\n'

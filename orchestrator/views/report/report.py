@@ -24,12 +24,12 @@ def report(result: Result, other: Result | None = None, frame_count: int = 6) ->
     from .page import page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
-    opening, figures = [*_opening(result, title), *_numbers(result)], [*_figures(result)]
+    opening, numbers, figures = [*_opening(result, title)], [*_numbers(result)], [*_figures(result)]
     if other is not None:
         figures += _comparison(result, other)
     # What moves takes longest, so all that may be wrong with a result is told before.
     moving = _animation(result, other, frame_count)
-    return page(f"{title}: {_file(result)}", [*opening, *moving, *figures, *_provenance(result)])
+    return page(f"{title}: {_file(result)}", [*opening, *moving, *numbers, *figures, *_provenance(result)])
 
 
 def _file(result: Result) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,12 +145,6 @@ def keys(found: Motion, tolerance: float) -> Rows:
     """Rows that suffice: between them no node is, at any row, off by more than a tolerance (m)."""
     left_over = tolerance - (found.missed or 0.0)
     return sufficient(found.time.size, lambda left, right: _worst(found, left, right), left_over)
-
-
-def farthest_off(found: Motion, chosen: Rows) -> float:
-    """How far (m) any node is off at any row that is not among the chosen ones, which hold the first and the last."""
-    off = (_worst(found, left, right)[1] for left, right in pairwise(chosen.tolist()))
-    return max(off, default=0.0) + (found.missed or 0.0)
 
 
 def _worst(found: Motion, left: int, right: int) -> tuple[int, float]:

@@ -15,20 +15,11 @@ const turned = (q, a) => {
   return plus(plus(a, times(q[0], twice)), cross(axis, twice));
 };
 
-/** The quaternion at a share of the shorter way between two rows of four numbers (Shoemake 1985). */
-const slerp = (values, { left, share }) => {
-  const first = values.subarray(4 * left, 4 * left + 4);
-  if (share === 0) return Array.from(first);
-  const last = values.subarray(4 * left + 4, 4 * left + 8);
-  let cosine = 0;
-  for (let k = 0; k < 4; k++) cosine += first[k] * last[k];
-  const side = cosine < 0 ? -1 : 1;
-  const angle = Math.acos(Math.min(1, side * cosine));
-  const sine = Math.sin(angle);
-  const [a, b] = sine < 1e-6 ? [1 - share, share] : [Math.sin((1 - share) * angle) / sine, Math.sin(share * angle) / sine];
-  const mixed = [0, 1, 2, 3].map(k => a * first[k] + side * b * last[k]);
-  const size = Math.hypot(...mixed);
-  return mixed.map(value => value / size);
+/** The quaternion at a place between two rows of four numbers, which are near each other and on one side. */
+const mixed = (values, place) => {
+  const found = interpolated(values, 4, place, [0, 0, 0, 0]);
+  const size = Math.hypot(...found);
+  return found.map(value => value / size);
 };
 
 const multiplied = (a, b) => {

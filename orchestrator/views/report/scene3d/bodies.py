@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from components.flexible.stress import von_mises
 from ....assembly import Geometry
 from ....results.result import Result
 from ...placement import placed
-from ...viewers.motion import Motion, Rows, farthest_off, keys, motion
+from ...viewers.motion import Motion, Rows, motion
 from ...viewers.stressed import Plate, plate
 from ...viewers.surface import Indices, surface
 from ...viewers.thinning import straight
@@ -22,10 +22,10 @@ from .numbers import STEP, Block, double, short, single, whole
 
 _SHARE_OF_SIZE = 1e-4
 _SHARE_OF_PEAK = 5e-3
-_WATCHED = 10
-"""Nodes by which rows are chosen; how far the others are off is measured."""
 _SHOWN_PEAK = 99.0
 """Percentile of the nodes' peaks where colours end: the largest stand at corners of inserts, where they depend on the mesh"""
+_EVERY = 6
+"""Rows from one to the next by which peaks are estimated, which are scales here and nothing else."""
 _LARGEST = 2_400_000
 """Bytes of the stress rows of a page, a third more as text; bodies whose rows do not fit are shown without."""
 _SINGLE = 4e-7
@@ -88,8 +88,7 @@ def _body(
     result: Result, name: str, body: Geometry, rows: Rows, tolerance: float, stresses: Plate | None
 ) -> ShownBody:
     moving = motion(result, name, body, rows, tolerance)
-    chosen = keys(_watched(moving), tolerance)
-    off = farthest_off(moving, chosen)
+    chosen = _keys(moving, tolerance - (moving.missed or 0.0))
     shown = body if stresses is None else stresses.geometry
     # a finer mesh of the same modes takes the same amplitudes
     fine = moving.part(chosen) if stresses is None else motion(result, name, shown, rows[chosen], tolerance)
@@ -109,15 +108,20 @@ def _body(
         "scales": fine.missed is None,
         "stress": stress,
     }
-    return ShownBody(name, data, off + _rounding(fine), 0.0 if stress is None else float(stress["tolerance"]))
+    off = tolerance + _rounding(fine)
+    return ShownBody(name, data, off, 0.0 if stress is None else float(stress["tolerance"]))
 
 
-def _watched(found: Motion) -> Motion:
-    """The motion of few nodes: those farthest along the axes, and others in between."""
-    nodes = found.nodes
-    ends = [*nodes.argmin(axis=0), *nodes.argmax(axis=0)]
-    some = np.unique([*ends, *np.linspace(0, len(nodes) - 1, _WATCHED).astype(np.int64)])
-    return replace(found, nodes=nodes[some], forms=found.forms[some])
+def _keys(found: Motion, tolerance: float) -> Rows:
+    """Rows between which no node is off by more than a tolerance (m), numbers in straight lines, quaternions of length 1.
+
+    A node is off by at most the errors of position, of the rotation times its reach, and of each amplitude times its form.
+    Matrices of rotation differ by at most twice what unit quaternions do, and those by twice what they do before that.
+    """
+    sizes = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0)
+    reach = np.linalg.norm(found.nodes, axis=1).max(initial=0.0) + sizes.sum()
+    bounds = np.hstack([found.position, 4.0 * reach * found.orientation, found.amplitudes * sizes])
+    return straight(found.time, bounds, tolerance)
 
 
 def _rounding(found: Motion) -> float:
@@ -141,7 +145,7 @@ def _stress(time: Vector, found: Plate, rows: Rows) -> dict[str, Any]:
     largest = np.abs(coordinates).max(axis=0, initial=0.0)
     modal = np.moveaxis(found.recovery.modal_stress * largest, 3, 0)  # C, K, 2, 3
     share = von_mises(modal).reshape(len(modal), -1).max(axis=1, initial=0.0)
-    peaks = found.recovery.peak(coordinates).value
+    peaks = found.recovery.peak(coordinates[::_EVERY]).value
     peak = float(peaks.max())
     used = np.flatnonzero(share > 1e-9 * peak)
     # von Mises stress is a norm, so that of a sum is at most the sum of those of its parts

@@ -26,7 +26,7 @@ class Body {
   move(time, factor) {
     const place = between(this.clock, time);
     interpolated(this.positions, 3, place, this.position);
-    this.orientation = slerp(this.orientations, place);
+    this.orientation = mixed(this.orientations, place);
     interpolated(this.amplitudeRows, this.formCount, place, this.amplitudes);
     if (this.scales) for (let k = 0; k < this.formCount; k++) this.amplitudes[k] *= factor;
     if (this.stress) this.stress.move(time);

@@ -16,7 +16,7 @@ class Camera {
 
   /** See everything from the default side: obliquely along the longer horizontal axis. */
   reset(aspect) {
-    this.look(this.wide ? -60 : 30, 20, aspect);
+    this.look(this.wide ? -60 : 30, 28, aspect);
   }
 
   /** See everything from a side; angles in degrees about z and above the horizon. */

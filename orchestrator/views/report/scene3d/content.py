@@ -46,7 +46,7 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
     room, remarks = Room(), list[str]()
     boxes, made, bodies = list[tuple[Vector, Vector]](), list[dict[str, object]](), list[ShownBody]()
     for result, letter, label in zip(results, letters, labels, strict=True):
-        rows = np.flatnonzero(np.diff(result.time, append=np.inf) > 0.0)
+        rows = np.flatnonzero(np.diff(result.time, prepend=-np.inf) > 0.0)  # of an event the row before
         shown = _bodies(result, remarks)
         found = list[ShownBody]()
         if shown:

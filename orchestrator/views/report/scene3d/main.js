@@ -53,6 +53,7 @@ class View {
       this.due();
     };
     const now = () => {
+      this.move();
       const points = this.shown.flatMap(one => one.bodies.flatMap(body => Array.from({ length: body.count }, (_, node) => body.placed(body.bent(node)))));
       camera.look(camera.azimuth / RADIAN, camera.elevation / RADIAN, this.aspect(), points);
       this.due();
@@ -156,10 +157,15 @@ class View {
     }[this.arrangement()];
   }
 
-  draw() {
-    this.isDue = false;
+  /** Bodies to where they are now. */
+  move() {
     const factor = Math.max(0, Number(byId("view-factor").value) || 0);
     for (const one of this.shown) one.move(this.clock.time, factor);
+  }
+
+  draw() {
+    this.isDue = false;
+    this.move();
     const isStressed = byId("view-colour").value === "stress";
     const limit = Number(byId("view-limit").value) * 1e6;
     const options = {
@@ -186,7 +192,8 @@ class View {
       const words = found.length ? [`largest stress: ${found.join(", ")}`] : [];
       if (byId("view-loads").checked && one.loads.length) {
         const now = load => length(interpolated(load.values, 3, between(load.clock, this.clock.time), [0, 0, 0]));
-        words.push(`loads on the spacecraft: ${one.loads.map(load => `${load.name} ${Number(now(load).toPrecision(3))} ${load.unit}`).join(", ")}`);
+        const loads = one.loads.filter(load => load.peak > 0).map(load => `${load.name} ${Number(now(load).toPrecision(3))} ${load.unit}`);
+        words.push(`loads on the spacecraft: ${loads.join(", ")}`);
       }
       if (words.length) told.push(`${this.shown.length > 1 ? `${one.label}: ` : ""}${words.join("; ")}`);
     }

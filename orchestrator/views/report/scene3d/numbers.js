@@ -29,11 +29,11 @@ const between = (clock, time) => {
   return { left: low, share: (time - clock[low]) / (clock[high] - clock[low]) };
 };
 
-/** Row of a rising clock nearest to a time; of several at one instant the last. */
+/** Row of a rising clock nearest to a time; of several at one instant the first, which is before the event. */
 const nearest = (clock, time) => {
   const { left, share } = between(clock, time);
   let row = share > 0.5 ? left + 1 : left;
-  while (row + 1 < clock.length && clock[row + 1] === clock[row]) row += 1;
+  while (row > 0 && clock[row - 1] === clock[row]) row -= 1;
   return row;
 };
 

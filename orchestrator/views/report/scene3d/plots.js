@@ -19,9 +19,10 @@ const ticks = (low, high, count) => {
 
 /** A curve: its values at rows of the recorded times. */
 class Curve {
-  constructor(content, clock, number, result, label, colours) {
+  constructor(content, clock, number, result, letter, colours) {
     const rows = content.rows && decoded(content.rows);
-    this.label = label;
+    this.letter = letter; // of its result, empty of one alone
+    this.label = `${letter}${content.label}`;
     this.values = decoded(content.values);
     this.clock = rows ? Float64Array.from(rows, row => clock[row]) : clock;
     this.colour = colours[number % colours.length];
@@ -124,13 +125,13 @@ class Plot {
   /** Values at the recorded row nearest to a time. */
   read(time) {
     if (!this.box.open) return;
-    let told = "";
+    const rows = new Map();
     this.curves.forEach((curve, k) => {
       const row = nearest(curve.clock, time);
       this.readings[k].textContent = written(curve.values[row]);
-      if (k === 0) told = `At the recorded row at ${curve.clock[row].toFixed(6)} s`;
+      if (!rows.has(curve.letter)) rows.set(curve.letter, `${curve.letter}${curve.clock[row].toFixed(6)} s`);
     });
-    this.at.textContent = told;
+    this.at.textContent = `Recorded values at ${[...rows.values()].join(", ")}`;
   }
 
   resize() {
@@ -259,8 +260,8 @@ class Plots {
     this.list = this.titles(content).map(([title, unitName], k) => {
       const curves = content.results.flatMap((result, number) => {
         const panel = result.plots.find(one => one.title === title);
-        const name = curve => (content.results.length > 1 ? `${result.letter}: ${curve.label}` : curve.label);
-        return panel ? panel.curves.map((curve, n) => new Curve(curve, clocks[number], n, number, name(curve), colours)) : [];
+        const letter = content.results.length > 1 ? `${result.letter}: ` : "";
+        return panel ? panel.curves.map((curve, n) => new Curve(curve, clocks[number], n, number, letter, colours)) : [];
       });
       return new Plot(title, unitName, curves, this, k < 4);
     });
@@ -345,8 +346,9 @@ class Plots {
     const curve = plot.curves[0];
     const step = rows => {
       let row = nearest(curve.clock, this.clock.time);
-      if (rows < 0) while (row > 0 && curve.clock[row - 1] === curve.clock[row]) row -= 1; // events have two rows
-      this.clock.set(curve.clock[Math.min(Math.max(row + rows, 0), curve.clock.length - 1)]);
+      const last = curve.clock.length - 1;
+      if (rows > 0) while (row < last && curve.clock[row + 1] === curve.clock[row]) row += 1; // events have two rows
+      this.clock.set(curve.clock[Math.min(Math.max(row + rows, 0), last)]);
     };
     const keys = {
       ArrowLeft: () => (event.shiftKey ? this.pan(-0.1) : step(-1)),

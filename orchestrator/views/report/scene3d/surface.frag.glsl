@@ -12,11 +12,11 @@ void main() {
   vec3 normal = normalize(cross(dFdx(place), dFdy(place)));
   float facing = abs(dot(normal, normalize(eye - place)));
   vec3 base = colour.rgb;
-  float light = 0.45 + 0.55 * facing;
+  float light = 0.7 + 0.3 * facing;
   if (stressLimit > 0.0) {
     float last = float(textureSize(ramp, 0).x - 1);
     base = texelFetch(ramp, ivec2(int(last * min(vonMises / stressLimit, 1.0) + 0.5), 0), 0).rgb;
-    light = 0.85 + 0.15 * facing; // so that a colour is read by its scale
+    light = 0.9 + 0.1 * facing; // so that a colour is read by its scale
   }
   shown = vec4(base * light, colour.a);
 }
