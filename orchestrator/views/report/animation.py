@@ -16,8 +16,8 @@ from ..style import STYLE, empty_figure
 
 _SIZE = (6.4, 4.2)
 _DPI = 90
-_LARGEST = 2_700_000
-"""Bytes of all pictures; as text they are a third more, which leaves room for figures in a page of 5 MB."""
+_LARGEST = 700_000
+"""Bytes of all pictures; as text they are a third more, a fifth of a page of 5 MB."""
 
 
 class Frame(NamedTuple):

@@ -1,11 +1,9 @@
-"""The report: one file with everything inside, true numbers, a player that plays, bodies where they are."""
+"""The report: one file with everything inside, true numbers, data of what plays, bodies where they are."""
 
 from __future__ import annotations
 
 import json
 import re
-import shutil
-import subprocess
 from base64 import b64decode
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -23,7 +21,6 @@ from orchestrator.results.result import Result
 from orchestrator.views import plots
 from orchestrator.views import shapes as plot_shapes
 from orchestrator.views.report import animation as report_animation
-from orchestrator.views.report.page import player
 from orchestrator.views.report.report import report
 from tests.references import synthetic_result as reference
 
@@ -39,7 +36,7 @@ class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.open, self.addresses, self.ids, self.cells, self.captions = [], [], [], [], []
-        self.film = ""
+        self.stills, self.data = {}, ""
         self.feed(text)
         self.close()
 
@@ -47,6 +44,8 @@ class Page(HTMLParser):
         values = dict(attrs)
         self.addresses += [values[key] for key in ("src", "href") if key in values]
         self.ids += [values["id"]] if "id" in values else []
+        if values.get("alt", "").startswith("the structure at "):
+            self.stills[values["alt"].split()[3]] = values["src"]
         if tag not in VOID:
             self.open.append((tag, values.get("id")))
 
@@ -55,8 +54,8 @@ class Page(HTMLParser):
 
     def handle_data(self, data):
         tag, identity = self.open[-1] if self.open else ("", None)
-        if identity == "film":
-            self.film += data
+        if identity == "view-data":
+            self.data += data
         if tag == "td":
             self.cells.append(data)
         if tag == "figcaption":
@@ -103,7 +102,7 @@ def test_every_figure_is_inside_with_a_caption(page, result):
     drawn = list(plots.draw_all(result))
     assert {drawing.name for drawing in drawn} <= set(page.ids)
     assert {drawing.caption for drawing in drawn} <= set(page.captions)
-    assert len(page.addresses) == len(drawn) + 1
+    assert len(page.addresses) == len(drawn) + FRAMES
     for address in page.addresses:
         assert picture(address)[..., :3].std() > 0.02
 
@@ -123,14 +122,29 @@ def test_provenance_is_shown(page, text):
     assert "name = &#x27;synthetic&#x27;" in text
 
 
-def test_animation_runs_from_start_to_end(page):
-    film = json.loads(page.film)
-    assert [frame["time"] for frame in film] == pytest.approx([0.0, 7.0, 14.0], abs=reference.LARGEST_STEP)
-    pictures = [picture(f"data:image/png;base64,{frame['png']}") for frame in film]
+def test_stills_go_from_start_to_end(page):
+    """For paper, and for browsers that show nothing in space."""
+    assert [float(time) for time in page.stills] == pytest.approx([0.0, 7.0, 14.0], abs=reference.LARGEST_STEP)
+    pictures = [picture(address) for address in page.stills.values()]
     assert len({p.shape for p in pictures}) == 1
     # the structure moves: pictures differ by more than their title
     lower = [p[p.shape[0] // 5 :, :, :3] for p in pictures]
     assert np.mean(np.abs(lower[1] - lower[0]) > 0.1) > 0.01
+
+
+def test_what_plays_is_inside(page):
+    """Bodies and plots as data, the view and the list of plots as elements that scripts fill."""
+    (one,) = json.loads(page.data)["results"]
+    assert [body["name"] for body in one["bodies"]] == ["yoke", "panel1", "panel2"]
+    assert "Deployment angles" in [plot["title"] for plot in one["plots"]]
+    assert {"animation", "view-space", "plots-list"} <= set(page.ids)
+
+
+def test_nothing_plays_without_pictures(result):
+    """No frames: neither data nor scripts."""
+    found = Page(report(result, frame_count=0))
+    assert found.data == ""
+    assert not {"animation", "plots-list"} & set(found.ids)
 
 
 def test_pictures_that_are_large_together_are_fewer(result, monkeypatch):
@@ -185,60 +199,6 @@ def test_scene_with_nothing_to_draw(tmp_path):
     assert found.open == []
     assert "steps" in found.ids
     assert "animation" not in found.ids
-
-
-DOCUMENT = """
-const film = %s, made = {};
-const listeners = {};
-const element = id => made[id] ??= {
-  id, value: id === "speed" ? "2" : "0", src: "", textContent: id === "film" ? JSON.stringify(film) : "Play",
-  addEventListener(kind, act) { listeners[id + "." + kind] = act; },
-};
-globalThis.document = { getElementById: element };
-globalThis.addEventListener = (kind, act) => { listeners[kind] = act; };
-const queue = [];
-globalThis.setTimeout = (act, wait) => { queue.push([act, wait]); return queue.length; };
-globalThis.clearTimeout = () => { queue.length = 0; };
-const seen = [], state = () => seen.push([element("slider").value, element("clock").value, element("play").textContent,
-  element("picture").src.split(",")[1]]);
-"""
-PLAY = """
-state();
-listeners["play.click"](); state();
-const waits = [];
-while (queue.length) { const [act, wait] = queue.shift(); waits.push(wait); act(); state(); }
-listeners["play.click"](); state();
-listeners["play.click"](); state();
-element("slider").value = "1"; listeners["slider.input"](); state();
-console.log(JSON.stringify({ seen, waits, left: queue.length }));
-"""
-
-
-def test_player_plays_pauses_and_slides(tmp_path):
-    """The script itself, on a made-up document: order, real time at the chosen speed, pause, rewind, slider."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("node is not installed")
-    film = [report_animation.Frame(time, bytes([k])) for k, time in enumerate((0.0, 0.5, 2.0))]
-    page = Page(player(film, "caption"))
-    script = re.search(r"<script>(.*)</script>", player(film, "caption"), re.DOTALL)[1]
-    path = tmp_path / "play.js"
-    path.write_text(DOCUMENT % page.film + script + PLAY, encoding="utf-8")
-    run = subprocess.run([node, path], capture_output=True, text=True, timeout=60, check=False)
-    assert run.returncode == 0, run.stderr
-    content = json.loads(run.stdout)
-    first, second, third = (["AA==", "AQ==", "Ag=="][k] for k in range(3))
-    assert [[str(k), *rest] for k, *rest in content["seen"]] == [
-        ["0", "0.00 s", "Play", first],
-        ["0", "0.00 s", "Pause", first],
-        ["1", "0.50 s", "Pause", second],
-        ["2", "2.00 s", "Play", third],
-        ["0", "0.00 s", "Pause", first],
-        ["0", "0.00 s", "Play", first],
-        ["1", "0.50 s", "Play", second],
-    ]
-    assert content["waits"] == [250, 750]
-    assert content["left"] == 0
 
 
 def test_report_of_a_real_run(tmp_path):
