@@ -36,12 +36,13 @@ def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Pa
 
 
 def report(
-    result: ResultLike, path: str | Path | None = None, other: ResultLike | None = None, frames: int = 60
+    result: ResultLike, path: str | Path | None = None, other: ResultLike | None = None, frames: int = 6
 ) -> Path:
     """Write a result as one self-contained HTML file and return its path.
 
-    path: by default beside the file of the result. other: a second result to set against it. frames: pictures of the
-    animation, 0 for none. ResultError where the file cannot be an HTML file, or is one of the results.
+    path: by default beside the file of the result. other: a second result to set against it. frames: still
+    pictures for browsers without WebGL2, 0 for nothing that plays either. ResultError where the file cannot be an HTML
+    file, or is one of the results.
     """
     from ..views.report.report import report as html
 

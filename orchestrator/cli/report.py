@@ -20,8 +20,8 @@ from .types import OutputFile
 )  # fmt: skip
 @click.option("--output", type=OutputFile(), help="HTML file.")
 @click.option(
-    "--frames", "count", type=click.IntRange(min=0, max=300), default=60, show_default=True,
-    help="Pictures of the animation; 0 for none.",
+    "--frames", "count", type=click.IntRange(min=0, max=300), default=6, show_default=True,
+    help="Still pictures for browsers without WebGL2; 0 for nothing that plays either.",
 )  # fmt: skip
 @plugin_option
 def command(result: Path, other: Path | None, output: Path | None, count: int) -> None:

@@ -46,7 +46,9 @@ class Browser:
         self.told: list[str] = []
         self.events: list[str] = []
         (page,) = [one for one in self.ask("Target.getTargets")["targetInfos"] if one["type"] == "page"]
-        self._session = self.ask("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
+        self._session = self.ask("Target.attachToTarget", targetId=page["targetId"], flatten=True)[
+            "sessionId"
+        ]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.ask(f"{domain}.enable")
 
@@ -79,8 +81,13 @@ class Browser:
     def open(self, path: Path, width: int = 1000, height: int = 900) -> None:
         """Load a page and wait until it is there."""
         self.ask(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
         )
+        self.events.clear()
         self.ask("Page.navigate", url=path.resolve().as_uri())
         while "Page.loadEventFired" not in self.events:
             self._next()
@@ -121,6 +128,9 @@ class Browser:
         self.events.append(method)
         if method in ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded"):
             self.told.append(json.dumps(content))
-        if method == "Network.requestWillBeSent" and content["request"]["url"].partition(":")[0] not in ("data", "file"):
+        if method == "Network.requestWillBeSent" and content["request"]["url"].partition(":")[0] not in (
+            "data",
+            "file",
+        ):
             self.told.append(content["request"]["url"])
         return message

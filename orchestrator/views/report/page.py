@@ -84,7 +84,7 @@ def picture(figure: Figure, name: str, caption: str) -> str:
     """A figure with its caption, the picture inside."""
     stream = BytesIO()
     figure.set_dpi(_FIGURE_DPI)
-    FigureCanvasAgg(figure).print_png(stream)  # savefig draws a figure twice
+    FigureCanvasAgg(figure).print_png(stream)  # type: ignore[no-untyped-call]  # savefig draws it twice
     words = escape(name.replace("_", " "))
     return (
         f'<figure id="{escape(name)}"><img alt="{words}" src="{_data(stream.getvalue())}">\n'

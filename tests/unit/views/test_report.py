@@ -124,7 +124,9 @@ def test_provenance_is_shown(page, text):
 
 def test_stills_go_from_start_to_end(page):
     """For paper, and for browsers that show nothing in space."""
-    assert [float(time) for time in page.stills] == pytest.approx([0.0, 7.0, 14.0], abs=reference.LARGEST_STEP)
+    assert [float(time) for time in page.stills] == pytest.approx(
+        [0.0, 7.0, 14.0], abs=reference.LARGEST_STEP
+    )
     pictures = [picture(address) for address in page.stills.values()]
     assert len({p.shape for p in pictures}) == 1
     # the structure moves: pictures differ by more than their title

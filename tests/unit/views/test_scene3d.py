@@ -22,13 +22,17 @@ HOSTILE = "</script><img src=x onerror=alert(1)>&\u2028\u2029"
 
 
 def decoded(block):
-    values = np.frombuffer(b64decode(block["data"], validate=True), KINDS[block["kind"]]).reshape(block["shape"])
+    values = np.frombuffer(b64decode(block["data"], validate=True), KINDS[block["kind"]]).reshape(
+        block["shape"]
+    )
     return values * np.array(block["scale"]) if "scale" in block else values
 
 
 def at(clock, values, times):
     """Values (K, C) of rising times, in straight lines."""
-    return np.column_stack([np.interp(times, clock, column) for column in values.T]) if values.size else values
+    return (
+        np.column_stack([np.interp(times, clock, column) for column in values.T]) if values.size else values
+    )
 
 
 def played(body, times):
@@ -119,7 +123,13 @@ def test_ports_of_a_hinge_are_together(flexible, plate):
             if body["name"] == port["body"]:
                 nodes = decoded(body["nodes"])
                 node = np.argmin(np.linalg.norm(nodes - point, axis=1))
-                moved = {**body, "nodes": numbers.single([point]), "forms": numbers.short(decoded(body["forms"]).reshape(-1, 3, body["forms"]["shape"][1])[node])}
+                moved = {
+                    **body,
+                    "nodes": numbers.single([point]),
+                    "forms": numbers.short(
+                        decoded(body["forms"]).reshape(-1, 3, body["forms"]["shape"][1])[node]
+                    ),
+                }
                 point = played(moved, flexible.time[:1])[0, 0]
         places.setdefault(name, {})[side] = point
     hinges = [hinge for line in flexible.hinge_lines for hinge in line.hinges]

@@ -18,12 +18,12 @@ from ...viewers.motion import Motion, Rows, motion
 from ...viewers.stressed import Plate, plate
 from ...viewers.surface import Indices, surface
 from ...viewers.thinning import straight
-from .numbers import STEP, Block, double, short, single, whole
+from .numbers import STEP, double, short, single, whole
 
 _SHARE_OF_SIZE = 1e-4
 _SHARE_OF_PEAK = 5e-3
 _SHOWN_PEAK = 99.0
-"""Percentile of the nodes' peaks where colours end: the largest stand at corners of inserts, where they depend on the mesh"""
+"""Percentile of the nodes' peaks where colours end: the largest are at corners of inserts and depend on the mesh."""
 _EVERY = 6
 """Rows from one to the next by which peaks are estimated, which are scales here and nothing else."""
 _LARGEST = 2_400_000
@@ -113,10 +113,10 @@ def _body(
 
 
 def _keys(found: Motion, tolerance: float) -> Rows:
-    """Rows between which no node is off by more than a tolerance (m), numbers in straight lines, quaternions of length 1.
+    """Rows between which no node is off by more than a tolerance (m), by straight lines, quaternions then made unit.
 
-    A node is off by at most the errors of position, of the rotation times its reach, and of each amplitude times its form.
-    Matrices of rotation differ by at most twice what unit quaternions do, and those by twice what they do before that.
+    A node is off by at most the errors of position, of rotation times its reach, and of each amplitude times its form.
+    Matrices of rotation differ by at most twice what unit quaternions do, and these by twice what they did before.
     """
     sizes = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0)
     reach = np.linalg.norm(found.nodes, axis=1).max(initial=0.0) + sizes.sum()
@@ -133,7 +133,9 @@ def _rounding(found: Motion) -> float:
 
 def _outline(triangles: Indices) -> Indices:
     """Edges (E, 2) of one triangle alone."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
+    )
     found, count = np.unique(edges.reshape(-1, 2), axis=0, return_counts=True)
     alone: Indices = found[count == 1]
     return alone

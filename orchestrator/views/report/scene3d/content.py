@@ -63,7 +63,9 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
                 "bodies": [one.data for one in found],
                 "marks": marks(result, [one.name for one in found], rows, remarks) if found else {},
                 "plots": contents(panels(result)),
-                "events": [{"time": time, "component": name, "text": text} for time, name, text in result.events],
+                "events": [
+                    {"time": time, "component": name, "text": text} for time, name, text in result.events
+                ],
             }
         )
     data: dict[str, object] = {

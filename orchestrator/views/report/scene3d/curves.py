@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -39,7 +40,9 @@ def _panels(result: Result) -> Iterator[Panel]:
     angles = [(lines.get(name, name), np.rad2deg(result.signal(name, "angle"))) for name in names]
     yield Panel("Deployment angles", "deg", angles)
     torques = [(line.name, line_latch_torque(result, line)) for line in result.hinge_lines]
-    yield Panel("Latch torques, sum over the hinges of a line", "N.m", [one for one in torques if one[1].any()])
+    yield Panel(
+        "Latch torques, sum over the hinges of a line", "N.m", [one for one in torques if one[1].any()]
+    )
     for found in loads_by_kind(result).values():
         many = len({name for name, _ in found}) > 1
         for unit in dict.fromkeys(result.unit(*of) for of in found):
@@ -52,7 +55,9 @@ def _panels(result: Result) -> Iterator[Panel]:
     yield Panel("Energy", "J", totals)
     yield Panel("Dissipated energy by cause", "J", dissipated_by_cause(result))
     if result.has("scene", "energy_residual"):
-        yield Panel("Residual of the energy balance", "J", [("residual", result.signal("scene", "energy_residual"))])
+        yield Panel(
+            "Residual of the energy balance", "J", [("residual", result.signal("scene", "energy_residual"))]
+        )
 
 
 def contents(found: list[Panel]) -> list[dict[str, object]]:
@@ -79,7 +84,7 @@ def _curve(label: str, values: Vector, most: int) -> dict[str, object]:
 def extremes_of_spans(values: Vector, count: int) -> Indices:
     """First and last row, and those of the lowest and highest value in `count` equal spans of rows."""
     bounds = np.linspace(0, values.size, max(count, 1) + 1).astype(np.int64)
-    spans = [(a, values[a:b]) for a, b in zip(bounds[:-1], bounds[1:], strict=True) if b > a]
+    spans = [(a, values[a:b]) for a, b in pairwise(bounds) if b > a]
     rows = [a + np.array([part.argmin(), part.argmax()]) for a, part in spans]
     found: Indices = np.unique(np.concatenate([[0, values.size - 1], *rows]))
     return found

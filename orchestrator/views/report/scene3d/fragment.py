@@ -32,7 +32,11 @@ def space(film: Sequence[Frame], content: Content) -> str:
     )
     told = [
         f"Nodes are within {1e3 * content.tolerance:.2g} mm of the result at every recorded row, at a deformation x 1.",
-        *([f"Stresses are within {content.stress_tolerance / 1e6:.2g} MPa."] if content.stress_tolerance else []),
+        *(
+            [f"Stresses are within {content.stress_tolerance / 1e6:.2g} MPa."]
+            if content.stress_tolerance
+            else []
+        ),
         *(f"{sentence}." for sentence in content.remarks),
     ]
     return f"""<figure id="animation">

@@ -88,7 +88,10 @@ def _loads(result: Result, at_base: Mapping[str, Place], rows: Rows) -> Iterator
             for name, variable in result.in_role(INTERFACE_LOAD):
                 if result.unit(name, variable) == unit:
                     load = result.signal(name, variable)
-                    yield _load(result.time, rows, name, unit, load) | {"body": name, "point": [0.0, 0.0, 0.0]}
+                    yield _load(result.time, rows, name, unit, load) | {
+                        "body": name,
+                        "point": [0.0, 0.0, 0.0],
+                    }
 
 
 def _load(time: Vector, rows: Rows, name: str, unit: str, load: Vector) -> dict[str, object]:
