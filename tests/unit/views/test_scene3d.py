@@ -193,7 +193,7 @@ def test_no_text_ends_the_script():
 def test_what_cannot_be_shown_is_told(result, flexible, monkeypatch):
     """No scene, no face sheets, no room for stresses, a motion that is not finite."""
     assert any("does not hold its scene" in one for one in seen(result).remarks)
-    monkeypatch.setattr(bodies.Room, "__init__", lambda self: setattr(self, "left", 10))
+    monkeypatch.setattr(bodies.Room, "takes", lambda self, rows: False)
     told = seen(flexible)
     assert "No stress of panel is shown, as the page would be too large" in told.remarks
     assert told.stress_tolerance == 0.0

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,10 +19,14 @@ from ...viewers.motion import Motion, Rows, motion
 from ...viewers.stressed import Plate, plate
 from ...viewers.surface import Indices, surface
 from ...viewers.thinning import straight
-from .numbers import STEP, double, short, single, whole
+from .numbers import STEP, Block, double, short, single, whole
 
 _SHARE_OF_SIZE = 1e-4
+_SHARE_OF_FORMS = 0.1
+"""Of that, that all forms together may add that are left out."""
 _SHARE_OF_PEAK = 5e-3
+_LEFT_OUT = 1e-3
+"""Of the peak, that all coordinates together may add that are left out."""
 _SHOWN_PEAK = 99.0
 """Percentile of the nodes' peaks where colours end: the largest are at corners of inserts and depend on the mesh."""
 _EVERY = 6
@@ -37,6 +42,14 @@ class Room:
     """Bytes that are left for rows of stresses."""
 
     left: int = _LARGEST
+
+    def takes(self, rows: Block) -> bool:
+        """Whether there is room for rows, which is then theirs."""
+        size = 2 * prod(rows["shape"])
+        if size > self.left:
+            return False
+        self.left -= size
+        return True
 
 
 def extent(result: Result, bodies: dict[str, Geometry], rows: Rows) -> tuple[Vector, Vector]:
@@ -61,13 +74,17 @@ def moving_bodies(
     """Bodies for the page; rows (n,) rise in time; size (m): of all that is shown; remarks: gets what lacks."""
     found = []
     for name, body in bodies.items():
-        stresses = _plate(result, name, body, room, remarks)
-        found.append(_body(result, name, body, rows, _SHARE_OF_SIZE * size, stresses))
+        stresses = _plate(result, name, body, remarks)
+        stress = None if stresses is None else _stress(result.time, stresses, rows)
+        if stress is not None and not room.takes(stress["rows"]):
+            remarks.append(f"No stress of {name} is shown, as the page would be too large")
+            stresses = stress = None
+        found.append(_body(result, name, body, rows, _SHARE_OF_SIZE * size, stresses, stress))
     return found
 
 
-def _plate(result: Result, name: str, body: Geometry, room: Room, remarks: list[str]) -> Plate | None:
-    """The plate of a body with stresses that are known and have room."""
+def _plate(result: Result, name: str, body: Geometry, remarks: list[str]) -> Plate | None:
+    """The plate of a body with stresses that are known."""
     if not body.faces.size or not result.has(name, "modal_coordinate"):
         return None
     try:
@@ -76,24 +93,28 @@ def _plate(result: Result, name: str, body: Geometry, room: Room, remarks: list[
         remarks.append(f"No stress is shown: {str(error).removeprefix(f'{result.name}: ')}")
         return None
     remarks += found.remarks
-    size = 2 * found.recovery.modal_stress.size
-    if size > room.left:
-        remarks.append(f"No stress of {name} is shown, as the page would be too large")
-        return None
-    room.left -= size
     return found
 
 
 def _body(
-    result: Result, name: str, body: Geometry, rows: Rows, tolerance: float, stresses: Plate | None
+    result: Result,
+    name: str,
+    body: Geometry,
+    rows: Rows,
+    tolerance: float,
+    stresses: Plate | None,
+    stress: dict[str, Any] | None,
 ) -> ShownBody:
-    moving = motion(result, name, body, rows, tolerance)
-    chosen = _keys(moving, tolerance - (moving.missed or 0.0))
+    whole_motion = motion(result, name, body, rows, tolerance)
+    used = _largest(_sizes(whole_motion), _SHARE_OF_FORMS * tolerance)
+    moving = _with_forms(whole_motion, used)
+    chosen = _keys(moving, (1.0 - _SHARE_OF_FORMS) * tolerance - (moving.missed or 0.0))
     shown = body if stresses is None else stresses.geometry
     # a finer mesh of the same modes takes the same amplitudes
-    fine = moving.part(chosen) if stresses is None else motion(result, name, shown, rows[chosen], tolerance)
+    fine = moving.part(chosen)
+    if stresses is not None:
+        fine = _with_forms(motion(result, name, shown, rows, tolerance), used).part(chosen)
     shape = surface(np.asarray(shown.faces))
-    stress = None if stresses is None else _stress(result.time, stresses, rows)
     data: dict[str, object] = {
         "name": name,
         "nodes": single(fine.nodes),
@@ -118,15 +139,32 @@ def _keys(found: Motion, tolerance: float) -> Rows:
     A node is off by at most the errors of position, of rotation times its reach, and of each amplitude times its form.
     Matrices of rotation differ by at most twice what unit quaternions do, and these by twice what they did before.
     """
-    sizes = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0)
+    sizes = _sizes(found)
     reach = np.linalg.norm(found.nodes, axis=1).max(initial=0.0) + sizes.sum()
     bounds = np.hstack([found.position, 4.0 * reach * found.orientation, found.amplitudes * sizes])
     return straight(found.time, bounds, tolerance)
 
 
+def _sizes(found: Motion) -> Vector:
+    """How far (m) each form (M,) moves any node at the most."""
+    sizes: Vector = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0)
+    return sizes
+
+
+def _largest(sizes: Vector, left_out: float) -> Indices:
+    """Places of all but the smallest sizes (M,), which together are no larger than what may be left out."""
+    smallest = np.argsort(sizes)
+    found: Indices = np.sort(smallest[np.cumsum(sizes[smallest]) > left_out])
+    return found
+
+
+def _with_forms(found: Motion, used: Indices) -> Motion:
+    return replace(found, forms=found.forms[:, :, used], amplitudes=found.amplitudes[:, used])
+
+
 def _rounding(found: Motion) -> float:
     """How far (m) a node may be off by the bits of its numbers: forms and amplitudes of 16, all else single."""
-    forms = np.linalg.norm(found.forms, axis=1).max(axis=0, initial=0.0).sum()
+    forms = _sizes(found).sum()
     reach = np.abs(found.nodes).max(initial=0.0) + np.abs(found.position).max(initial=0.0)
     return float(2.0 * STEP * forms + _SINGLE * reach)
 
@@ -149,7 +187,7 @@ def _stress(time: Vector, found: Plate, rows: Rows) -> dict[str, Any]:
     share = von_mises(modal).reshape(len(modal), -1).max(axis=1, initial=0.0)
     peaks = found.recovery.peak(coordinates[::_EVERY]).value
     peak = float(peaks.max())
-    used = np.flatnonzero(share > 1e-9 * peak)
+    used = _largest(share, _LEFT_OUT * peak)
     # von Mises stress is a norm, so that of a sum is at most the sum of those of its parts
     history = coordinates[:, used] / largest[used]
     chosen = straight(time[rows], history * share[used], _SHARE_OF_PEAK * peak)
@@ -158,7 +196,7 @@ def _stress(time: Vector, found: Plate, rows: Rows) -> dict[str, Any]:
         "rows": short(modal[used].reshape(used.size, -1).T),
         "time": double(time[rows][chosen]),
         "coordinates": short(history[chosen]),
-        "tolerance": _SHARE_OF_PEAK * peak + rounding,
+        "tolerance": (_SHARE_OF_PEAK + _LEFT_OUT) * peak + rounding,
         "peak": peak,
         "shown_peak": float(np.percentile(peaks, _SHOWN_PEAK)),
     }

@@ -22,6 +22,8 @@ from .numbers import double
 _RAMP = "cividis"
 """Colours of stress: one way in lightness, and alike to those who see no red or no green (Nunez et al. 2018)."""
 _RAMP_STEPS = 64
+_BLACK, _GREY = "#000000", "#666666"
+"""A body is grey that is black in figures, so that its edges are seen, and marks before it."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,7 @@ def content(results: Sequence[Result], letters: Sequence[str], labels: Sequence[
         "low": np.min([low for low, _ in boxes], axis=0).tolist() if boxes else [],
         "high": np.max([high for _, high in boxes], axis=0).tolist() if boxes else [],
         "colours": [list(to_rgb(colour)) for colour in COLOURS],
+        "body_colours": [list(to_rgb(_GREY if colour == _BLACK else colour)) for colour in COLOURS],
         "ramp": mpl.colormaps[_RAMP](np.linspace(0.0, 1.0, _RAMP_STEPS))[:, :3].round(4).tolist(),
     }
     return Content(

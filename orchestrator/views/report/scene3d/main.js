@@ -8,7 +8,7 @@ class View {
     this.clock = clock;
     this.content = content;
     this.canvas = byId("view-space");
-    this.shown = content.results.map(result => new Shown(result, content.colours));
+    this.shown = content.results.map(result => new Shown(result, content.body_colours));
     this.picture = new Picture(this.canvas, this.shown, content.ramp);
     this.labels = new Labels(byId("view-names"));
     const cloud = this.shown.flatMap(one => one.cloud(clock.first, clock.last));

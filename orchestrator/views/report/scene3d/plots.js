@@ -252,7 +252,7 @@ class Plots {
   constructor(place, content, clock, colours) {
     this.place = place;
     this.clock = clock;
-    this.whole = [clock.first, clock.last];
+    this.whole = [clock.first, clock.last > clock.first ? clock.last : clock.first + 1]; // a run of one row has no range
     this.range = [...this.whole];
     this.hovered = null;
     this.events = content.results.flatMap(result => result.events).sort((a, b) => a.time - b.time);
