@@ -160,5 +160,8 @@ def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
             ha="center",
             va="bottom",
             fontsize=_LABEL_SIZE,
-            arrowprops={"arrowstyle": "-", "color": "0.4", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0},
-        )
+            arrowprops={
+                "arrowstyle": "-", "color": "0.4", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0,
+                "patchA": None, "relpos": (0.5, 0.0),  # from below the name, sooner than cut off at its box
+            },
+        )  # fmt: skip
