@@ -27,7 +27,7 @@ _SHARE_OF_FORMS = 0.1
 _SHARE_OF_PEAK = 5e-3
 _LEFT_OUT = 1e-3
 """Of the peak, that all coordinates together may add that are left out."""
-_SHOWN_PEAK = 99.0
+_SHOWN_PEAK = 95.0
 """Percentile of the nodes' peaks where colours end: the largest are at corners of inserts and depend on the mesh."""
 _EVERY = 6
 """Rows from one to the next by which peaks are estimated, which are scales here and nothing else."""

@@ -188,7 +188,7 @@ class View {
   reading(isStressed) {
     const told = [];
     for (const one of this.shown) {
-      const found = isStressed ? one.bodies.filter(body => body.stress).map(body => `${body.name} ${written(body.stress.largest() / 1e6)} MPa`) : [];
+      const found = isStressed ? one.bodies.filter(body => body.stress).map(body => `${body.name} ${Number((body.stress.largest() / 1e6).toPrecision(3))} MPa`) : [];
       const words = found.length ? [`largest stress: ${found.join(", ")}`] : [];
       if (byId("view-loads").checked && one.loads.length) {
         const now = load => length(interpolated(load.values, 3, between(load.clock, this.clock.time), [0, 0, 0]));
