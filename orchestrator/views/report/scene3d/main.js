@@ -250,6 +250,13 @@ const preparePlots = plots => {
   for (const [name, act] of Object.entries(buttons)) byId(`plots-${name}`).addEventListener("click", act);
 };
 
+/** Still pictures in place of the view, and why. */
+const showStills = reason => {
+  byId("view-stills").hidden = byId("view-missing").hidden = false;
+  byId("view").hidden = true;
+  byId("view-missing").textContent = `The structure is not shown in space: ${reason}.`;
+};
+
 const start = () => {
   const content = JSON.parse(byId("view-data").textContent);
   const clocks = content.results.map(result => decoded(result.clock));
@@ -259,13 +266,11 @@ const start = () => {
   })));
   if (byId("view")) {
     try {
-      new View(content, clock); // eslint-disable-line no-new
+      const view = new View(content, clock);
+      view.canvas.addEventListener("webglcontextlost", () => showStills("the browser has taken its memory back"));
       prepareClock(clock, events.sort((a, b) => a.time - b.time));
     } catch (error) {
-      byId("view-stills").hidden = false;
-      byId("view").hidden = true;
-      byId("view-missing").hidden = false;
-      byId("view-missing").textContent = `The structure is not shown in space: ${error.message}.`;
+      showStills(error.message);
     }
   }
   byId("plots").hidden = byId("view-help").hidden = false;

@@ -25,7 +25,7 @@ from orchestrator.views.report.report import report
 from tests.references import synthetic_result as reference
 
 pytestmark = pytest.mark.slow
-SCENE = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
+SCENE = Path(__file__).parents[3] / "scenes" / "two_panels.toml"
 VOID = {"meta", "img", "input", "br", "link"}
 FRAMES = 3
 

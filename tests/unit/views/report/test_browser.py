@@ -13,8 +13,8 @@ import orchestrator as fanfold
 from orchestrator.results.key_figures import line_latch_torque
 from orchestrator.views.report.report import report
 from orchestrator.views.viewers.stressed import stressed
-from tests.references import browser as chromium
 from tests.references import synthetic_result as reference
+from tests.unit.views.report import browser as chromium
 
 pytestmark = [
     pytest.mark.slow,
