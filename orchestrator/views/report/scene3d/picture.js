@@ -5,6 +5,17 @@ const MARK_COLOURS = { axis: [0, 0, 0], link: [0.55, 0.35, 0], port: [0.25, 0.25
 const ARROW = 0.22; // length of the largest load of a unit, of the structure's size
 const NUMBERS_A_MARK = 11;
 
+/** Whether there is no graphics processor, so that smooth edges would cost half of the pictures a second. */
+const isSoftware = () => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  if (!gl) return false;
+  const name = gl.getParameter(gl.RENDERER);
+  const found = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+  const loss = gl.getExtension("WEBGL_lose_context");
+  if (loss) loss.loseContext();
+  return found;
+};
+
 /** Places, marks and loads of one result. */
 class Shown {
   constructor(content, colours) {
@@ -78,7 +89,7 @@ class Shown {
 class Picture {
   /** Throws where there is no WebGL2. */
   constructor(canvas, results, ramp) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: false });
+    const gl = canvas.getContext("webgl2", { antialias: !isSoftware(), alpha: false });
     if (!gl) throw new Error("there is no WebGL2");
     this.gl = gl;
     this.canvas = canvas;

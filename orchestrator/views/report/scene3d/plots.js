@@ -90,8 +90,21 @@ class Plot {
     const stack = element("div", this.box);
     stack.className = "stack";
     this.under = element("canvas", stack);
-    this.over = element("canvas", stack);
+    this.over = element("div", stack);
+    this.over.className = "over";
     this.over.tabIndex = 0;
+    // lines that move are elements, which a browser shifts sooner than it draws a canvas
+    this.lines = ["cursor", "pointer"].map(name => {
+      const line = element("div", this.over);
+      line.className = name;
+      return line;
+    });
+    this.isSeen = true;
+    new IntersectionObserver(([entry]) => {
+      this.isSeen = entry.isIntersecting;
+      this.cursor();
+      this.read(plots.readAt());
+    }).observe(this.box);
     this.over.setAttribute("role", "img");
     this.over.setAttribute("aria-label", `${title} over time in s; the table above reads values at the cursor`);
     this.box.addEventListener("toggle", () => this.draw());
@@ -122,9 +135,14 @@ class Plot {
     });
   }
 
+  /** Whether nobody reads it now: it is folded, or out of sight while time runs. */
+  rests() {
+    return !this.box.open || (this.plots.clock.isPlaying && !this.isSeen);
+  }
+
   /** Values at the recorded row nearest to a time. */
   read(time) {
-    if (!this.box.open) return;
+    if (this.rests()) return;
     const rows = new Map();
     this.curves.forEach((curve, k) => {
       const row = nearest(curve.clock, time);
@@ -137,11 +155,9 @@ class Plot {
   resize() {
     const scale = Math.min(devicePixelRatio || 1, 2);
     this.width = Math.max(this.under.parentElement.clientWidth, 200);
-    for (const canvas of [this.under, this.over]) {
-      canvas.width = Math.round(this.width * scale);
-      canvas.height = Math.round(HEIGHT * scale);
-      canvas.getContext("2d").setTransform(scale, 0, 0, scale, 0, 0);
-    }
+    this.under.width = Math.round(this.width * scale);
+    this.under.height = Math.round(HEIGHT * scale);
+    this.under.getContext("2d").setTransform(scale, 0, 0, scale, 0, 0);
   }
 
   x(time) {
@@ -228,22 +244,12 @@ class Plot {
 
   /** The time of the picture, and of the place that is pointed at. */
   cursor() {
-    if (!this.box.open || !this.width) return;
-    const pen = this.over.getContext("2d");
-    pen.clearRect(0, 0, this.width, HEIGHT);
-    const stroke = (time, colour, dash) => {
-      const x = this.x(time);
-      if (x < LEFT - 1 || x > this.width - RIGHT + 1) return;
-      pen.strokeStyle = colour;
-      pen.setLineDash(dash);
-      pen.beginPath();
-      pen.moveTo(x, TOP);
-      pen.lineTo(x, HEIGHT - BOTTOM);
-      pen.stroke();
-    };
-    pen.lineWidth = 1.5;
-    stroke(this.plots.clock.time, "#c00000", []);
-    if (this.plots.hovered !== null) stroke(this.plots.hovered, "#000000", [3, 3]);
+    if (this.rests() || !this.width) return;
+    [this.plots.clock.time, this.plots.hovered].forEach((time, k) => {
+      const x = time === null ? -1 : this.x(time);
+      this.lines[k].hidden = x < LEFT - 1 || x > this.width - RIGHT + 1;
+      this.lines[k].style.transform = `translateX(${x.toFixed(1)}px)`;
+    });
   }
 }
 

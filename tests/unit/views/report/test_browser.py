@@ -252,7 +252,7 @@ def test_without_webgl_there_are_stills_and_plots(file, result, tmp_path):
         assert page.run(f"{VISIBLE}('view-stills') && !{VISIBLE}('view-space')")
         assert "there is no WebGL2" in page.run("document.getElementById('view-missing').textContent")
         assert readings(page, "Deployment angles")[1]["hl2"][1] == "deg"
-        page.run("document.querySelectorAll('.plot .stack canvas:last-child')[0].focus()")
+        page.run("document.querySelectorAll('.plot .over')[0].focus()")
         key(page, "ArrowRight")
         assert readings(page, "Deployment angles")[0] == f"Recorded values at {result.time[1]:.6f} s"
         assert page.told == []
