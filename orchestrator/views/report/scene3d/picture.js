@@ -4,6 +4,7 @@ const AXIS_COLOURS = [[0.75, 0, 0], [0, 0.45, 0], [0, 0, 0.75]];
 const MARK_COLOURS = { axis: [0, 0, 0], link: [0.55, 0.35, 0], port: [0.25, 0.25, 0.25], N: [0.84, 0.37, 0], "N.m": [0.45, 0.1, 0.45] };
 const ARROW = 0.22; // length of the largest load of a unit, of the structure's size
 const NUMBERS_A_MARK = 11;
+const DEEPER = 2000; // smallest steps of depth, from one body to the next
 
 /** Whether there is no graphics processor, so that smooth edges would cost half of the pictures a second. */
 const isSoftware = () => {
@@ -152,8 +153,10 @@ class Picture {
     gl.bindTexture(gl.TEXTURE_2D, this.ramp);
     gl.uniform1i(uniforms.ramp, 4);
     gl.uniform3fv(uniforms.eye, camera.eye);
-    for (const one of bodies) {
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    for (const [rank, one] of bodies.entries()) {
       if (!one.body.triangles.length) continue;
+      gl.polygonOffset(0, DEEPER * rank); // plates that lie in each other, as folded ones may, show in one order
       one.bind(uniforms, toClip);
       const isStressed = options.stressLimit > 0;
       const tint = isStressed ? [0.8, 0.8, 0.8] : one.body.colour;
@@ -163,6 +166,7 @@ class Picture {
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, one.triangles);
       gl.drawElements(gl.TRIANGLES, one.body.triangles.length, gl.UNSIGNED_INT, 0);
     }
+    gl.disable(gl.POLYGON_OFFSET_FILL);
     this.drawEdges(bodies, toClip, screen, options, opacity);
   }
 
