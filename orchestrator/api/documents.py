@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -36,26 +37,30 @@ def plot_comparison(a: ResultLike, b: ResultLike, folder: str | Path) -> list[Pa
 
 
 def report(
-    result: ResultLike, path: str | Path | None = None, other: ResultLike | None = None, frames: int = 6
+    result: ResultLike,
+    path: str | Path | None = None,
+    other: ResultLike | Sequence[ResultLike] | None = None,
+    frames: int = 6,
 ) -> Path:
     """Write a result as one self-contained HTML file and return its path.
 
-    path: by default beside the file of the result. other: a second result to set against it. frames: still
-    pictures for browsers without WebGL2, 0 for nothing that plays either. ResultError where the file cannot be an HTML
-    file, or is one of the results.
+    path: by default beside the file of the result. other: one or several results to set against it; the first of
+    them is in space and in the interactive plots as well. frames: still pictures for browsers without WebGL2, 0 for
+    nothing that plays either. ResultError where the file cannot be an HTML file, or is one of the results.
     """
     from ..views.report.report import report as html
 
-    first, second = opened(result), None if other is None else opened(other)
+    first = opened(result)
+    others = [opened(one) for one in _listed(other)]
     if path is None and first.path is None:
         raise ResultError(f"{first.name}: the result is in memory; name the file of the report")
     target = Path(path) if path is not None else Path(str(first.path)).with_suffix(".html")
     if target.suffix.lower() not in (".html", ".htm"):
         raise ResultError(f"{target}: the report is an HTML file; let its name end in .html")
-    files = {one.path.resolve() for one in (first, second) if one is not None and one.path is not None}
+    files = {one.path.resolve() for one in (first, *others) if one.path is not None}
     if target.resolve() in files:
         raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
-    text = html(first, second, frames)
+    text = html(first, others, frames)
     part = target.with_name(f"{target.name}.part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -65,6 +70,12 @@ def report(
             part.unlink(missing_ok=True)
         raise ResultError(f"{target}: the report cannot be written ({reason(error)})") from None
     return target
+
+
+def _listed(other: ResultLike | Sequence[ResultLike] | None) -> Sequence[ResultLike]:
+    if other is None:
+        return ()
+    return (other,) if isinstance(other, Record | str | Path) else other
 
 
 def opened(result: ResultLike) -> Result:

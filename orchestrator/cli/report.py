@@ -15,8 +15,8 @@ from .types import OutputFile
 @click.command("report")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
 @click.option(
-    "--with", "other", type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="A second result to set against it.",
+    "--with", "others", type=click.Path(path_type=Path, exists=True, dir_okay=False), multiple=True,
+    help="Another result to set against it; repeatable.",
 )  # fmt: skip
 @click.option("--output", type=OutputFile(), help="HTML file.")
 @click.option(
@@ -24,6 +24,6 @@ from .types import OutputFile
     help="Still pictures for browsers without WebGL2; 0 for nothing that plays either.",
 )  # fmt: skip
 @plugin_option
-def command(result: Path, other: Path | None, output: Path | None, count: int) -> None:
+def command(result: Path, others: tuple[Path, ...], output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
-    click.echo(fanfold.report(result, output, other, count))
+    click.echo(fanfold.report(result, output, others, count))

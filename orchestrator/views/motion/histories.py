@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from ...analysis.motion.histories import History, histories
 from ...results.result import Result
-from ..style import COLOURS, DASHES, draw, finish, new_figure
+from ..style import COLOURS, DASHES, STYLE, draw, finish, new_figure
 
 
 def draw_histories(result: Result) -> Iterator[tuple[str, str, Figure]]:
@@ -39,7 +40,9 @@ def overlays(results: Mapping[str, Result]) -> Iterator[tuple[str, str, Figure]]
         runs = {run: ones[name] for run, ones in found.items() if name in ones}
         if len(runs) > 1:
             first = next(iter(runs.values()))
-            yield name, f"{first.caption.rstrip('.')}: {', '.join(runs)}.", _overlay(results, runs)
+            with mpl.rc_context(STYLE):
+                figure = _overlay(results, runs)
+            yield name, f"{first.caption.rstrip('.')}: {', '.join(runs)}.", figure
 
 
 def _overlay(results: Mapping[str, Result], runs: Mapping[str, History]) -> Figure:

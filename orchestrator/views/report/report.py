@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 
 from ...analysis.motion.deflection import quiet
@@ -19,16 +19,18 @@ _SCENE = ("scene", "scene_tree", TOLD, *_FIDELITIES)
 _DIGEST = "fmu."
 
 
-def report(result: Result, other: Result | None = None, frame_count: int = 6) -> str:
-    """The page, as HTML text; other: a second result to set against the first; nothing that moves for no frames."""
+def report(result: Result, others: Sequence[Result] = (), frame_count: int = 6) -> str:
+    """The page, as HTML text; others: results to set against the first; nothing that moves for no frames."""
     from .page import page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
     opening, numbers, figures = [*_opening(result, title)], [*_numbers(result)], [*_figures(result)]
-    if other is not None:
-        figures += _comparison(result, other)
+    for k, other in enumerate(others):
+        figures += _comparison(result, other, f"compare_{k + 1}" if k else "compare")
+    if others:
+        figures += _together([result, *others])
     # What moves takes longest, so all that may be wrong with a result is told before.
-    moving = _animation(result, other, frame_count)
+    moving = _animation([result, *others[:1]], frame_count)
     return page(f"{title}: {_file(result)}", [*opening, *moving, *numbers, *figures, *_provenance(result)])
 
 
@@ -83,7 +85,7 @@ def _ratio(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
-def _animation(result: Result, other: Result | None, count: int) -> Iterator[str]:
+def _animation(results: Sequence[Result], count: int) -> Iterator[str]:
     """The structure in space and interactive plots; nothing for no pictures."""
     if not count:
         return
@@ -92,12 +94,11 @@ def _animation(result: Result, other: Result | None, count: int) -> Iterator[str
     from .scene3d.content import content
     from .scene3d.fragment import plots, scripts, space
 
-    results = [result] if other is None else [result, other]
     labels = [f"{letter}, {_file(one)}" for letter, one in zip("AB", results, strict=False)]
     found = content(results, "AB"[: len(results)], labels)
     if found.has_bodies:
         yield heading("Deployment")
-        yield space(frames(result, count), found)
+        yield space(frames(results[0], count), found)
     if found.has_curves:
         yield heading("Over time")
         yield plots()
@@ -114,7 +115,19 @@ def _figures(result: Result) -> Iterator[str]:
         yield picture(figure, name, caption)
 
 
-def _comparison(result: Result, other: Result) -> Iterator[str]:
+def _together(results: Sequence[Result]) -> Iterator[str]:
+    """What runs that follow a prescribed motion show over time, all over each other."""
+    from ..motion.histories import overlays
+    from .page import heading, picture
+
+    names = {f"{chr(ord('A') + k)}, {_file(one)}": one for k, one in enumerate(results)}
+    drawn = [picture(figure, f"together_{name}", caption) for name, caption, figure in overlays(names)]
+    if drawn:
+        yield heading("Prescribed motions over each other")
+        yield from drawn
+
+
+def _comparison(result: Result, other: Result, prefix: str) -> Iterator[str]:
     from ..comparison import draw_comparison
     from .page import heading, paragraph, picture, table
 
@@ -134,7 +147,7 @@ def _comparison(result: Result, other: Result) -> Iterator[str]:
         for component, variables in by_component(signals).items():
             yield paragraph(f"Only {name} has {component}: {', '.join(variables)}.")
     for name, caption, figure in draw_comparison(result, other):
-        yield picture(figure, f"compare_{name}", caption)
+        yield picture(figure, f"{prefix}_{name}", caption)
 
 
 def _provenance(result: Result) -> Iterator[str]:

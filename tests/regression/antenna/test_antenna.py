@@ -10,6 +10,7 @@ from orchestrator.analysis.motion.deflection import deflections
 from orchestrator.analysis.motion.histories import histories
 from orchestrator.analysis.stress.hot_spots import Choice, panel_stress
 from orchestrator.views import plots
+from orchestrator.views.motion.histories import overlays
 
 pytestmark = pytest.mark.slow
 
@@ -104,6 +105,15 @@ def test_figures_of_the_thesis_are_drawn(drawn):
         "joint_torques", "modal_accelerations", "deformations", "membrane_shape", "membrane_stress_field",
         "membrane_stress_histories",
     }  # fmt: skip
+
+
+def test_variants_are_drawn_over_each_other(runs):
+    """One colour a run in every history."""
+    named = {"-".join(variant) or "spacers": run for variant, run in runs.items()}
+    drawn = {name: figure for name, _, figure in overlays(named)}
+    assert {"prescribed_motion", "joint_torques", "deformations"} <= set(drawn)
+    (distance, *_) = drawn["deformations"].axes
+    assert [line.get_label() for line in distance.lines] == list(named)
 
 
 def test_acceleration_of_the_top_is_that_of_its_law(runs):

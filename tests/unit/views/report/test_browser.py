@@ -263,7 +263,7 @@ def test_stress_and_two_results(browser, tmp_path):
     first = fanfold.simulate("workbench", until=0.05, tolerance=1e-3, estimate=False)
     second = fanfold.simulate("workbench", until=0.04, tolerance=1e-3, estimate=False, rigid="all")
     path = tmp_path / "two.html"
-    path.write_text(report(first, second, frame_count=1), encoding="utf-8")
+    path.write_text(report(first, [second], frame_count=1), encoding="utf-8")
     browser.told.clear()
     browser.open(path)
     row = int(np.searchsorted(first.time, 0.03))

@@ -16,6 +16,7 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
 
+import orchestrator
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.views import plots
@@ -168,7 +169,7 @@ def test_bodies_without_a_pose_stand_where_they_are(result):
 
 def test_comparison_with_a_second_result(result, tmp_path):
     other = Result.open(reference.write(tmp_path / "other.h5", leave_out=("damper",)))
-    found = report(result, other, frame_count=0)
+    found = report(result, [other], frame_count=0)
     page = Page(found)
     assert page.open == []
     assert {"compare_angles", "compare_interface_loads"} <= set(page.ids)
@@ -176,6 +177,19 @@ def test_comparison_with_a_second_result(result, tmp_path):
     assert "Only run has damper: damper_torque, dissipated_energy." in found
     assert "1.0000" in page.cells
     assert "+0.0000" in page.cells
+
+
+def test_comparison_with_two_others(result, tmp_path):
+    """Each against the first, by the command and by the function; the same page."""
+    files = [reference.write(tmp_path / f"{name}.h5") for name in ("first", "second", "third")]
+    page = Page(orchestrator.report(files[0], tmp_path / "a.html", files[1:], 0).read_text(encoding="utf-8"))
+    assert {"compare_angles", "compare_2_angles"} <= set(page.ids)
+    others = [part for file in files[1:] for part in ("--with", str(file))]
+    command = ["report", str(files[0]), *others, "--frames", "0", "--output", str(tmp_path / "b.html")]
+    assert CliRunner().invoke(main, command).exit_code == 0
+    assert (tmp_path / "a.html").read_text(encoding="utf-8") == (tmp_path / "b.html").read_text(
+        encoding="utf-8"
+    )
 
 
 def test_texts_are_escaped(result):
