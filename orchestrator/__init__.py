@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from components import FanfoldError as FanfoldError
 
     from .api.analyses import appendage as appendage
+    from .api.analyses import body_outputs as body_outputs
     from .api.analyses import constraints as constraints
     from .api.analyses import equilibrium as equilibrium
     from .api.analyses import frequency_response as frequency_response
@@ -58,6 +59,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "FanfoldError": "components",
+    "body_outputs": "orchestrator.api.analyses",
     "constraints": "orchestrator.api.analyses",
     "equilibrium": "orchestrator.api.analyses",
     "appendage": "orchestrator.api.analyses",

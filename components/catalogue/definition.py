@@ -109,20 +109,21 @@ class BodyDefinition:
         self._check(masses)
 
         def reduced() -> ModalData:
-            model = self.finite_elements(masses)
-            count = fixed_interface_modes
-            if self.imported is not None:
-                count = self.imported.modes(count)
-                if second_order_modes:
-                    raise ComponentError(
-                        "second_order_modes: matrices tell nothing of strains to second order; leave it out"
-                    )
+            model, count = self.finite_elements(masses), self.fixed_interface_modes(fixed_interface_modes)
+            if self.imported is not None and second_order_modes:
+                raise ComponentError(
+                    "second_order_modes: matrices tell nothing of strains to second order; leave it out"
+                )
             geometry: Geometry = "linear" if self.panel is None else self.panel.plate.geometry
             return craig_bampton(
                 model, self.attachment_points, count, self.nodes, second_order_modes, geometry
             )
 
         return _cached(reduced, self, fixed_interface_modes, masses, second_order_modes)
+
+    def fixed_interface_modes(self, asked: int) -> int:
+        """How many there will be: as many as asked for, but of reduced matrices no more than they have."""
+        return asked if self.imported is None else self.imported.modes(asked)
 
     def rigid(self, masses: PointMasses = ()) -> ModalData:
         """Rigid twin: the points of the flexible body, and its mass properties or those of its data sheet."""

@@ -21,6 +21,18 @@ Rectangle = tuple[tuple[float, float], tuple[float, float]]
 
 
 @dataclass(frozen=True)
+class OutputRows:
+    """Outputs linear in the degrees of freedom, such as stresses and forces of elements of imported models."""
+
+    labels: tuple[str, ...]
+    """(S,) whose they are, and which"""
+    units: tuple[str, ...]
+    """(S,) Pa, N, N.m or N/m"""
+    rows: Vector
+    """(S, n)"""
+
+
+@dataclass(frozen=True)
 class FiniteElementModel:
     """Assembled finite elements with n free degrees of freedom and a sampling of their mass.
 
@@ -55,6 +67,8 @@ class FiniteElementModel:
     """where stresses can be recovered, if the body is a plate"""
     further_mass: SparseMatrix | None = None
     """(n, n) of imported models, whose mass matrix no samples need to make"""
+    outputs: OutputRows | None = None
+    """of imported models that bring rows for them"""
 
     @cached_property
     def mass_matrix(self) -> SparseMatrix:

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
-from ..flexible.finite_elements import SparseMatrix
+from ..flexible.finite_elements import OutputRows, SparseMatrix
 from ..flexible.modal import rigid_motion
 
 Integers = NDArray[np.int64]
 AMPLITUDE = 0
 """In place of a component from 1 to 6: the degree of freedom is the amplitude of a mode."""
+OUTPUT_UNITS = {"Pa": -1, "N": 1, "N.m": 2, "N/m": 0}
+"""Units of outputs, with the power of length in each; all have one of mass and -2 of time."""
 
 
 @dataclass(frozen=True)
@@ -43,15 +45,6 @@ class Recovery:
 
 
 @dataclass(frozen=True)
-class StressRows:
-    """Linear recovery of stresses, or of any other output: one row each."""
-
-    labels: tuple[str, ...]
-    rows: Vector
-    """(S, n)"""
-
-
-@dataclass(frozen=True)
 class FiniteElementData:
     """Matrices of n degrees of freedom and their nodes, in consistent units; basic axes unless `axes` says other."""
 
@@ -67,7 +60,7 @@ class FiniteElementData:
     """(n, 2) node and component 1 to 6, or any number and 0 for the amplitude of a mode"""
     samples: MassSamples | None = None
     recovery: Recovery | None = None
-    stress: StressRows | None = None
+    outputs: OutputRows | None = None
     axes: Vector = field(default_factory=lambda: np.zeros((0, 3, 3)))
     """(N, 3, 3) displacement axes of the nodes as rows; empty where all are the basic ones"""
 
@@ -178,11 +171,13 @@ def _parts_fit(data: FiniteElementData, count: int) -> None:
                 f"there are {_size(recovery.motion.shape)}"
             )
         _finite("recovered motion", recovery.motion.data)
-    if data.stress is not None and data.stress.rows.shape != (len(data.stress.labels), count):
-        raise ComponentError(
-            f"{len(data.stress.labels)} stresses need rows of {len(data.stress.labels)} x {count}; "
-            f"there are {_size(data.stress.rows.shape)}"
-        )
+    if (outputs := data.outputs) is not None:
+        number = len(outputs.labels)
+        if outputs.rows.shape != (number, count):
+            raise ComponentError(
+                f"{number} stresses and forces need rows of {number} x {count}; there are {_size(outputs.rows.shape)}"
+            )
+        _finite("rows of stresses and forces", outputs.rows)
 
 
 def _without_empty_amplitudes(data: FiniteElementData) -> FiniteElementData:
@@ -216,7 +211,7 @@ def _in_basic_axes(data: FiniteElementData) -> FiniteElementData:
 
 def transformed(data: FiniteElementData, change: SparseMatrix, dofs: Integers) -> FiniteElementData:
     """The data on other degrees of freedom (n', 2), old ones being `change` (n, n') times the new ones."""
-    samples, recovery, stress = data.samples, data.recovery, data.stress
+    samples, recovery, outputs = data.samples, data.recovery, data.outputs
     return replace(
         data,
         stiffness=sparse.csr_array(change.T @ data.stiffness @ change),
@@ -224,7 +219,7 @@ def transformed(data: FiniteElementData, change: SparseMatrix, dofs: Integers) -
         dofs=dofs,
         samples=samples and replace(samples, displacement=sparse.csr_array(samples.displacement @ change)),
         recovery=recovery and replace(recovery, motion=sparse.csr_array(recovery.motion @ change)),
-        stress=stress and replace(stress, rows=np.asarray(stress.rows @ change)),
+        outputs=outputs and replace(outputs, rows=np.asarray(outputs.rows @ change)),
     )
 
 
@@ -252,5 +247,10 @@ def in_si(data: FiniteElementData, length: float, mass: float) -> FiniteElementD
                 sparse.diags_array(np.tile([length] * 3 + [1.0] * 3, len(recovery.nodes))) @ recovery.motion
             ),
         ),
-        stress=found.stress and replace(found.stress, rows=mass / length * found.stress.rows),
+        outputs=found.outputs and _outputs_in_si(found.outputs, length, mass),
     )
+
+
+def _outputs_in_si(outputs: OutputRows, length: float, mass: float) -> OutputRows:
+    factors = mass * np.array([length ** OUTPUT_UNITS[unit] for unit in outputs.units])
+    return replace(outputs, rows=factors[:, None] * outputs.rows)

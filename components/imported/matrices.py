@@ -2,7 +2,8 @@
 
 One set of names for all: `stiffness`, `mass` (n, n), `coordinates` (N, 4: node, x, y, z), `dofs` (n, 2: node and
 component 1 to 6, 0 for amplitudes of modes); by choice `sample_masses` (Q,), `sample_positions` (Q, 3),
-`sample_displacement` (3 Q, n), `recovered_nodes` (R, 4), `recovered_motion` (6 R, n), `stress` (S, n). Names in op4
+`sample_displacement` (3 Q, n), `recovered_nodes` (R, 4), `recovered_motion` (6 R, n), and rows (S, n) of outputs:
+`stress`, `force`, `moment`, `force_per_length`, of which npz files also have `stress_labels` and so on. Names in op4
 have eight letters.
 """
 
@@ -17,8 +18,9 @@ import numpy as np
 from scipy import io, sparse
 
 from ..contract.component import ComponentError, Vector
-from ..flexible.finite_elements import SparseMatrix
-from .data import FiniteElementData, MassSamples, Recovery, StressRows
+from ..flexible.finite_elements import OutputRows, SparseMatrix
+from .data import FiniteElementData, MassSamples, Recovery
+from .files import OUTPUTS
 
 Matrices = Mapping[str, Any]
 
@@ -34,7 +36,7 @@ def from_matrices(found: Matrices) -> FiniteElementData:
     numbers = _whole("coordinates", nodes[:, 0])
     count = stiffness.shape[0]
     dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else _in_order(numbers, count)
-    samples = recovery = stress = None
+    samples = recovery = None
     if "sample_masses" in found:
         samples = MassSamples(
             _dense(_needed(found, "sample_masses")).ravel(),
@@ -45,14 +47,33 @@ def from_matrices(found: Matrices) -> FiniteElementData:
         places = _table(found, "recovered_nodes", 4)
         motion = _sparse(_needed(found, "recovered_motion"))
         recovery = Recovery(_whole("recovered_nodes", places[:, 0]), places[:, 1:], motion)
-    if "stress" in found:
-        rows = np.atleast_2d(_dense(found["stress"]))
-        stress = StressRows(tuple(f"row {k + 1}" for k in range(len(rows))), rows)
-    return FiniteElementData(stiffness, mass, numbers, nodes[:, 1:], dofs, samples, recovery, stress)
+    outputs = _outputs(found)
+    return FiniteElementData(stiffness, mass, numbers, nodes[:, 1:], dofs, samples, recovery, outputs)
+
+
+def _outputs(found: Matrices) -> OutputRows | None:
+    """Rows of all outputs, one quantity after the other."""
+    labels: list[str] = []
+    units: list[str] = []
+    rows: list[Vector] = []
+    for name, unit in OUTPUTS.items():
+        if name not in found:
+            continue
+        own = np.atleast_2d(_dense(found[name]))
+        given = found.get(f"{name}_labels")
+        told = [f"{name} {k + 1}" for k in range(len(own))] if given is None else np.ravel(given).tolist()
+        if len(told) != len(own):
+            raise ComponentError(f"{name} has {len(own)} rows and {len(told)} labels; give one for each")
+        labels += map(str, told)
+        units += [unit] * len(own)
+        rows.append(own)
+    if len({own.shape[1] for own in rows}) > 1:
+        raise ComponentError(f"{', '.join(name for name in OUTPUTS if name in found)} differ in columns")
+    return OutputRows(tuple(labels), tuple(units), np.vstack(rows)) if rows else None
 
 
 def to_matrices(data: FiniteElementData) -> dict[str, Any]:
-    """Inverse of `from_matrices`, but for labels of stresses."""
+    """Inverse of `from_matrices`, without labels of outputs, which are sorted by quantity."""
     found: dict[str, Any] = {
         "stiffness": data.stiffness.toarray(),
         "mass": data.mass.toarray(),
@@ -65,14 +86,24 @@ def to_matrices(data: FiniteElementData) -> dict[str, Any]:
     if (recovery := data.recovery) is not None:
         found["recovered_nodes"] = np.column_stack([recovery.nodes, recovery.coordinates])
         found["recovered_motion"] = recovery.motion.toarray()
-    if data.stress is not None:
-        found["stress"] = data.stress.rows
+    if (outputs := data.outputs) is not None:
+        found |= {name: outputs.rows[own] for name, own in _quantities(outputs).items()}
     return found
+
+
+def _quantities(outputs: OutputRows) -> dict[str, Any]:
+    """Numbers of the rows of each quantity that there is."""
+    units = np.array(outputs.units)
+    return {name: np.flatnonzero(units == unit) for name, unit in OUTPUTS.items() if unit in outputs.units}
 
 
 def write_npz(path: Path, data: FiniteElementData) -> None:
     """Write all matrices to an npz file."""
-    np.savez_compressed(path, allow_pickle=False, **to_matrices(data))
+    found = to_matrices(data)
+    if data.outputs is not None:
+        names = np.array(data.outputs.labels)
+        found |= {f"{name}_labels": names[own] for name, own in _quantities(data.outputs).items()}
+    np.savez_compressed(path, allow_pickle=False, **found)
 
 
 def _needed(found: Matrices, name: str) -> Any:  # noqa: ANN401 - dense or sparse

@@ -51,6 +51,7 @@ def finite_element_model(
         display_displacement=motion,
         display_faces=faces,
         further_mass=None if abs(further).max() <= small else further,
+        outputs=data.outputs,
     )
 
 

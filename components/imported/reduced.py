@@ -7,6 +7,7 @@ which as many samples as there are sums in one row have exactly.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
@@ -37,6 +38,7 @@ def reduced_data(
         dofs=np.concatenate([attached, amplitudes]),
         samples=few_samples(model.masses, model.positions, np.asarray(model.displacement @ basis)),
         recovery=_recovered(model, nodes, basis, ends + 1),
+        outputs=model.outputs and replace(model.outputs, rows=model.outputs.rows @ basis),
     )
 
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..analysis.modes import Modes
     from ..analysis.statics.configuration import Configuration, Named
     from ..analysis.stress.hot_spots import PanelStress
+    from ..analysis.stress.outputs import BodyOutputs
     from ..analysis.studies import LatchStudy
     from ..analysis.torque_margin.margins import TorqueMargin
     from ..analysis.torque_margin.restart import CaseRestart
@@ -384,6 +385,13 @@ def stress(
     choice = Choice(None if nodes is None else tuple(nodes), within, around, margin)
     near = in_si(radius, "m", "radius", "zero or positive") or 0.0
     return panel_stress(opened(result), body, choice, near, _at_least(count, 1, "count"))
+
+
+def body_outputs(result: ResultLike, body: str) -> BodyOutputs:
+    """Stresses and forces of elements, over a result, that an imported body brought rows for."""
+    from ..analysis.stress.outputs import body_outputs as find
+
+    return find(opened(result), body)
 
 
 def impacts(result: ResultLike) -> list[Impact]:

@@ -57,7 +57,7 @@ def export_body(scene: CheckedScene, name: str, path: Path, modes: int | None = 
     try:
         from components.imported.reduced import reduced_data
 
-        count = asked if definition.imported is None else definition.imported.modes(asked)
+        count = definition.fixed_interface_modes(asked)
         model = definition.finite_elements(body.masses)
         data = reduced_data(model, definition.attachment_points, definition.nodes, count)
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -52,16 +52,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
             f"{result.name}: {body} is a beam of large deformation, which has no face sheets; its signals "
             "section_force and section_moment hold the resultants of every element"
         )
-    if not result.has(body, "modal_coordinate"):
-        result.variables(body)
-        flexible = ", ".join(result.recording("modal_coordinate")) or "none"
-        raise ResultError(
-            f"{result.name}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
-        )
-    scene = scene_of(result)
-    table = next((table for table in scene.bodies if table.name == body), None)
-    if table is None or not table.can_bend:
-        raise ResultError(f"{result.name}: {body} is not a body that can bend")
+    scene, table = bending_body(result, body)
     try:
         definition = body_definition(table)
         sheets = definition.face_sheets
@@ -69,7 +60,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
             raise ComponentError(_NO_SHEETS)
         model = definition.finite_elements(table.masses)
         data = body_model(table, flexible=True)
-        shapes = _shapes(result, body, table, model, data)
+        shapes = run_shapes(result, body, table, model, data)
         if model.plate is None:
             raise ComponentError("stresses are recovered for plates only, and this body is none")
         forms = _forms(result, body, data)
@@ -117,13 +108,32 @@ def _tensions(forms: Vector, eta: Vector) -> Vector:
     return found
 
 
-def _shapes(result: Result, body: str, table: Body, model: FiniteElementModel, data: ModalData) -> Vector:
+def bending_body(result: Result, body: str) -> tuple[CheckedScene, Body]:
+    """The scene that a result holds, and its table of a body; ResultError where the body did not bend."""
+    if not result.has(body, "modal_coordinate"):
+        result.variables(body)
+        flexible = ", ".join(result.recording("modal_coordinate")) or "none"
+        raise ResultError(
+            f"{result.name}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
+        )
+    scene = scene_of(result)
+    table = next((table for table in scene.bodies if table.name == body), None)
+    if table is None or not table.can_bend:
+        raise ResultError(f"{result.name}: {body} is not a body that can bend")
+    return scene, table
+
+
+def run_shapes(result: Result, body: str, table: Body, model: FiniteElementModel, data: ModalData) -> Vector:
     """Mode shapes (n, M) in the order and with the signs of the run, then the shapes of the static correction.
 
     What the run left out of its modes is part of the static correction.
     """
-    points = body_definition(table).attachment_points
-    frequency, modes = orthonormal_modes(model, points, table.fixed_interface_modes)
+    definition = body_definition(table)
+    points, count = (
+        definition.attachment_points,
+        definition.fixed_interface_modes(table.fixed_interface_modes),
+    )
+    frequency, modes = orthonormal_modes(model, points, count)
     whole = body_model(table.model_copy(update={"modes_off": (), "frequencies_off": ()}), flexible=True)
     kept = np.flatnonzero(np.isin(whole.frequency, data.frequency))
     frequency, modes = frequency[kept], modes[:, kept]
