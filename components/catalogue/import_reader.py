@@ -7,12 +7,10 @@ from pathlib import Path
 
 from ..imported.agreement import Stated
 from ..imported.body import ImportedBody
-from ..imported.files import NAMES
+from ..imported.files import NAMES, WHOLE
 from ..imported.points import JoinedPoint
+from ..imported.reading import beside
 from .tables import Table
-
-_CONTAINERS = {".asm": (".asm", ".op4", ".pch")}
-"""Endings of the files that are read with one."""
 
 
 def read_import(table: Table | None) -> tuple[ImportedBody | None, tuple[str, ...], tuple[str, ...]]:
@@ -72,8 +70,7 @@ def _digest(table: Table, files: tuple[tuple[str, str], ...]) -> str:
     content = hashlib.sha256()
     for name, given in files:
         path = Path(given)
-        for ending in _CONTAINERS.get(path.suffix.lower(), (path.suffix,)):
-            part = path.with_suffix(ending)
+        for part in beside(path) if name == WHOLE else (path,):
             try:
                 content.update(part.read_bytes())
             except OSError as error:

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
-from ..contract.component import ComponentError
 from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.modal import ModalData
 from . import agreement
 from .agreement import NOTHING_STATED, Finding, Stated
 from .data import FiniteElementData, checked, in_si
 from .massless import with_mass_everywhere
-from .matrices import read_npz, read_text
 from .model import finite_element_model
 from .points import JoinedPoint, with_means, with_rigid_elements
-
-ENDINGS = (".npz", ".op4", ".asm")
+from .reading import read
 
 
 @dataclass(frozen=True)
@@ -63,7 +58,7 @@ class ImportedBody:
 
 @lru_cache(maxsize=8)
 def _loaded(body: ImportedBody) -> tuple[FiniteElementData, FiniteElementModel, tuple[Finding, ...]]:
-    data = in_si(checked(_read({name: Path(path) for name, path in body.files})), body.length, body.mass)
+    data = in_si(checked(read({name: Path(path) for name, path in body.files})), body.length, body.mass)
     symmetry = agreement.check_symmetry(data)
     agreement.refuse(symmetry)
     data = replace(data, stiffness=agreement.symmetric(data.stiffness), mass=agreement.symmetric(data.mass))
@@ -74,28 +69,3 @@ def _loaded(body: ImportedBody) -> tuple[FiniteElementData, FiniteElementModel, 
     findings = (*symmetry, *agreement.check_model(data, model, body.stated))
     agreement.refuse(findings)
     return data, model, findings
-
-
-def _read(paths: Mapping[str, Path]) -> FiniteElementData:
-    """The data of files by the endings of their names."""
-    whole = paths.get("file")
-    if whole is None:
-        return read_text(paths)
-    further = {name: path for name, path in paths.items() if name != "file"}
-    if whole.suffix.lower() == ".npz":
-        return read_npz(whole)
-    from . import nastran
-    from .matrices import read_matrix
-
-    readers: Mapping[str, Callable[[], FiniteElementData]] = {
-        ".op4": lambda: nastran.read_op4(whole, _matrices(further, read_matrix)),
-        ".asm": lambda: nastran.read_superelement(whole),
-    }
-    reader = readers.get(whole.suffix.lower())
-    if reader is None:
-        raise ComponentError(f"{whole.name}: its name must end with {', '.join(ENDINGS)}")
-    return reader()
-
-
-def _matrices(paths: Mapping[str, Path], read: Callable[[Path], Any]) -> dict[str, Any]:
-    return {name: read(path) for name, path in paths.items()}

@@ -45,6 +45,25 @@ class Recovery:
 
 
 @dataclass(frozen=True)
+class NodeTable:
+    """Nodes with their places and the axes of their displacements."""
+
+    nodes: Integers
+    """(N,) numbers"""
+    coordinates: Vector
+    """(N, 3) basic axes"""
+    axes: Vector
+    """(N, 3, 3), or empty, as in `FiniteElementData`"""
+
+    def of(self, used: Integers) -> NodeTable:
+        """Those of some numbers that there are."""
+        kept = np.isin(self.nodes, used)
+        return NodeTable(
+            self.nodes[kept], self.coordinates[kept], self.axes[kept] if len(self.axes) else self.axes
+        )
+
+
+@dataclass(frozen=True)
 class FiniteElementData:
     """Matrices of n degrees of freedom and their nodes, in consistent units; basic axes unless `axes` says other."""
 

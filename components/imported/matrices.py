@@ -1,4 +1,4 @@
-"""Named matrices in npz, op4 and Matrix Market files -> finite-element data, and the way back.
+"""Named matrices, of whatever files, -> finite-element data, and the way back; npz files.
 
 One set of names for all: `stiffness`, `mass` (n, n), `coordinates` (N, 4: node, x, y, z), `dofs` (n, 2: node and
 component 1 to 6, 0 for amplitudes of modes); by choice `sample_masses` (Q,), `sample_positions` (Q, 3),
@@ -15,12 +15,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy import io, sparse
+from scipy import sparse
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import OutputRows, SparseMatrix
-from .data import FiniteElementData, MassSamples, Recovery
+from .data import AMPLITUDE, FiniteElementData, Integers, MassSamples, NodeTable, Recovery
 from .files import OUTPUTS
+from .text.labelled import Entries, LabelledMatrix
 
 Matrices = Mapping[str, Any]
 
@@ -31,11 +32,10 @@ def from_matrices(found: Matrices) -> FiniteElementData:
     if missing:
         known = ", ".join(found) or "none"
         raise ComponentError(f"there is no matrix {' and no '.join(missing)}; matrices are {known}")
-    stiffness, mass = _sparse(found["stiffness"]), _sparse(found["mass"])
-    nodes = _table(found, "coordinates", 4)
-    numbers = _whole("coordinates", nodes[:, 0])
-    count = stiffness.shape[0]
-    dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else _in_order(numbers, count)
+    table = _nodes(found)
+    stiffness, mass, dofs = _square(found, table.nodes)
+    # decks also list nodes without degrees of freedom, such as those that turn the sections of beams
+    table = table.of(dofs[dofs[:, 1] != AMPLITUDE, 0])
     samples = recovery = None
     if "sample_masses" in found:
         samples = MassSamples(
@@ -48,7 +48,37 @@ def from_matrices(found: Matrices) -> FiniteElementData:
         motion = _sparse(_needed(found, "recovered_motion"))
         recovery = Recovery(_whole("recovered_nodes", places[:, 0]), places[:, 1:], motion)
     outputs = _outputs(found)
-    return FiniteElementData(stiffness, mass, numbers, nodes[:, 1:], dofs, samples, recovery, outputs)
+    return FiniteElementData(
+        stiffness, mass, table.nodes, table.coordinates, dofs, samples, recovery, outputs, table.axes
+    )
+
+
+def _nodes(found: Matrices) -> NodeTable:
+    if isinstance(found["coordinates"], NodeTable):
+        return found["coordinates"]
+    nodes = _table(found, "coordinates", 4)
+    return NodeTable(_whole("coordinates", nodes[:, 0]), nodes[:, 1:], np.zeros((0, 3, 3)))
+
+
+def _square(found: Matrices, nodes: Integers) -> tuple[SparseMatrix, SparseMatrix, Integers]:
+    """Stiffness, mass, and their degrees of freedom: their own, those that are given, or all of the nodes in order."""
+    stiffness, mass = found["stiffness"], found["mass"]
+    both = isinstance(stiffness, LabelledMatrix), isinstance(mass, LabelledMatrix)
+    if any(both):
+        if not all(both) or "dofs" in found:
+            raise ComponentError(
+                "stiffness and mass must both name the node and component of their entries, and then dofs is not "
+                "given; take both matrices from one program"
+            )
+        return stiffness.matrix, mass.on(stiffness.dofs), stiffness.dofs
+    dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else None
+    listed = [matrix for matrix in (stiffness, mass) if isinstance(matrix, Entries)]
+    count = max((matrix.count for matrix in listed), default=0) if dofs is None else len(dofs)
+    stiffness, mass = (
+        matrix.matrix(count) if isinstance(matrix, Entries) else _sparse(matrix)
+        for matrix in (stiffness, mass)
+    )
+    return stiffness, mass, _in_order(nodes, stiffness.shape[0]) if dofs is None else dofs
 
 
 def _outputs(found: Matrices) -> OutputRows | None:
@@ -138,7 +168,7 @@ def _whole(name: str, values: Vector) -> Any:  # noqa: ANN401 - integers of any 
     return values.astype(np.int64)
 
 
-def _in_order(nodes: Vector, count: int) -> Any:  # noqa: ANN401 - integers
+def _in_order(nodes: Integers, count: int) -> Any:  # noqa: ANN401 - integers
     """Degrees of freedom of the nodes in their order, all three or all six."""
     for each in (3, 6):
         if count == each * len(nodes):
@@ -173,22 +203,3 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
     if columns.max() >= count or rows.max() >= height:
         raise ComponentError(f"{name}: an entry is in column {columns.max() + 1} of {count}")
     return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))
-
-
-def read_text(paths: Mapping[str, Path]) -> FiniteElementData:
-    """The data of one file a matrix: Matrix Market (.mtx), or columns of numbers with commas or blanks."""
-    return from_matrices({name: read_matrix(path) for name, path in paths.items()})
-
-
-def read_matrix(path: Path) -> Any:  # noqa: ANN401 - dense or sparse
-    """A matrix of a Matrix Market file, or of columns of numbers."""
-    try:
-        if path.suffix.lower() in (".mtx", ".mm"):
-            return sparse.coo_array(io.mmread(path))
-        text = path.read_text(encoding="utf-8").replace(",", " ").splitlines()
-        rows = [
-            line.split() for line in text if line.strip() and not line.lstrip().startswith(("#", "*", "%"))
-        ]
-        return np.array([[float(value) for value in row] for row in rows])
-    except (ValueError, OSError, TypeError) as error:
-        raise ComponentError(f"{path.name}: cannot be read: {error}") from None

@@ -15,8 +15,15 @@ from .files import OP4_NAMES
 from .matrices import from_matrices
 from .nastran_recovery import with_recovery
 
+_OTHERS = {
+    "stiffness": ("kxx", "kaax", "kgg", "k2gg", "khh", "k"),
+    "mass": ("mxx", "maax", "mgg", "m2gg", "mhh", "m"),
+}
+"""What Nastran may call the matrices instead."""
 
-def _pyyeti() -> Any:  # noqa: ANN401 - an optional library without types
+
+def pyyeti() -> Any:  # noqa: ANN401 - an optional library without types
+    """Its package for Nastran; ComponentError where it is not installed."""
     try:
         from pyyeti import nastran
     except ImportError:
@@ -28,7 +35,7 @@ def _pyyeti() -> Any:  # noqa: ANN401 - an optional library without types
 
 def read_matrices(path: Path) -> dict[str, Any]:
     """Matrices of an op4 file by name; ComponentError where it is damaged."""
-    nastran = _pyyeti()
+    nastran = pyyeti()
     try:
         found = nastran.op4.read(str(path))
     except Exception as error:  # whatever pyYeti meets in a damaged file
@@ -42,23 +49,33 @@ def read_matrices(path: Path) -> dict[str, Any]:
 
 def read_op4(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
     """The data of an op4 file that holds everything, or of one with K and M alone and further matrices."""
-    found = read_matrices(path)
-    named = {name: found[short] for name, short in OP4_NAMES.items() if short in found}
-    for name, others in {"stiffness": ("kxx", "kgg", "k"), "mass": ("mxx", "mgg", "m")}.items():
+    return from_matrices({**named(path, read_matrices(path)), **further})
+
+
+def named(path: Path, found: Mapping[str, Any]) -> dict[str, Any]:
+    """Matrices by our names, from their names in files of Nastran; ComponentError where K and M differ in size."""
+    known = {name: found[short] for name, short in OP4_NAMES.items() if short in found}
+    for name, others in _OTHERS.items():
         short = next((other for other in others if other in found), None)
-        if name not in named and short is not None:
-            named[name] = found[short]
-    lengths = {len(np.atleast_2d(matrix)) for name, matrix in named.items() if name in ("stiffness", "mass")}
+        if name not in known and short is not None:
+            known[name] = found[short]
+    missing = [name for name in ("stiffness", "mass") if name not in known]
+    if missing:
+        sought = " and ".join(f"{name} ({', '.join((OP4_NAMES[name], *_OTHERS[name]))})" for name in missing)
+        raise ComponentError(
+            f"{path.name}: there is no matrix of {sought}; matrices are {', '.join(found) or 'none'}"
+        )
+    lengths = {len(np.atleast_2d(known[name])) for name in ("stiffness", "mass")}
     if len(lengths) > 1:
         raise ComponentError(
             f"{path.name}: stiffness and mass have {' and '.join(map(str, sorted(lengths)))} rows"
         )
-    return from_matrices({**named, **further})
+    return known
 
 
 def write_op4(path: Path, matrices: Mapping[str, Any]) -> None:
     """Write matrices by their names of op4 files."""
-    nastran = _pyyeti()
+    nastran = pyyeti()
     named = {OP4_NAMES[name]: np.atleast_2d(matrix) for name, matrix in matrices.items()}
     named = {short: m.T if short == "smass" else m for short, m in named.items()}
     nastran.op4.write(str(path), named)
@@ -66,7 +83,7 @@ def write_op4(path: Path, matrices: Mapping[str, Any]) -> None:
 
 def read_superelement(path: Path) -> FiniteElementData:
     """An external superelement: its .asm, with the .op4 and, for recovery, the .pch of the same name beside it."""
-    nastran = _pyyeti()
+    nastran = pyyeti()
     matrices = read_matrices(_beside(path, ".op4"))
     try:
         uset, _, _ = nastran.asm2uset(str(path))
@@ -74,7 +91,7 @@ def read_superelement(path: Path) -> FiniteElementData:
         raise ComponentError(
             f"{path.name}: cannot be read as the assembly of an external superelement (EXTSEOUT with ASMBULK): {error}"
         ) from None
-    nodes, coordinates, axes, dofs = _nodes(uset)
+    nodes, coordinates, axes, dofs = nodes_of(uset)
     missing = [name for name in ("kxx", "mxx") if name not in matrices]
     if missing:
         raise ComponentError(
@@ -104,7 +121,7 @@ def _beside(path: Path, ending: str) -> Path:
     return found
 
 
-def _nodes(uset: Any) -> tuple[Integers, Vector, Vector, Integers]:  # noqa: ANN401 - a pandas table
+def nodes_of(uset: Any) -> tuple[Integers, Vector, Vector, Integers]:  # noqa: ANN401 - a pandas table
     """Numbers, basic coordinates, displacement axes and degrees of freedom of a table of pyYeti's `asm2uset`.
 
     Rows of a node: its place, its system, then origin and axes (as columns) of that system.

@@ -8,30 +8,12 @@ import pytest
 from scipy import io, sparse
 
 from components.contract.component import ComponentError
-from components.flexible.beam_frame import BeamSection, Member, beam_frame
 from components.flexible.modal import rigid_motion
 from components.flexible.reduction import craig_bampton
-from components.imported.body import ImportedBody
 from components.imported.data import FiniteElementData, transformed
 from components.imported.matrices import to_matrices
 from components.imported.points import JoinedPoint
-
-SECTION = BeamSection(
-    axial=4e6, bending_y=900.0, bending_z=1500.0, torsion=600.0, line_mass=0.8, gyration_radius=0.01
-)
-JOINTS = {"left": (0.0, 0.4, 0.0), "right": (0.0, -0.4, 0.0), "tip": (1.7, 0.1, 0.2)}
-MEMBERS = [Member(a, b, SECTION, 4) for a, b in (("left", "right"), ("right", "tip"), ("tip", "left"))]
-POINTS = (("left", 1), ("right", 2), ("tip", 3))
-
-
-def _frame(elements=4):
-    return beam_frame(JOINTS, [replace(member, elements=elements) for member in MEMBERS])
-
-
-def _data(frame):
-    numbers = np.arange(1, len(frame.display_positions) + 1)
-    dofs = np.column_stack([np.repeat(numbers, 6), np.tile(np.arange(1, 7), len(numbers))])
-    return FiniteElementData(frame.stiffness, frame.mass_matrix, numbers, frame.display_positions, dofs)
+from tests.references.frame_model import JOINTS, POINTS, bar_frame, frame_data, imported
 
 
 def _stored(folder: Path, data: FiniteElementData, **other) -> Path:
@@ -40,15 +22,10 @@ def _stored(folder: Path, data: FiniteElementData, **other) -> Path:
     return path
 
 
-def _body(path: Path, points=POINTS, **keys) -> ImportedBody:
-    files = (("file", str(path)),) if isinstance(path, Path) else tuple(path.items())
-    return ImportedBody(files, str(np.random.default_rng().integers(2**60)), points, **keys)
-
-
 def test_full_matrices_reduce_to_the_frequencies_and_masses_of_the_frame_itself(tmp_path):
-    frame = _frame()
+    frame = bar_frame()
     own = craig_bampton(frame, ("left", "right", "tip"), 5)
-    body = _body(_stored(tmp_path, _data(frame)))
+    body = imported(_stored(tmp_path, frame_data(frame)))
     found = craig_bampton(body.model(), ("left", "right", "tip"), 5)
     np.testing.assert_allclose(found.frequency, own.frequency, rtol=1e-7)
     np.testing.assert_allclose(found.center_of_mass, own.center_of_mass, atol=1e-12)
@@ -61,9 +38,11 @@ def test_inertia_in_the_deformation_converges_with_the_square_of_the_elements(tm
     """It comes from masses lumped to nodes, where the frame itself has samples within its elements."""
     errors = []
     for elements in (4, 8):
-        frame = _frame(elements)
+        frame = bar_frame(elements)
         own = craig_bampton(frame, ("left", "right", "tip"), 3)
-        found = craig_bampton(_body(_stored(tmp_path, _data(frame))).model(), ("left", "right", "tip"), 3)
+        found = craig_bampton(
+            imported(_stored(tmp_path, frame_data(frame))).model(), ("left", "right", "tip"), 3
+        )
         exact = np.abs(own.invariant8[:3])
         errors.append(np.abs(np.abs(found.invariant8[:3]) - exact).max() / exact.max())
     assert errors[0] < 0.2
@@ -71,7 +50,7 @@ def test_inertia_in_the_deformation_converges_with_the_square_of_the_elements(tm
 
 
 def test_matrix_market_and_columns_hold_the_same(tmp_path):
-    data = _data(_frame())
+    data = frame_data(bar_frame())
     files = {name: str(tmp_path / f"{name}.mtx") for name in ("stiffness", "mass")}
     io.mmwrite(files["stiffness"], sparse.coo_array(data.stiffness), symmetry="general", precision=17)
     io.mmwrite(files["mass"], sparse.coo_array(data.mass), symmetry="general", precision=17)
@@ -81,14 +60,14 @@ def test_matrix_market_and_columns_hold_the_same(tmp_path):
         for n, (x, y, z) in zip(data.nodes, data.coordinates.tolist(), strict=True)
     ]
     Path(files["coordinates"]).write_text("# node, x, y, z\n" + "\n".join(table))
-    found = _body(files).data()
+    found = imported(files).data()
     assert abs(found.stiffness - data.stiffness).max() <= 1e-15 * abs(data.stiffness).max()
     np.testing.assert_array_equal(found.dofs, data.dofs)
 
 
 def test_units_and_displacement_axes_change_nothing(tmp_path):
     """The same frame in mm and t, a node of it in axes turned at random."""
-    data = _data(_frame())
+    data = frame_data(bar_frame())
     turn = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
     change = sparse.lil_array(sparse.eye_array(len(data.dofs)))
     change[12:15, 12:15] = change[15:18, 15:18] = turn.T
@@ -113,10 +92,10 @@ def test_units_and_displacement_axes_change_nothing(tmp_path):
 
 def test_a_rigid_element_is_a_node_with_its_arm(tmp_path):
     """One node on a rigid arm: the motion of the point is that of the node, moved; all others stay as they are."""
-    data = _data(_frame())
+    data = frame_data(bar_frame())
     place = (2.0, 0.0, 0.1)
     joined = (JoinedPoint("tool", (3,), place),)
-    body = _body(_stored(tmp_path, data), points=POINTS[:2], rigid_elements=joined)
+    body = imported(_stored(tmp_path, data), points=POINTS[:2], rigid_elements=joined)
     model = body.model()
     load = np.random.default_rng(5).standard_normal(6)
     arm = rigid_motion(np.array(JOINTS["tip"]) - place)
@@ -133,10 +112,10 @@ def test_a_rigid_element_is_a_node_with_its_arm(tmp_path):
 
 def test_a_mean_shares_a_force_out_and_stiffens_nothing(tmp_path):
     """A load on the mean of three nodes is the forces on them that have its resultant and least squares."""
-    data = _data(_frame())
-    body = _body(_stored(tmp_path, data), points=POINTS[:1], means=(JoinedPoint("middle", (4, 7, 10)),))
+    data = frame_data(bar_frame())
+    body = imported(_stored(tmp_path, data), points=POINTS[:1], means=(JoinedPoint("middle", (4, 7, 10)),))
     model = body.model()
-    np.testing.assert_allclose(model.mass, _frame().mass, rtol=1e-12)
+    np.testing.assert_allclose(model.mass, bar_frame().mass, rtol=1e-12)
     point = model.attachment_dofs["middle"]
     held = np.setdiff1d(np.arange(model.stiffness.shape[0]), model.attachment_dofs["left"])
     load = np.array([3.0, -2.0, 5.0, 0.4, 0.3, -0.2])
@@ -192,25 +171,25 @@ BROKEN = {
 
 @pytest.mark.parametrize("told", BROKEN)
 def test_a_broken_model_is_a_sentence(tmp_path, told):
-    body = _body(_stored(tmp_path, BROKEN[told](_data(_frame()))))
+    body = imported(_stored(tmp_path, BROKEN[told](frame_data(bar_frame()))))
     with pytest.raises(ComponentError, match=told):
         body.model()
 
 
 def test_files_cut_off_and_points_that_are_not_there_are_sentences(tmp_path):
-    path = _stored(tmp_path, _data(_frame()))
+    path = _stored(tmp_path, frame_data(bar_frame()))
     with pytest.raises(ComponentError, match="there is no node 99"):
-        _body(path, points=(("left", 99),)).model()
+        imported(path, points=(("left", 99),)).model()
     path.write_bytes(path.read_bytes()[:4000])
     with pytest.raises(ComponentError, match="cannot be read as npz"):
-        _body(path).model()
+        imported(path).model()
 
 
 def test_what_is_stated_is_compared(tmp_path):
     from components.imported.agreement import Stated
 
-    path = _stored(tmp_path, _data(_frame()))
-    mass = _frame().mass
-    assert not [row for row in _body(path, stated=Stated(mass=1.009 * mass)).agreement() if row.problem]
+    path = _stored(tmp_path, frame_data(bar_frame()))
+    mass = bar_frame().mass
+    assert not [row for row in imported(path, stated=Stated(mass=1.009 * mass)).agreement() if row.problem]
     with pytest.raises(ComponentError, match="is stated"):
-        _body(path, stated=Stated(mass=1.011 * mass)).model()
+        imported(path, stated=Stated(mass=1.011 * mass)).model()

@@ -1,0 +1,90 @@
+"""Files of an imported body -> its data, by the endings of their names and by what is in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from scipy import io, sparse
+
+from ..contract.component import ComponentError
+from .data import FiniteElementData
+from .files import WHOLE
+from .matrices import from_matrices, read_npz
+from .text.decks import DECKS, read_deck
+from .text.entries import read_columns, read_dofs, read_entries
+from .text.harwell_boeing import is_harwell_boeing, read_harwell_boeing
+
+_BULK = (".pch", ".bdf", ".nas", ".dmig")
+ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti")
+"""Of files that hold everything, or K and M at least."""
+_CALCULIX = {"stiffness": ".sti", "mass": ".mas", "dofs": ".dof", "coordinates": ".inp"}
+_HEAD = b"%%MatrixMarket"
+
+
+def read(paths: Mapping[str, Path]) -> FiniteElementData:
+    """The data of a file for all, a file a matrix, or both; ComponentError where one cannot be read."""
+    further = {name: path for name, path in paths.items() if name != WHOLE}
+    whole = paths.get(WHOLE)
+    if whole is None:
+        return from_matrices(_matrices(further))
+    ending = whole.suffix.lower()
+    if ending == ".npz":
+        return read_npz(whole)
+    if ending == ".sti":
+        return from_matrices(_matrices(_of_calculix(whole) | further))
+    from . import nastran, nastran_bulk  # loads pyYeti
+
+    readers: Mapping[str, Callable[[], FiniteElementData]] = {
+        ".op4": lambda: nastran.read_op4(whole, _matrices(further)),
+        ".op2": lambda: nastran_bulk.read_op2(whole, _matrices(further)),
+        ".asm": lambda: nastran.read_superelement(whole),
+        **dict.fromkeys(_BULK, lambda: nastran_bulk.read_bulk(whole, _matrices(further))),
+    }
+    if ending not in readers:
+        raise ComponentError(f"{whole.name}: its name must end with {', '.join(ENDINGS)}")
+    return readers[ending]()
+
+
+def beside(path: Path) -> tuple[Path, ...]:
+    """The files that are read with a whole one, itself among them, whether they are there or not."""
+    parts = {".asm": (".asm", ".op4", ".pch"), ".sti": tuple(_CALCULIX.values())}
+    return tuple(path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,)))
+
+
+def _of_calculix(path: Path) -> dict[str, Path]:
+    """Files of one job by what they hold, as far as they are there."""
+    found = {name: path.with_suffix(ending) for name, ending in _CALCULIX.items()}
+    return {name: part for name, part in found.items() if part.is_file()}
+
+
+def _matrices(paths: Mapping[str, Path]) -> dict[str, Any]:
+    return {name: _matrix(name, path) for name, path in paths.items()}
+
+
+def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, entries or nodes
+    """What a file has of a name: Matrix Market, Harwell-Boeing, columns of numbers, or what goes with one program."""
+    if not path.is_file():
+        raise ComponentError(f"{path.name}: is not there")
+    if name == "coordinates" and path.suffix.lower() in DECKS:
+        return read_deck(path)
+    if name == "coordinates" and _has_grids(path):
+        from .nastran_bulk import read_grids
+
+        return read_grids(path)
+    if name == "dofs":
+        return read_dofs(path)
+    if is_harwell_boeing(path):
+        return read_harwell_boeing(path)
+    if path.open("rb").read(len(_HEAD)) == _HEAD:
+        try:
+            return sparse.coo_array(io.mmread(path))
+        except (ValueError, OSError, TypeError, OverflowError) as error:
+            raise ComponentError(f"{path.name}: cannot be read as Matrix Market: {error}") from None
+    return read_entries(path) if name in ("stiffness", "mass") else read_columns(path)
+
+
+def _has_grids(path: Path) -> bool:
+    """Whether a line begins with GRID, as bulk data have it."""
+    return any(line[:4].upper() == "GRID" for line in path.read_text(encoding="latin-1").splitlines())

@@ -1,0 +1,1 @@
+"""Matrices and nodes that CalculiX, Abaqus and Ansys write as text."""
