@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf, isnan, nan, pi
 
 import numpy as np
 from scipy import linalg, sparse
@@ -37,6 +37,10 @@ _DENSITY = 3e4
 """kg/m3 of the box around the nodes: osmium has 22,600."""
 _LOOSE = (
     "a part of the model is not joined to the rest: with all attachment points held, it still moves freely"
+)
+_INDEFINITE = (
+    "some motions have negative energy by the stiffness matrix; it is cut off, or not the stiffness of a free body at "
+    "rest"
 )
 _DENSE = 600
 """Degrees of freedom up to which all modes at once are the soonest."""
@@ -83,7 +87,7 @@ def _symmetry(name: str, matrix: SparseMatrix) -> Finding:
     if difference > _SYMMETRIC:
         problem = (
             f"the {name} matrix is not symmetric: entries differ by {difference:.3g} of the diagonal; give the whole "
-            "matrix, not one triangle, and no matrix of follower loads"
+            "matrix, not one triangle or a part of it, and none of follower loads"
         )
     return Finding(f"symmetry of {name}", f"{difference:.2g}", problem)
 
@@ -100,13 +104,18 @@ def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stat
     if not np.linalg.eigvalsh(mass)[0] > 0.0:
         return (Finding("mass", "", "the mass of rigid motions is not positive; is this the mass matrix?"),)
     first = first_frequency(model)
+    if isnan(first):
+        return (Finding("stiffness", "", _INDEFINITE),)
     found = [*_rigid(model, mass, first), *_mass(model, mass, stated), *_units(data, model, first)]
     return (*found, *_soft_points(model))
 
 
 def first_frequency(model: FiniteElementModel) -> float:
-    """First elastic frequency of the free body, Hz; infinite where nothing can bend."""
-    hertz = free_hertz(model, 1)
+    """First elastic frequency of the free body, Hz; infinite where nothing can bend, NaN where there is none."""
+    try:
+        hertz = free_hertz(model, 1)
+    except (linalg.LinAlgError, RuntimeError):  # no factors, or no convergence: eigenvalues far below zero
+        return nan
     return float(hertz[0]) if hertz.size else inf
 
 

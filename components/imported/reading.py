@@ -77,7 +77,7 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         return read_dofs(path)
     if is_harwell_boeing(path):
         return read_harwell_boeing(path)
-    if path.open("rb").read(len(_HEAD)) == _HEAD:
+    if path.read_bytes().startswith(_HEAD):
         try:
             return sparse.coo_array(io.mmread(path))
         except (ValueError, OSError, TypeError, OverflowError) as error:

@@ -1,9 +1,12 @@
 """A frame as other programs write it: the same matrices, whatever the file; damaged files are sentences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import io, sparse
 
+from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton
 from components.imported.matrices import to_matrices
 from components.imported.nastran import write_op4
@@ -75,3 +78,132 @@ def test_matrices_of_every_program_are_those_that_were_written(tmp_path, program
         np.testing.assert_allclose(matrix, own, rtol=0, atol=max(digits, 1e-15) * np.abs(own).max())
     frequency = craig_bampton(found.model(), ENDS, 5).frequency
     np.testing.assert_allclose(frequency, OWN.frequency, rtol=1e-6 if digits > 1e-12 else 1e-9)
+
+
+@pytest.mark.parametrize("program", WRITERS)
+def test_files_cut_off_are_sentences(tmp_path, program):
+    """Every file of every program, at three places: no traceback, and nothing that passes for the frame."""
+    files = WRITERS[program][0](tmp_path, DATA)
+    for path in sorted(tmp_path.iterdir()):
+        content = path.read_bytes()
+        for part in (0.0, 0.02, 0.45):
+            path.write_bytes(content[: int(part * len(content))])
+            with pytest.raises(ComponentError, match=r"\w{3}.* \w"):
+                imported(files).model()
+        path.write_bytes(content)
+    assert imported(files).model().mass == pytest.approx(bar_frame().mass, rel=1e-9)
+
+
+def _edited(path, old, new):
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def _internal_node(folder):
+    files = write.abaqus_matrix_input(folder, DATA)
+    _edited(files["mass"], "\n1,1, 1,1,", "\n-3,1, -3,1,")
+    return files
+
+
+def _local_axes(folder):
+    path = write.calculix(folder, DATA)
+    _edited(folder / "job.inp", "*ELEMENT", "*TRANSFORM, NSET=all, TYPE=C\n0, 0, 0, 0, 0, 1\n*ELEMENT")
+    return path
+
+
+def _cylindrical(folder):
+    path = write.calculix(folder, DATA)
+    _edited(folder / "job.inp", "*NODE, NSET", "*Node, System=C, NSET")
+    return path
+
+
+def _turned_node(folder):
+    files = write.ansys_harwell_boeing(folder, DATA)
+    with files["coordinates"].open("a") as file:
+        file.write(f"{40:9d}" + f"{1.0:21.13E}" * 6 + "\n")
+    return files
+
+
+def _temperature(folder):
+    files = write.ansys_harwell_boeing(folder, DATA)
+    _edited(files["dofs"], "ROTX", "TEMP")
+    return files
+
+
+def _complex(folder):
+    files = write.ansys_harwell_boeing(folder, DATA)
+    _edited(files["mass"], "RSA", "CSA")
+    return files
+
+
+def _unsymmetric(folder):
+    files = write.abaqus_coordinate(folder, DATA)
+    lines = files["stiffness"].read_text().splitlines()
+    row, column, value = min((line.split() for line in lines), key=lambda words: float(words[2]))
+    _edited(files["stiffness"], " ".join((row, column, value)), f"{row} {column} {1.2 * float(value)!r}")
+    return files
+
+
+def _of_another_model(folder):
+    """Mass of a finer frame."""
+    path = write.dmig(folder / "job.pch", DATA)
+    other = write.dmig(folder / "other.pch", frame_data(bar_frame(5)), nodes=False)
+    path.write_text(
+        path.read_text().partition("DMIG    MAAX")[0]
+        + "DMIG    MAAX"
+        + other.read_text().partition("DMIG    MAAX")[2]
+    )
+    return path
+
+
+def _rectangular(folder):
+    path = write.op2(
+        folder / "job.op2", {"kgg": DATA.stiffness.toarray(), "mgg": DATA.mass.toarray()[:, :-6]}
+    )
+    return {"file": path, "coordinates": _columns(folder, DATA)}
+
+
+def _no_grid(folder):
+    return write.dmig(folder / "job.pch", DATA, nodes=False)
+
+
+def _mixed(folder):
+    files = write.abaqus_matrix_input(folder, DATA)
+    return files | {"mass": write.abaqus_coordinate(folder, DATA)["mass"]}
+
+
+def _millimetres(folder):
+    scale = sparse.diags_array(np.where(DATA.dofs[:, 1] <= 3, 1e-3, 1.0))
+    return write.dmig(
+        folder / "job.pch",
+        replace(
+            DATA,
+            stiffness=sparse.csr_array(1e3 * scale @ DATA.stiffness @ scale),
+            mass=sparse.csr_array(1e3 * scale @ DATA.mass @ scale),
+            coordinates=1e3 * DATA.coordinates,
+        ),
+    )
+
+
+BROKEN = {
+    r"job_MASS1\.mtx: node -3 is internal to Abaqus": _internal_node,
+    r"job\.inp: line \d+: \*TRANSFORM.* gives nodes axes of their own": _local_axes,
+    r"job\.inp: line 4: \*Node, System=C.* gives nodes axes of their own": _cylindrical,
+    r"n\.node: line 13: node 40 has axes of its own": _turned_node,
+    r"k\.mapping: line \d+: .* is no equation, node and one of UX": _temperature,
+    r"m\.matrix: is of type CSA; only assembled real matrices": _complex,
+    "the stiffness matrix is not symmetric": _unsymmetric,
+    r"job\.pch: node 13 component 1 is not in the stiffness matrix": _of_another_model,
+    "the mass matrix is 72 x 66; it must be 72 x 72": _rectangular,
+    r"job\.pch: has no GRID; give coordinates": _no_grid,
+    "must both name the node and component": _mixed,
+    "the file is hardly in m and kg": _millimetres,
+}
+
+
+@pytest.mark.parametrize("told", BROKEN)
+def test_what_does_not_fit_is_a_sentence(tmp_path, told):
+    files = BROKEN[told](tmp_path)
+    with pytest.raises(ComponentError, match=told):
+        imported(files).model()
