@@ -12,7 +12,7 @@ from scipy import sparse
 from ..contract.component import ComponentError, Vector
 from .data import AMPLITUDE, FiniteElementData, Integers
 from .files import OP4_NAMES
-from .matrices import from_matrices
+from .matrices import from_matrices, to_matrices
 from .nastran_recovery import with_recovery
 
 _OTHERS = {
@@ -20,6 +20,10 @@ _OTHERS = {
     "mass": ("mxx", "maax", "mgg", "m2gg", "mhh", "m"),
 }
 """What Nastran may call the matrices instead."""
+_OF_SUPERELEMENTS = ("kaa", "maa", "baa", "k4xx", "pa", "gpxx", "gdxx", "rvax", "va", "mug1")
+"""Matrices of external superelements that are written, in Nastran's order; those we have not are empty."""
+_FIRST_AMPLITUDE = 1_000_001
+"""Number of the first scalar point; nodes come before."""
 
 
 def pyyeti() -> Any:  # noqa: ANN401 - an optional library without types
@@ -73,12 +77,40 @@ def named(path: Path, found: Mapping[str, Any]) -> dict[str, Any]:
     return known
 
 
-def write_op4(path: Path, matrices: Mapping[str, Any]) -> None:
-    """Write matrices by their names of op4 files."""
-    nastran = pyyeti()
-    named = {OP4_NAMES[name]: np.atleast_2d(matrix) for name, matrix in matrices.items()}
-    named = {short: m.T if short == "smass" else m for short, m in named.items()}
-    nastran.op4.write(str(path), named)
+def write_op4(path: Path, data: FiniteElementData) -> None:
+    """Write all matrices by their names of op4 files."""
+    pyyeti().op4.write(str(path), _short_names(data))
+
+
+def _short_names(data: FiniteElementData) -> dict[str, Vector]:
+    named = {OP4_NAMES[name]: np.atleast_2d(matrix) for name, matrix in to_matrices(data).items()}
+    return {short: matrix.T if short == "smass" else matrix for short, matrix in named.items()}
+
+
+def write_superelement(path: Path, data: FiniteElementData, number: int = 101) -> None:
+    """Write reduced data, attachment components first, as an external superelement: .asm, .op4, .pch beside each other.
+
+    Recovered nodes are its displacement recovery. Behind what Nastran reads, the op4 has all that ours have, in full
+    digits; the nodes of the .asm have eight behind the point.
+    """
+    nastran, uset = pyyeti(), None
+    for node, place in zip(data.nodes.tolist(), data.coordinates, strict=True):
+        uset = nastran.addgrid(uset, node, "b", 0, place, 0)
+    extra = _short_names(data)
+    if (recovery := data.recovery) is not None:
+        extra["mug1"] = recovery.motion.toarray()
+        extra["tug1"] = np.column_stack(
+            [np.repeat(recovery.nodes, 6), np.tile(np.arange(1, 7), len(recovery.nodes))]
+        )
+    nastran.wtextseout(
+        str(path.with_suffix("")),
+        se=number,
+        bset=np.arange(6 * len(data.nodes)),
+        uset=uset,
+        spoint1=_FIRST_AMPLITUDE,
+        namelist=[*_OF_SUPERELEMENTS, *(name for name in extra if name not in (*_OF_SUPERELEMENTS, "tug1"))],
+        **extra,
+    )
 
 
 def read_superelement(path: Path) -> FiniteElementData:
@@ -92,26 +124,38 @@ def read_superelement(path: Path) -> FiniteElementData:
             f"{path.name}: cannot be read as the assembly of an external superelement (EXTSEOUT with ASMBULK): {error}"
         ) from None
     nodes, coordinates, axes, dofs = nodes_of(uset)
-    missing = [name for name in ("kxx", "mxx") if name not in matrices]
-    if missing:
-        raise ComponentError(
-            f"{path.with_suffix('.op4').name}: there is no matrix {' and no '.join(missing)}"
-        )
+    known = named(path.with_suffix(".op4"), matrices)
+    if "dofs" in known:
+        return _own(path, known, dofs)
     data = FiniteElementData(
-        stiffness=sparse.csr_array(matrices["kxx"]),
-        mass=sparse.csr_array(matrices["mxx"]),
+        stiffness=sparse.csr_array(known["stiffness"]),
+        mass=sparse.csr_array(known["mass"]),
         nodes=nodes,
         coordinates=coordinates,
         dofs=dofs,
         axes=axes,
     )
     punch = path.with_suffix(".pch")
-    if not punch.is_file() or data.stiffness.shape[0] != len(dofs):
+    if data.stiffness.shape[0] != len(dofs):
+        raise ComponentError(
+            f"{path.name} lists {len(dofs)} degrees of freedom, and the matrices of {path.with_suffix('.op4').name} have "
+            f"{data.stiffness.shape[0]} rows; the files are not of one superelement"
+        )
+    if not punch.is_file():
         return data
     try:
         return with_recovery(data, nastran, punch, matrices)
     except (ValueError, OSError) as error:
         raise ComponentError(f"{punch.name}: its tables of recovered rows cannot be read: {error}") from None
+
+
+def _own(path: Path, known: Mapping[str, Any], dofs: Integers) -> FiniteElementData:
+    """What we wrote ourselves, of whose matrices the assembly must be."""
+    data = from_matrices(known)
+    moving = [rows[rows[:, 1] != AMPLITUDE] for rows in (data.dofs, dofs)]
+    if len(data.dofs) != len(dofs) or not np.array_equal(*moving):
+        raise ComponentError(f"{path.name} and {path.with_suffix('.op4').name} are not of one superelement")
+    return data
 
 
 def _beside(path: Path, ending: str) -> Path:

@@ -82,11 +82,12 @@ def export(
 
 
 def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | None = None) -> ExportedBody:
-    """Write a body of a scene as a Craig-Bampton model, SI units, to an .npz or .op4 file (extra `nastran`).
+    """Write a body of a scene as a Craig-Bampton model, SI units, to an .npz or .op4 file.
 
     Attachment components come first, those of its attachment points in their order, then amplitudes of fixed-interface
     modes. `[body.import]` reads it back; the table that does is `to_toml` of what is returned. modes: how many, by
-    default those of the scene. Damping is the scene's and no part of it.
+    default those of the scene. Damping is the scene's and no part of it. An .asm is an external superelement of
+    Nastran with its .op4 and .pch; it and .op4 need the extra `nastran`.
     """
     return _export_body(load(scene).check_one_run(), body, Path(path), modes)
 

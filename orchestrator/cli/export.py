@@ -94,7 +94,7 @@ def command(
 @click.argument("body")
 @click.option(
     "-o", "--output", type=click.Path(path_type=Path, dir_okay=False), required=True,
-    help="File that ends with .npz or .op4.",
+    help="File that ends with .npz, .op4 or .asm (a superelement of Nastran, with .op4 and .pch).",
 )  # fmt: skip
 @click.option("--modes", type=Count(min=0), help="Fixed-interface modes; by default those of the scene.")
 def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None) -> None:

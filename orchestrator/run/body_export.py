@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from ..scene.body_tables import Body
 
-ENDINGS = (".npz", ".op4")
+ENDINGS = (".npz", ".op4", ".asm")
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,13 @@ class ExportedBody:
 
 
 def export_body(scene: CheckedScene, name: str, path: Path, modes: int | None = None) -> ExportedBody:
-    """Write a body of a scene, with its attached masses, to an .npz or .op4 file.
+    """Write a body of a scene, with its attached masses, to an .npz or .op4 file, or to an .asm with .op4 and .pch.
 
     modes: fixed-interface modes to keep, by default the scene's. SceneError where there is nothing to write, or the
     file cannot be written.
     """
     if path.suffix.lower() not in ENDINGS:
-        raise SceneError([f"{path}: a body is written to a file that ends with {' or '.join(ENDINGS)}"])
+        raise SceneError([f"{path}: a body is written to a file that ends with {', '.join(ENDINGS)}"])
     body = _bending(scene, name)
     definition = body_definition(body)
     asked = body.fixed_interface_modes if modes is None else modes
@@ -96,7 +96,5 @@ def _bending(scene: CheckedScene, name: str) -> Body:
 def _write(path: Path, data: FiniteElementData) -> None:
     from components.imported import matrices, nastran
 
-    if path.suffix.lower() == ".npz":
-        matrices.write_npz(path, data)
-    else:
-        nastran.write_op4(path, matrices.to_matrices(data))
+    writers = {".npz": matrices.write_npz, ".op4": nastran.write_op4, ".asm": nastran.write_superelement}
+    writers[path.suffix.lower()](path, data)

@@ -8,7 +8,6 @@ from scipy import io, sparse
 
 from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton
-from components.imported.matrices import to_matrices
 from components.imported.nastran import write_op4
 from tests.references import matrix_writers as write
 from tests.references.frame_model import bar_frame, frame_data, imported
@@ -36,7 +35,7 @@ def _op2(folder, data):
 
 
 def _op4(folder, data):
-    write_op4(folder / "job.op4", to_matrices(data))
+    write_op4(folder / "job.op4", data)
     return folder / "job.op4"
 
 

@@ -6,12 +6,15 @@ from shutil import copy
 
 import numpy as np
 import pytest
+from pyyeti.nastran import op4
+from scipy import sparse
 
 import orchestrator as fanfold
 from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton_basis, orthonormal_modes
 from components.imported.body import ImportedBody
-from components.imported.nastran import write_op4
+from components.imported.data import transformed
+from components.imported.nastran import read_matrices, read_superelement, write_superelement
 from orchestrator.scene.builder import Scene
 from tests.references.nastran_results import by_mode
 
@@ -152,8 +155,8 @@ def test_damaged_files_are_sentences(tmp_path):
     (tmp_path / "outboard.op4").unlink()
     with pytest.raises(ComponentError, match=r"outboard\.op4: is not there"):
         _superelement("outboard", tmp_path).data()
-    write_op4(tmp_path / "outboard.op4", {"stiffness": np.eye(3)})
-    with pytest.raises(ComponentError, match="no matrix kxx"):
+    op4.write(str(tmp_path / "outboard.op4"), {"kgg": np.eye(3)})
+    with pytest.raises(ComponentError, match=r"no matrix of mass \(maa, mxx"):
         _superelement("outboard", tmp_path).data()
 
 
@@ -161,3 +164,30 @@ def test_inches_taken_for_metres_are_told():
     body = ImportedBody((("file", str(PAIR / "inboard.asm")),), "inches", tuple(POINTS.items()))
     with pytest.raises(ComponentError, match="hardly in m and kg"):
         body.model()
+
+
+def test_a_superelement_that_we_write_is_read_back_in_full_and_by_what_nastran_knows_of_it(tmp_path):
+    """Ours with all digits; without what we add, nodes have eight digits and recovered ones follow from their rows."""
+    data = _superelement("outboard").data()
+    order = np.argsort(data.dofs[:, 1] == 0, kind="stable")
+    data = transformed(data, sparse.eye_array(len(order), format="csr")[:, order], data.dofs[order])
+    path = tmp_path / "wing.asm"
+    write_superelement(path, data)
+    found = read_superelement(path)
+    for name in ("stiffness", "mass"):
+        assert abs(getattr(found, name) - getattr(data, name)).max() == 0.0
+    np.testing.assert_array_equal(found.coordinates, data.coordinates)
+    np.testing.assert_array_equal(found.recovery.coordinates, data.recovery.coordinates)
+    assert abs(found.recovery.motion - data.recovery.motion).max() == 0.0
+    matrices = read_matrices(tmp_path / "wing.op4")
+    op4.write(str(tmp_path / "wing.op4"), {name: matrices[name] for name in ("kaa", "maa", "va", "mug1")})
+    found = read_superelement(path)
+    np.testing.assert_array_equal(found.dofs[:, 1], data.dofs[:, 1])
+    assert abs(found.stiffness - data.stiffness).max() == 0.0
+    np.testing.assert_allclose(found.coordinates, data.coordinates, atol=1e-8)
+    np.testing.assert_allclose(found.recovery.coordinates, data.recovery.coordinates, atol=1e-6)
+    (tmp_path / "wing.op4").write_bytes((PAIR / "inboard.op4").read_bytes())
+    with pytest.raises(
+        ComponentError, match="lists 46 degrees of freedom, and the matrices of wing.op4 have 32 rows"
+    ):
+        read_superelement(path)
