@@ -138,8 +138,8 @@ def read_superelement(path: Path) -> FiniteElementData:
     punch = path.with_suffix(".pch")
     if data.stiffness.shape[0] != len(dofs):
         raise ComponentError(
-            f"{path.name} lists {len(dofs)} degrees of freedom, and the matrices of {path.with_suffix('.op4').name} have "
-            f"{data.stiffness.shape[0]} rows; the files are not of one superelement"
+            f"{path.name} lists {len(dofs)} degrees of freedom, and the matrices of {path.with_suffix('.op4').name} "
+            f"have {data.stiffness.shape[0]} rows; the files are not of one superelement"
         )
     if not punch.is_file():
         return data

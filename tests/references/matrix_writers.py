@@ -9,7 +9,9 @@ import struct
 from pathlib import Path
 
 import numpy as np
-from scipy import sparse
+from scipy import io, sparse
+
+from components.imported.nastran import write_op4
 
 NAMES = ("UX", "UY", "UZ", "ROTX", "ROTY", "ROTZ")
 
@@ -209,3 +211,48 @@ def op2(path, matrices):
     keys(0)
     Path(path).write_bytes(out)
     return path
+
+
+def columns(folder, data):
+    """node, x, y, z in a table."""
+    path = folder / "nodes.csv"
+    np.savetxt(
+        path,
+        np.column_stack([data.nodes, data.coordinates]),
+        "%d, %.17g, %.17g, %.17g",
+        header="node, x, y, z",
+    )
+    return path
+
+
+def _op2(folder, data):
+    path = op2(folder / "job.op2", {"kgg": data.stiffness.toarray(), "mgg": data.mass.toarray()})
+    return {"file": path, "coordinates": columns(folder, data)}
+
+
+def _op4(folder, data):
+    write_op4(folder / "job.op4", data)
+    return folder / "job.op4"
+
+
+def _matrix_market(folder, data):
+    """*EXPORT of Ansys: one triangle with a heading that says so."""
+    paths = {name: folder / f"{name}.mmf" for name in ("stiffness", "mass")}
+    for name, path in paths.items():
+        with path.open("wb") as file:
+            io.mmwrite(file, sparse.coo_array(getattr(data, name)), symmetry="symmetric", precision=17)
+    return {**paths, "coordinates": columns(folder, data)}
+
+
+WRITERS = {
+    "calculix": (calculix, 1e-13),
+    "abaqus, matrix input": (abaqus_matrix_input, 1e-15),
+    "abaqus, coordinate": (abaqus_coordinate, 1e-15),
+    "ansys, hbmat and nwrite": (ansys_harwell_boeing, 1e-15),
+    "ansys, hbmat and cdwrite": (lambda folder, data: ansys_harwell_boeing(folder, data, "cdb"), 1e-15),
+    "ansys, matrix market": (_matrix_market, 1e-15),
+    "nastran, dmig": (lambda folder, data: dmig(folder / "job.pch", data), 1e-9),
+    "nastran, op2": (_op2, 0.0),
+    "nastran, op4": (_op4, 0.0),
+}
+"""With the digits that the program writes, of the largest entry."""

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import io, sparse
+from scipy import sparse
 
 from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton
-from components.imported.nastran import write_op4
 from tests.references import matrix_writers as write
 from tests.references.frame_model import bar_frame, frame_data, imported
 
@@ -17,55 +16,10 @@ ENDS = ("left", "right", "tip")
 OWN = craig_bampton(bar_frame(), ENDS, 5)
 
 
-def _columns(folder, data):
-    """node, x, y, z in a table."""
-    path = folder / "nodes.csv"
-    np.savetxt(
-        path,
-        np.column_stack([data.nodes, data.coordinates]),
-        "%d, %.17g, %.17g, %.17g",
-        header="node, x, y, z",
-    )
-    return path
-
-
-def _op2(folder, data):
-    path = write.op2(folder / "job.op2", {"kgg": data.stiffness.toarray(), "mgg": data.mass.toarray()})
-    return {"file": path, "coordinates": _columns(folder, data)}
-
-
-def _op4(folder, data):
-    write_op4(folder / "job.op4", data)
-    return folder / "job.op4"
-
-
-def _matrix_market(folder, data):
-    """*EXPORT of Ansys: one triangle with a heading that says so."""
-    paths = {name: folder / f"{name}.mmf" for name in ("stiffness", "mass")}
-    for name, path in paths.items():
-        with path.open("wb") as file:
-            io.mmwrite(file, sparse.coo_array(getattr(data, name)), symmetry="symmetric", precision=17)
-    return {**paths, "coordinates": _columns(folder, data)}
-
-
-WRITERS = {
-    "calculix": (write.calculix, 1e-13),
-    "abaqus, matrix input": (write.abaqus_matrix_input, 1e-15),
-    "abaqus, coordinate": (write.abaqus_coordinate, 1e-15),
-    "ansys, hbmat and nwrite": (write.ansys_harwell_boeing, 1e-15),
-    "ansys, hbmat and cdwrite": (lambda folder, data: write.ansys_harwell_boeing(folder, data, "cdb"), 1e-15),
-    "ansys, matrix market": (_matrix_market, 1e-15),
-    "nastran, dmig": (lambda folder, data: write.dmig(folder / "job.pch", data), 1e-9),
-    "nastran, op2": (_op2, 0.0),
-    "nastran, op4": (_op4, 0.0),
-}
-"""With the digits that the program writes, of the largest entry."""
-
-
-@pytest.mark.parametrize("program", WRITERS)
+@pytest.mark.parametrize("program", write.WRITERS)
 def test_matrices_of_every_program_are_those_that_were_written(tmp_path, program):
     """Frequencies too, to round-off that the digits leave: rotations of a stiff frame cancel."""
-    writer, digits = WRITERS[program]
+    writer, digits = write.WRITERS[program]
     found = imported(writer(tmp_path, DATA))
     data = found.data()
     order = np.lexsort(data.dofs.T[::-1])
@@ -79,10 +33,10 @@ def test_matrices_of_every_program_are_those_that_were_written(tmp_path, program
     np.testing.assert_allclose(frequency, OWN.frequency, rtol=1e-6 if digits > 1e-12 else 1e-9)
 
 
-@pytest.mark.parametrize("program", WRITERS)
+@pytest.mark.parametrize("program", write.WRITERS)
 def test_files_cut_off_are_sentences(tmp_path, program):
     """Every file of every program, at three places: no traceback, and nothing that passes for the frame."""
-    files = WRITERS[program][0](tmp_path, DATA)
+    files = write.WRITERS[program][0](tmp_path, DATA)
     for path in sorted(tmp_path.iterdir()):
         content = path.read_bytes()
         for part in (0.0, 0.02, 0.45):
@@ -160,7 +114,7 @@ def _rectangular(folder):
     path = write.op2(
         folder / "job.op2", {"kgg": DATA.stiffness.toarray(), "mgg": DATA.mass.toarray()[:, :-6]}
     )
-    return {"file": path, "coordinates": _columns(folder, DATA)}
+    return {"file": path, "coordinates": write.columns(folder, DATA)}
 
 
 def _no_grid(folder):

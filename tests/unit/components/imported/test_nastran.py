@@ -188,6 +188,6 @@ def test_a_superelement_that_we_write_is_read_back_in_full_and_by_what_nastran_k
     np.testing.assert_allclose(found.recovery.coordinates, data.recovery.coordinates, atol=1e-6)
     (tmp_path / "wing.op4").write_bytes((PAIR / "inboard.op4").read_bytes())
     with pytest.raises(
-        ComponentError, match="lists 46 degrees of freedom, and the matrices of wing.op4 have 32 rows"
+        ComponentError, match=r"lists 46 degrees of freedom, and the matrices of wing\.op4 have 32 rows"
     ):
         read_superelement(path)
