@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..imported.agreement import Stated
 from ..imported.body import ImportedBody
-from ..imported.files import NAMES, WHOLE
+from ..imported.files import NAMES
 from ..imported.points import JoinedPoint
 from ..imported.reading import beside
 from .tables import Table
@@ -70,7 +70,7 @@ def _digest(table: Table, files: tuple[tuple[str, str], ...]) -> str:
     content = hashlib.sha256()
     for name, given in files:
         path = Path(given)
-        for part in beside(path) if name == WHOLE else (path,):
+        for part in beside(path):
             try:
                 content.update(part.read_bytes())
             except OSError as error:

@@ -29,6 +29,8 @@ _STATED = 0.01
 """Of mass, size or inertia, between what is stated and what is found."""
 _FREE = 1e-10
 """Of the largest stiffness of its kind: what is left of zero in numbers with ten digits."""
+_STRESSED = 1e-3
+"""Of the largest entry of a row, in rigid motions: files have seven digits."""
 _SIZES = (1e-2, 300.0)
 """m; deployable structures are longer than a hinge and shorter than a station."""
 _FREQUENCIES = (1e-3, 1e5)
@@ -107,7 +109,7 @@ def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stat
     if isnan(first):
         return (Finding("stiffness", "", _INDEFINITE),)
     found = [*_rigid(model, mass, first), *_mass(model, mass, stated), *_units(data, model, first)]
-    return (*found, *_soft_points(model))
+    return (*found, *_soft_points(model), *_outputs(model))
 
 
 def first_frequency(model: FiniteElementModel) -> float:
@@ -248,6 +250,23 @@ def _soft_points(model: FiniteElementModel) -> Iterator[Finding]:
     words = [f"{names[p]} {('along', 'about')[kind]} {'xyz'[axis]}" for p, kind, axis in soft]
     problem = f"moves without stiffness: {', '.join(words)}; join the point to more nodes" if words else ""
     yield Finding("stiffness of points", "each held by the others" if not words else "", problem)
+
+
+def _outputs(model: FiniteElementModel) -> Iterator[Finding]:
+    """Rows of stresses and forces: rigid motions give none."""
+    if model.outputs is None:
+        return
+    rows, rigid = model.outputs.rows, model.rigid_motions
+    size = np.abs(rows).max(axis=1, initial=np.finfo(float).tiny)[:, None] * np.abs(rigid).max(axis=0)
+    share = (np.abs(rows @ rigid) / size).max(axis=1)
+    worst, most = model.outputs.labels[int(np.argmax(share))], float(share.max())
+    problem = ""
+    if most > _STRESSED:
+        problem = (
+            f"{worst} is not zero in rigid motions, by {most:.2g} of its largest entry; its row does not belong to "
+            "these degrees of freedom"
+        )
+    yield Finding("stresses and forces", f"{len(rows)} rows, {most:.1e} of them in rigid motions", problem)
 
 
 def compare_frequencies(

@@ -118,12 +118,13 @@ def read_superelement(path: Path) -> FiniteElementData:
     nastran = pyyeti()
     matrices = read_matrices(_beside(path, ".op4"))
     try:
-        uset, _, _ = nastran.asm2uset(str(path))
+        whole, kept = (nastran.asm2uset(str(path), try_rdextrn=reduced)[0] for reduced in (False, True))
     except Exception as error:
         raise ComponentError(
             f"{path.name}: cannot be read as the assembly of an external superelement (EXTSEOUT with ASMBULK): {error}"
         ) from None
-    nodes, coordinates, axes, dofs = nodes_of(uset)
+    nodes, coordinates, axes = nodes_of(whole)
+    dofs = dofs_of(kept)  # by the .pch, of all six components or fewer
     known = named(path.with_suffix(".op4"), matrices)
     if "dofs" in known:
         return _own(path, known, dofs)
@@ -165,8 +166,14 @@ def _beside(path: Path, ending: str) -> Path:
     return found
 
 
-def nodes_of(uset: Any) -> tuple[Integers, Vector, Vector, Integers]:  # noqa: ANN401 - a pandas table
-    """Numbers, basic coordinates, displacement axes and degrees of freedom of a table of pyYeti's `asm2uset`.
+def dofs_of(uset: Any) -> Integers:  # noqa: ANN401 - a pandas table
+    """Node and component (n, 2) of the rows of such a table, 0 of scalar points."""
+    index = np.array(uset.index.to_list(), dtype=np.int64)
+    return np.column_stack([index[:, 0], np.where(index[:, 1] == 0, AMPLITUDE, index[:, 1])])
+
+
+def nodes_of(uset: Any) -> tuple[Integers, Vector, Vector]:  # noqa: ANN401 - a pandas table
+    """Numbers, basic coordinates and displacement axes of a table of pyYeti's `asm2uset`.
 
     Rows of a node: its place, its system, then origin and axes (as columns) of that system.
     """
@@ -180,5 +187,4 @@ def nodes_of(uset: Any) -> tuple[Integers, Vector, Vector, Integers]:  # noqa: A
         raise ComponentError(
             f"node {curved} has cylindrical or spherical displacement axes; give attachment nodes rectangular ones"
         )
-    dofs = np.where(index[:, 1] == 0, AMPLITUDE, index[:, 1])
-    return index[first, 0], values[first], axes, np.column_stack([index[:, 0], dofs])
+    return index[first, 0], values[first], axes

@@ -51,8 +51,7 @@ def read_grids(path: Path) -> NodeTable:
         raise ComponentError(
             f"{path.name}: has no GRID; give coordinates, a file with GRID entries or columns of node, x, y, z"
         )
-    nodes, coordinates, axes, _ = found
-    return NodeTable(nodes, coordinates, axes)
+    return NodeTable(*found)
 
 
 def _told(error: Exception) -> str:

@@ -12,7 +12,7 @@ from ..contract.component import ComponentError
 from .data import FiniteElementData
 from .files import WHOLE
 from .matrices import from_matrices, read_npz
-from .text.decks import DECKS, read_deck
+from .text.decks import DECKS, included, read_deck
 from .text.entries import read_columns, read_dofs, read_entries
 from .text.harwell_boeing import is_harwell_boeing, read_harwell_boeing
 
@@ -48,9 +48,10 @@ def read(paths: Mapping[str, Path]) -> FiniteElementData:
 
 
 def beside(path: Path) -> tuple[Path, ...]:
-    """The files that are read with a whole one, itself among them, whether they are there or not."""
+    """The files that are read with one, itself among them, whether they are there or not."""
     parts = {".asm": (".asm", ".op4", ".pch"), ".sti": tuple(_CALCULIX.values())}
-    return tuple(path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,)))
+    found = [path.with_suffix(ending) for ending in parts.get(path.suffix.lower(), (path.suffix,))]
+    return tuple(part for one in found for part in (included(one) if one.suffix.lower() == ".inp" else [one]))
 
 
 def _of_calculix(path: Path) -> dict[str, Path]:

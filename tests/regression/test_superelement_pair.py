@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy import linalg
 
 import orchestrator as fanfold
 from components.imported.body import ImportedBody
 from components.numerics.motion_law import MotionLaw
+from orchestrator.cli.main import main
 from tests.references.native_fmus import needs_native
 
 pytestmark = needs_native
@@ -99,8 +101,8 @@ def response(steps):
 
 
 @pytest.fixture(scope="module")
-def run():
-    return fanfold.simulate(scene(), estimate=False)
+def run(tmp_path_factory):
+    return fanfold.simulate(scene(), estimate=False, save=tmp_path_factory.mktemp("pair") / "pair.h5")
 
 
 @pytest.fixture(scope="module")
@@ -134,3 +136,27 @@ def test_recovered_stresses_and_forces_are_those_of_the_matrices(run, exact, nam
         np.testing.assert_allclose(
             found.values[:, kinds == kind], expected[:, kinds == kind], atol=off * size
         )
+
+
+def test_command_writes_histories_and_shows_extremes(run, tmp_path):
+    """Interface: a table of all outputs, and a file with one column each; bodies without rows are told."""
+    file = tmp_path / "inboard.csv"
+    shown = CliRunner().invoke(
+        main, ["analyse", "outputs", str(run.path), "--body", "inboard", "--output", str(file)]
+    )
+    assert shown.exit_code == 0, shown.output
+    assert "element 11 axial" in shown.stdout
+    found = fanfold.body_outputs(run, "inboard")
+    table = np.loadtxt(file, delimiter=",", skiprows=1, usecols=(0, 5))
+    np.testing.assert_allclose(table, np.column_stack([run.time, found.values[:, 4]]), rtol=1e-12)
+    label, unit, low, _, high, time = found.extremes()[4]
+    assert (label, unit, low, high) == (
+        "element 11 axial",
+        "Pa",
+        found.values[:, 4].min(),
+        found.values[:, 4].max(),
+    )
+    assert time == run.time[np.argmax(found.values[:, 4])]
+    refused = CliRunner().invoke(main, ["analyse", "outputs", str(run.path), "--body", "base"])
+    assert refused.exit_code == 1
+    assert "no modal coordinates" in refused.stderr.replace("\n", " ")

@@ -46,8 +46,33 @@ def _inp(path: Path) -> Iterator[list[float]]:
             )
 
 
-def _keywords_and_rows(path: Path) -> Iterator[tuple[str, int, str]]:
+def included(path: Path) -> list[Path]:
+    """An .inp and the files that it includes, whether they are there or not."""
+    found, left = [], [path]
+    while left:
+        part = left.pop()
+        if part in found:
+            continue
+        found.append(part)
+        if part.is_file():
+            lines = part.read_text(encoding="latin-1").splitlines()
+            left += [other for line in lines if (other := _included(part, line)) is not None]
+    return found
+
+
+def _included(path: Path, line: str) -> Path | None:
+    """The file that a line of a deck includes."""
+    keyword, _, parameters = line.partition(",")
+    if keyword.strip().upper() not in ("*INCLUDE", "*NODE"):
+        return None
+    found = re.search(r"INPUT\s*=\s*([^,]+)", parameters, re.IGNORECASE)
+    return None if found is None else path.with_name(found.group(1).strip().strip('"'))
+
+
+def _keywords_and_rows(path: Path, within: tuple[Path, ...] = ()) -> Iterator[tuple[str, int, str]]:
     """File, number and text of all lines that are no comments, with those of the files that are included."""
+    if path in within:
+        raise ComponentError(f"{path.name}: includes itself")
     try:
         lines = path.read_text(encoding="latin-1").splitlines()
     except OSError as error:
@@ -57,11 +82,9 @@ def _keywords_and_rows(path: Path) -> Iterator[tuple[str, int, str]]:
         if not text or text.startswith("**"):
             continue
         yield path.name, number, text
-        keyword, _, parameters = text.partition(",")
-        if keyword.strip().upper() in ("*INCLUDE", "*NODE"):
-            included = re.search(r"INPUT\s*=\s*([^,]+)", parameters, re.IGNORECASE)
-            if included:
-                yield from _keywords_and_rows(path.with_name(included.group(1).strip().strip('"')))
+        part = _included(path, text)
+        if part is not None:
+            yield from _keywords_and_rows(part, (*within, path))
 
 
 def _node(path: Path) -> Iterator[list[float]]:

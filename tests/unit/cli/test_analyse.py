@@ -15,8 +15,8 @@ from orchestrator.cli.progress import progress
 from orchestrator.run.progress import followed
 
 NAMES = main.commands["analyse"].list_commands(None)
-ON_RESULTS = ("impact", "stress")
-NEEDED = {"latch-tuning": ("--line", "HL1"), "stress": ("--body", "panel")}
+ON_RESULTS = ("impact", "outputs", "stress")
+NEEDED = {"latch-tuning": ("--line", "HL1"), "outputs": ("--body", "panel"), "stress": ("--body", "panel")}
 """Options without which an analysis asks for them first."""
 
 
@@ -108,6 +108,7 @@ AMOS3 = ("amos3", "--rigid", "all")
         (("torque-margin", "amos3", "--output", "file/x", "--positions", "2"), "file/x: Not a directory"),
         (("stress", "file", "--body", "panel"), "this is not a result of Fanfold"),
         (("stress", ".", "--body", "panel"), "is a directory"),
+        (("outputs", "file", "--body", "panel"), "this is not a result of Fanfold"),
         (("stress", "file", "--body", "panel", "--around", "0", "0", "-1"), "R must not be negative"),
         (("stress", "file", "--body", "panel", "--within", "0", "nan", "0", "1"), "nan is not a finite"),
         (("impact", "file", "--output", "a.abc"), "must end with .png, .pdf or .svg"),
