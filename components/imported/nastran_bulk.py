@@ -20,7 +20,7 @@ _DAMAGED = "it is damaged or cut off"
 
 def read_bulk(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
     """Stiffness and mass as DMIG in bulk data, nodes from GRID entries there unless they are given."""
-    found = _dmig(path)
+    found = read_dmig(path)
     if not found:
         raise ComponentError(f"{path.name}: has no DMIG; it is no punched matrix, or cut off")
     nodes = {} if "coordinates" in further else {"coordinates": read_grids(path)}
@@ -29,7 +29,7 @@ def read_bulk(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
 
 def read_op2(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
     """Stiffness and mass of an op2 file, as DMIG with nodes and components, or as matrices of OUTPUT2 without."""
-    found: Mapping[str, Any] = _dmig(path)
+    found: Mapping[str, Any] = read_dmig(path)
     if not found:
         try:
             found = pyyeti().op2.rdmats(str(path), lower=True)
@@ -58,8 +58,8 @@ def _told(error: Exception) -> str:
     return f"{type(error).__name__}: {error}"
 
 
-def _dmig(path: Path) -> dict[str, LabelledMatrix]:
-    """Square real matrices by name."""
+def read_dmig(path: Path) -> dict[str, LabelledMatrix]:
+    """Square real DMIG by name, of bulk data or an op2; ComponentError where they cannot be read."""
     try:
         frames = pyyeti().rddmig(str(path))
     except Exception as error:  # whatever pyYeti meets in a damaged file

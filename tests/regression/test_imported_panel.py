@@ -66,3 +66,8 @@ def test_a_panel_deploys_the_same_by_every_path(tmp_path, data, own, program):
     for signal in ("latch_torque", "angle"):
         mine, theirs = (run.signal("hinge_left", signal) for run in (own, other))
         np.testing.assert_allclose(theirs, mine, atol=max(5.0 * digits, 1e-9) * np.abs(mine).max())
+
+
+def test_a_body_without_rows_of_stress_is_told(own):
+    with pytest.raises(fanfold.FanfoldError, match="panel: no rows of stresses or forces came with it"):
+        fanfold.body_outputs(own, "panel")

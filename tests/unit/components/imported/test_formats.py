@@ -4,10 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import sparse
+from scipy import linalg, sparse
 
 from components.contract.component import ComponentError
-from components.flexible.reduction import craig_bampton
+from components.flexible.finite_elements import OutputRows
+from components.flexible.reduction import craig_bampton, fixed_interface_frequencies
+from components.imported.data import FiniteElementData
+from components.imported.matrices import write_npz
+from components.imported.nastran import write_op4
+from components.imported.points import JoinedPoint
 from tests.references import matrix_writers as write
 from tests.references.frame_model import bar_frame, frame_data, imported
 
@@ -160,3 +165,85 @@ def test_what_does_not_fit_is_a_sentence(tmp_path, told):
     files = BROKEN[told](tmp_path)
     with pytest.raises(ComponentError, match=told):
         imported(files).model()
+
+
+def _with_rows():
+    """The frame with axial force and mean stress of its first element, and a moment."""
+    rows = np.zeros((3, len(DATA.dofs)))
+    along = DATA.coordinates[1] - DATA.coordinates[0]
+    along = along / np.linalg.norm(along)
+    rows[0, 0:3], rows[0, 6:9] = -along, along
+    rows[1] = 2e6 * rows[0]
+    rows[2, 3], rows[2, 9] = 1.0, -1.0
+    return replace(
+        DATA, outputs=OutputRows(("bar force", "bar stress", "bar moment"), ("N", "Pa", "N.m"), rows)
+    )
+
+
+@pytest.mark.parametrize("ending", [".npz", ".op4"])
+def test_rows_of_stress_and_force_are_read_back_in_si_units(tmp_path, ending):
+    """Written in mm and t: stress in MPa, moments in N.mm; labels in npz only."""
+    data, path = _with_rows(), tmp_path / f"frame{ending}"
+    # one N by m is 1e-3 N by mm; rotations stay, and N.m are 1e3 N.mm
+    scale = np.where(data.dofs[:, 1] <= 3, 1e-3, 1.0)
+    units = np.array([1.0, 1e-6, 1e3])
+    turned = sparse.diags_array(scale)
+    millimetres = replace(
+        data,
+        stiffness=sparse.csr_array(1e3 * turned @ data.stiffness @ turned),
+        mass=sparse.csr_array(1e3 * turned @ data.mass @ turned),
+        coordinates=1e3 * data.coordinates,
+        outputs=replace(data.outputs, rows=units[:, None] * data.outputs.rows * scale),
+    )
+    {".npz": write_npz, ".op4": write_op4}[ending](path, millimetres)
+    found = imported(path, length=1e-3, mass=1e3).model().outputs
+    labels = (
+        ("bar stress", "bar force", "bar moment") if ending == ".npz" else ("stress 1", "force 1", "moment 1")
+    )
+    assert found.labels == labels
+    assert found.units == ("Pa", "N", "N.m")
+    np.testing.assert_allclose(found.rows, data.outputs.rows[[1, 0, 2]], rtol=1e-12)
+
+
+def test_rows_that_rigid_motions_stress_are_a_sentence(tmp_path):
+    data = _with_rows()
+    rows = np.roll(data.outputs.rows, 1, axis=1)
+    write_npz(tmp_path / "frame.npz", replace(data, outputs=replace(data.outputs, rows=rows)))
+    with pytest.raises(ComponentError, match=r"is not zero in rigid motions, by .* its row does not belong"):
+        imported(tmp_path / "frame.npz").model()
+
+
+def _truss():
+    """A boom of three bays of bars with nodes of three components, as solids of CalculiX have them."""
+    corners = np.array([(0.3, 0.0), (-0.15, 0.26), (-0.15, -0.26)])
+    places = np.array([(0.8 * bay, *corner) for bay in range(4) for corner in corners])
+    bars = [(3 * b + k, 3 * b + j) for b in range(4) for k, j in ((0, 1), (1, 2), (2, 0))]
+    bars += [
+        (3 * b + k, 3 * b + 3 + j)
+        for b in range(3)
+        for k, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+    ]
+    stiffness, mass = np.zeros((36, 36)), np.zeros((36, 36))
+    for one, other in bars:
+        span = places[other] - places[one]
+        length = np.linalg.norm(span)
+        rows = np.r_[3 * one : 3 * one + 3, 3 * other : 3 * other + 3]
+        ends = np.concatenate([-span, span]) / length
+        stiffness[np.ix_(rows, rows)] += 2e6 / length * np.outer(ends, ends)
+        mass[np.ix_(rows, rows)] += 0.3 * length / 6.0 * np.kron([[2.0, 1.0], [1.0, 2.0]], np.eye(3))
+    numbers = np.arange(1, 13)
+    dofs = np.column_stack([np.repeat(numbers, 3), np.tile([1, 2, 3], 12)])
+    return FiniteElementData(sparse.csr_array(stiffness), sparse.csr_array(mass), numbers, places, dofs)
+
+
+def test_solids_of_calculix_are_held_by_a_rigid_element(tmp_path):
+    """Against the eigenvalues of the truss itself with the three nodes of its root held."""
+    data = _truss()
+    root = JoinedPoint("root", (1, 2, 3))
+    model = imported(write.calculix(tmp_path, data), points=(), rigid_elements=(root,)).model()
+    free = slice(9, None)
+    exact = linalg.eigh(
+        data.stiffness.toarray()[free, free], data.mass.toarray()[free, free], eigvals_only=True
+    )
+    np.testing.assert_allclose(fixed_interface_frequencies(model, ("root",), 6) ** 2, exact[:6], rtol=1e-9)
+    assert model.mass == pytest.approx(np.sum(data.mass.toarray()[::3, ::3]), rel=1e-12)

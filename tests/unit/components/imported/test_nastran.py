@@ -12,9 +12,11 @@ from scipy import sparse
 import orchestrator as fanfold
 from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton_basis, orthonormal_modes
+from components.imported.agreement import free_hertz
 from components.imported.body import ImportedBody
 from components.imported.data import transformed
 from components.imported.nastran import read_matrices, read_superelement, write_superelement
+from components.imported.nastran_bulk import read_dmig
 from orchestrator.scene.builder import Scene
 from tests.references.nastran_results import by_mode
 
@@ -191,3 +193,27 @@ def test_a_superelement_that_we_write_is_read_back_in_full_and_by_what_nastran_k
         ComponentError, match=r"lists 46 degrees of freedom, and the matrices of wing\.op4 have 32 rows"
     ):
         read_superelement(path)
+
+
+def test_a_superelement_with_one_component_of_a_node_has_the_free_modes_that_nastran_wrote():
+    """Against LAMBDA of two versions of Nastran; 508 nodes recovered, one boundary node with one component."""
+    points = (("a", 373), ("b", 411), ("c", 441))
+    body = ImportedBody(
+        (("file", str(PAIR / "reduced_bset_notall6.asm")),), "notall6", points, length=0.0254, mass=175.1268
+    )
+    found = free_hertz(body.model(), 4)
+    for version in ("nx2021", "msc2017"):
+        eigenvalues = read_matrices(PAIR / f"nas2cam_notall6_{version}.op4")["lambda"].ravel()
+        np.testing.assert_allclose(found, np.sqrt(eigenvalues[6:]) / (2.0 * np.pi), rtol=1e-8)
+    assert len(body.data().recovery.nodes) == 508
+
+
+def test_dmig_of_an_op2_that_nastran_wrote_are_those_it_was_given_as_text():
+    """The public pair of pyYeti's tests: a bulk file, and what Nastran made of it by MATMOD and OUTPUT2."""
+    folder = PAIR.parent / "nastran_dmig_data"
+    punched, written = read_dmig(folder / "matrix_factory.pch"), read_dmig(folder / "matrix.op2")
+    assert set(punched) == {"patrn", "ident", "randm"}
+    for name, matrix in punched.items():
+        other = written[f"m{name}"]
+        np.testing.assert_array_equal(other.dofs, matrix.dofs)
+        assert abs(other.matrix - matrix.matrix).max() < 1e-9 * abs(matrix.matrix).max()
