@@ -13,8 +13,8 @@ from components.imported.data import FiniteElementData
 from components.imported.matrices import write_npz
 from components.imported.nastran import write_op4
 from components.imported.points import JoinedPoint
-from tests.references import matrix_writers as write
-from tests.references.frame_model import bar_frame, frame_data, imported
+from tests.references.imports import matrix_writers as write
+from tests.references.imports.frame_model import bar_frame, frame_data, imported
 
 DATA = frame_data(bar_frame())
 ENDS = ("left", "right", "tip")

@@ -13,7 +13,7 @@ from components.flexible.reduction import craig_bampton
 from components.imported.data import FiniteElementData, transformed
 from components.imported.matrices import to_matrices
 from components.imported.points import JoinedPoint
-from tests.references.frame_model import JOINTS, POINTS, bar_frame, frame_data, imported
+from tests.references.imports.frame_model import JOINTS, POINTS, bar_frame, frame_data, imported
 
 
 def _stored(folder: Path, data: FiniteElementData, **other) -> Path:

@@ -18,7 +18,7 @@ from components.imported.data import transformed
 from components.imported.nastran import read_matrices, read_superelement, write_superelement
 from components.imported.nastran_bulk import read_dmig
 from orchestrator.scene.builder import Scene
-from tests.references.nastran_results import by_mode
+from tests.references.imports.nastran_results import by_mode
 
 PAIR = Path(str(files("pyyeti"))) / "tests" / "nas2cam_extseout"
 POINTS = {"a": 3, "b": 11, "c": 19, "d": 27}

@@ -12,8 +12,8 @@ import orchestrator as fanfold
 from components.flexible.beam_frame import Member, beam_frame
 from components.imported.matrices import write_npz
 from orchestrator.scene import find_scene
-from tests.references.frame_model import SECTION, frame_data
-from tests.references.matrix_writers import WRITERS
+from tests.references.imports.frame_model import SECTION, frame_data
+from tests.references.imports.matrix_writers import WRITERS
 
 CORNERS = {
     "hl_left": (0, 0.565, 0),
