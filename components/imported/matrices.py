@@ -72,6 +72,11 @@ def _square(found: Matrices, nodes: Integers) -> tuple[SparseMatrix, SparseMatri
             )
         return stiffness.matrix, mass.on(stiffness.dofs), stiffness.dofs
     dofs = _whole("dofs", _table(found, "dofs", 2)) if "dofs" in found else None
+    if dofs is not None and isinstance(stiffness, Entries) and stiffness.count < len(dofs):
+        raise ComponentError(
+            f"{stiffness.file}: has {stiffness.count} rows, and {len(dofs)} degrees of freedom are listed; one of the "
+            "files is cut off"
+        )
     listed = [matrix for matrix in (stiffness, mass) if isinstance(matrix, Entries)]
     count = max((matrix.count for matrix in listed), default=0) if dofs is None else len(dofs)
     stiffness, mass = (

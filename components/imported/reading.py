@@ -15,9 +15,11 @@ from .matrices import from_matrices, read_npz
 from .text.decks import DECKS, included, read_deck
 from .text.entries import read_columns, read_dofs, read_entries
 from .text.harwell_boeing import is_harwell_boeing, read_harwell_boeing
+from .text.labelled import LabelledMatrix
+from .text.user_element import is_user_element, read_user_element
 
 _BULK = (".pch", ".bdf", ".nas", ".dmig")
-ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti")
+ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti", ".mtx")
 """Of files that hold everything, or K and M at least."""
 _CALCULIX = {"stiffness": ".sti", "mass": ".mas", "dofs": ".dof", "coordinates": ".inp"}
 _HEAD = b"%%MatrixMarket"
@@ -33,7 +35,9 @@ def read(paths: Mapping[str, Path]) -> FiniteElementData:
     if ending == ".npz":
         return read_npz(whole)
     if ending == ".sti":
-        return from_matrices(_matrices(_of_calculix(whole) | further))
+        return from_matrices(_matrices(_of_calculix(whole, further)))
+    if ending == ".mtx":
+        return from_matrices({**_of_substructure(whole), **_matrices(further)})
     from . import nastran, nastran_bulk  # loads pyYeti
 
     readers: Mapping[str, Callable[[], FiniteElementData]] = {
@@ -54,10 +58,26 @@ def beside(path: Path) -> tuple[Path, ...]:
     return tuple(part for one in found for part in (included(one) if one.suffix.lower() == ".inp" else [one]))
 
 
-def _of_calculix(path: Path) -> dict[str, Path]:
-    """Files of one job by what they hold, as far as they are there."""
+def _of_calculix(path: Path, further: Mapping[str, Path]) -> dict[str, Path]:
+    """Files of one job by what they hold, but for those that are given."""
     found = {name: path.with_suffix(ending) for name, ending in _CALCULIX.items()}
-    return {name: part for name, part in found.items() if part.is_file()}
+    found.update(further)
+    lost = [f"{part.name} ({name})" for name, part in found.items() if not part.is_file()]
+    if lost:
+        raise ComponentError(
+            f"{', '.join(lost)} is not there; it belongs beside {path.name}, or is given by its key"
+        )
+    return found
+
+
+def _of_substructure(path: Path) -> dict[str, Any]:
+    """Stiffness and mass of a substructure."""
+    if not is_user_element(path):
+        raise ComponentError(
+            f"{path.name}: is no substructure, which would have K and M in one file; give stiffness and mass, each its "
+            "own"
+        )
+    return dict(read_user_element(path))
 
 
 def _matrices(paths: Mapping[str, Path]) -> dict[str, Any]:
@@ -83,7 +103,16 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
             return sparse.coo_array(io.mmread(path))
         except (ValueError, OSError, TypeError, OverflowError) as error:
             raise ComponentError(f"{path.name}: cannot be read as Matrix Market: {error}") from None
-    return read_entries(path) if name in ("stiffness", "mass") else read_columns(path)
+    if name not in ("stiffness", "mass"):
+        return read_columns(path)
+    return _part_of_substructure(name, path) if is_user_element(path) else read_entries(path)
+
+
+def _part_of_substructure(name: str, path: Path) -> LabelledMatrix:
+    found = read_user_element(path)
+    if name not in found:
+        raise ComponentError(f"{path.name}: has no {name} (*MATRIX, TYPE={name.upper()})")
+    return found[name]
 
 
 def _has_grids(path: Path) -> bool:

@@ -88,6 +88,57 @@ def abaqus_coordinate(folder, data):
     }
 
 
+def abaqus_substructure(folder, data):
+    """*SUBSTRUCTURE MATRIX OUTPUT, OUTPUT FILE=USER DEFINED: all components at every node, rows of four numbers."""
+    numbers = [
+        ", ".join(f"{node:9d}" for node in data.nodes[k : k + 10]) for k in range(0, len(data.nodes), 10)
+    ]
+    lines = [
+        "**",
+        "** SUBSTRUCTURE",
+        f"*USER ELEMENT, NODES={len(data.nodes):10d}, LINEAR",
+        "** ELEMENT NODES",
+    ]
+    lines += [f"** {row}," for row in numbers]
+    lines += ["         1,         2,         3,         4,         5,         6"]
+    for name, matrix in (("STIFFNESS", data.stiffness.toarray()), ("MASS", data.mass.toarray())):
+        lines.append(f"*MATRIX,TYPE={name}")
+        for row in range(len(matrix)):
+            values = [f"{value:24.16e}" for value in matrix[row, : row + 1]]
+            lines += [", ".join(values[k : k + 4]) + "," for k in range(0, len(values), 4)]
+    (folder / "sub.mtx").write_text("\n".join(lines) + "\n")
+    return {"file": folder / "sub.mtx", "coordinates": columns(folder, data)}
+
+
+def calculix_substructure(folder, data):
+    """The same of CalculiX, which lists a node for every degree of freedom, and no mass: that of *FREQUENCY."""
+    (folder / "job.inp").write_text("*NODE\n" + _inp_rows(data, slice(None)))
+    nodes, matrix = data.dofs[:, 0], data.stiffness.toarray()
+    lines = [
+        "**",
+        "** GENERATION OF SUBSTRUCTURE",
+        f"*USER ELEMENT,NODES= {len(nodes):10d},LINEAR",
+        "** ELEMENT NODES",
+    ]
+    lines += ["**" + "".join(f"{node:10d}," for node in nodes[k : k + 10]) for k in range(0, len(nodes), 10)]
+    lines += [f"{data.dofs[0, 1]:10d}", *(f"{k:10d},{c:10d}" for k, c in enumerate(data.dofs[1:, 1], 2))]
+    lines.append("*MATRIX,TYPE=STIFFNESS")
+    for column in range(len(matrix)):
+        values = [f"{value:20.13e}," for value in matrix[: column + 1, column]]
+        lines += ["".join(values[k : k + 4]) for k in range(0, len(values), 4)]
+    (folder / "sub.mtx").write_text("\n".join(lines) + "\n")
+    labels = (f"{a} {b} {c} {d} {v:.16e}\n" for (a, b), (c, d), v in _labelled(data))
+    (folder / "mass.txt").write_text("".join(labels))
+    return {"stiffness": folder / "sub.mtx", "mass": folder / "mass.txt", "coordinates": folder / "job.inp"}
+
+
+def _labelled(data):
+    """Node and component of row and column, and value, of the mass."""
+    entries = sparse.coo_array(data.mass)
+    for row, column, value in zip(entries.row, entries.col, entries.data, strict=True):
+        yield data.dofs[row], data.dofs[column], value
+
+
 def _fortran(values, form, each):
     """Lines of so many fields each."""
     words = [format(value, form).replace("e", "D") for value in values]
@@ -248,6 +299,8 @@ WRITERS = {
     "calculix": (calculix, 1e-13),
     "abaqus, matrix input": (abaqus_matrix_input, 1e-15),
     "abaqus, coordinate": (abaqus_coordinate, 1e-15),
+    "abaqus, substructure": (abaqus_substructure, 1e-15),
+    "calculix, substructure": (calculix_substructure, 1e-13),
     "ansys, hbmat and nwrite": (ansys_harwell_boeing, 1e-15),
     "ansys, hbmat and cdwrite": (lambda folder, data: ansys_harwell_boeing(folder, data, "cdb"), 1e-15),
     "ansys, matrix market": (_matrix_market, 1e-15),

@@ -144,7 +144,47 @@ def _millimetres(folder):
     )
 
 
+def _no_mass(folder):
+    path = write.calculix(folder, DATA)
+    (folder / "job.mas").unlink()
+    return path
+
+
+def _too_many_freedoms(folder):
+    path = write.calculix(folder, DATA)
+    with (folder / "job.dof").open("a") as file:
+        file.write("13.1\n")
+    return path
+
+
+def _substructure_without_mass(folder):
+    return {**write.calculix_substructure(folder, DATA), "mass": folder / "sub.mtx"}
+
+
+def _two_elements(folder):
+    files = write.abaqus_substructure(folder, DATA)
+    files["file"].write_text(2 * files["file"].read_text())
+    return files
+
+
+def _no_substructure(folder):
+    files = write.abaqus_matrix_input(folder, DATA)
+    return {"file": files["mass"], "coordinates": files["coordinates"]}
+
+
+def _itself(folder):
+    path = write.calculix(folder, DATA)
+    _edited(folder / "more.inc", "*Node", "*INCLUDE, INPUT=job.inp\n*Node")
+    return path
+
+
 BROKEN = {
+    r"job\.mas \(mass\) is not there; it belongs beside job\.sti": _no_mass,
+    r"job\.sti: has 72 rows, and 73 degrees of freedom are listed": _too_many_freedoms,
+    r"sub\.mtx: has no mass \(\*MATRIX, TYPE=MASS\)": _substructure_without_mass,
+    r"sub\.mtx: has 2 elements": _two_elements,
+    r"job_MASS1\.mtx: is no substructure": _no_substructure,
+    r"job\.inp: includes itself": _itself,
     r"job_MASS1\.mtx: node -3 is internal to Abaqus": _internal_node,
     r"job\.inp: line \d+: \*TRANSFORM.* gives nodes axes of their own": _local_axes,
     r"job\.inp: line 4: \*Node, System=C.* gives nodes axes of their own": _cylindrical,
