@@ -1,8 +1,7 @@
 """Matrices in Harwell-Boeing files, as HBMAT of Ansys writes them: assembled, real, symmetric (one triangle) or not.
 
-SciPy's `hb_read` takes unsymmetric ones without a right-hand side only. Duff, Grimes and Lewis, User's Guide for the
-Harwell-Boeing Sparse Matrix Collection (1992): four lines of heading, a fifth where there is a right-hand side, then
-column pointers, rows and values in fields of fixed width.
+SciPy's `hb_read` takes unsymmetric ones without a right-hand side only. Duff, Grimes and Lewis 1992: four lines of
+heading, a fifth where there is a right-hand side, then column pointers, rows and values in fields of fixed width.
 """
 
 from __future__ import annotations

@@ -140,7 +140,7 @@ def test_bad_input_is_a_sentence(act, tmp_path, monkeypatch):
 def test_every_command_is_a_function():
     """Completeness: what the terminal does can be done from Python by the same word."""
     names = {name.replace("-", "_") for name in main.commands["analyse"].list_commands(None)}
-    words = {"impact": "impacts"}
+    words = {"impact": "impacts", "outputs": "body_outputs"}
     assert {words.get(name, name) for name in names} <= set(fanfold.__all__)
     words = {"run": "simulate", "list": "scenes", "analyse": "modes"}
     assert {words.get(name, name.replace("-", "_")) for name in main.commands} <= set(fanfold.__all__)
