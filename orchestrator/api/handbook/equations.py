@@ -138,8 +138,8 @@ SOURCES = {
     "Journal 6 (1968), 1313-1319",
     "Cowper 1966": "G. R. Cowper, The Shear Coefficient in Timoshenko's Beam Theory. Journal of Applied Mechanics 33 "
     "(1966), 335-340",
-    "Duff, Grimes and Lewis 1992": "I. S. Duff, R. G. Grimes and J. G. Lewis, User's Guide for the Harwell-Boeing Sparse "
-    "Matrix Collection. 1992",
+    "Duff, Grimes and Lewis 1992": "I. S. Duff, R. G. Grimes and J. G. Lewis, User's Guide for the Harwell-Boeing "
+    "Sparse Matrix Collection. 1992",
     "Dupont, Hayward, Armstrong and Altpeter 2002": "P. Dupont, V. Hayward, B. Armstrong and F. Altpeter, Single State "
     "Elastoplastic Friction Models. IEEE Transactions on Automatic Control 47 (2002), 787-792",
     "ECSS-E-ST-33-01C": "European Cooperation for Space Standardization, Mechanisms, 2009",
