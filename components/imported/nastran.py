@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -53,26 +53,24 @@ def read_matrices(path: Path) -> dict[str, Any]:
 
 def read_op4(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
     """The data of an op4 file that holds everything, or of one with K and M alone and further matrices."""
-    return from_matrices({**named(path, read_matrices(path)), **further})
+    return from_matrices({**named(path, read_matrices(path), further), **further})
 
 
-def named(path: Path, found: Mapping[str, Any]) -> dict[str, Any]:
-    """Matrices by our names, from their names in files of Nastran; ComponentError where K and M differ in size."""
+def named(path: Path, found: Mapping[str, Any], given: Container[str] = ()) -> dict[str, Any]:
+    """Matrices by our names, from their names in files of Nastran; `given` are those that come from elsewhere.
+
+    ComponentError where K or M is in neither.
+    """
     known = {name: found[short] for name, short in OP4_NAMES.items() if short in found}
     for name, others in _OTHERS.items():
         short = next((other for other in others if other in found), None)
         if name not in known and short is not None:
             known[name] = found[short]
-    missing = [name for name in ("stiffness", "mass") if name not in known]
+    missing = [name for name in ("stiffness", "mass") if name not in known and name not in given]
     if missing:
         sought = " and ".join(f"{name} ({', '.join((OP4_NAMES[name], *_OTHERS[name]))})" for name in missing)
         raise ComponentError(
             f"{path.name}: there is no matrix of {sought}; matrices are {', '.join(found) or 'none'}"
-        )
-    lengths = {len(np.atleast_2d(known[name])) for name in ("stiffness", "mass")}
-    if len(lengths) > 1:
-        raise ComponentError(
-            f"{path.name}: stiffness and mass have {' and '.join(map(str, sorted(lengths)))} rows"
         )
     return known
 

@@ -24,7 +24,7 @@ def read_bulk(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
     if not found:
         raise ComponentError(f"{path.name}: has no DMIG; it is no punched matrix, or cut off")
     nodes = {} if "coordinates" in further else {"coordinates": read_grids(path)}
-    return from_matrices({**named(path, found), **nodes, **further})
+    return from_matrices({**named(path, found, further), **nodes, **further})
 
 
 def read_op2(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
@@ -35,7 +35,7 @@ def read_op2(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
             found = pyyeti().op2.rdmats(str(path), lower=True)
         except Exception as error:  # whatever pyYeti meets in a damaged file
             raise ComponentError(f"{path.name}: cannot be read as op2, {_DAMAGED}: {_told(error)}") from None
-    return from_matrices({**named(path, found), **further})
+    return from_matrices({**named(path, found, further), **further})
 
 
 def read_grids(path: Path) -> NodeTable:

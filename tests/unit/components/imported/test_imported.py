@@ -8,11 +8,13 @@ import pytest
 from scipy import io, sparse
 
 from components.contract.component import ComponentError
+from components.flexible.finite_elements import OutputRows
 from components.flexible.modal import rigid_motion
-from components.flexible.reduction import craig_bampton
+from components.flexible.reduction import craig_bampton, orthonormal_modes
 from components.imported.data import FiniteElementData, transformed
-from components.imported.matrices import to_matrices
+from components.imported.matrices import to_matrices, write_npz
 from components.imported.points import JoinedPoint
+from components.imported.reduced import reduced_data
 from tests.references.imports.frame_model import JOINTS, POINTS, bar_frame, frame_data, imported
 
 
@@ -193,3 +195,22 @@ def test_what_is_stated_is_compared(tmp_path):
     assert not [row for row in imported(path, stated=Stated(mass=1.009 * mass)).agreement() if row.problem]
     with pytest.raises(ComponentError, match="is stated"):
         imported(path, stated=Stated(mass=1.011 * mass)).model()
+
+
+def test_rows_of_stress_come_along_when_a_body_is_reduced(tmp_path):
+    """Of the reduced body read back, in its free modes, they are those of the full one."""
+    data = frame_data(bar_frame())
+    rows = np.random.default_rng(2).standard_normal((4, len(data.dofs)))
+    rigid = data.rigid_motions()
+    rows -= rows @ rigid @ np.linalg.pinv(rigid)
+    outputs = OutputRows(("a", "b", "c", "d"), ("Pa", "N", "N.m", "N/m"), 1e6 * rows)
+    full = imported(_stored(tmp_path, replace(data, outputs=outputs))).model()
+    path = tmp_path / "reduced.npz"
+    write_npz(path, reduced_data(full, ("left", "right", "tip"), (), 6))
+    reduced = imported(path).model()
+    stresses = []
+    for model in (full, reduced):
+        modes = orthonormal_modes(model, ("left", "right", "tip"), 6)[1][:, :8]
+        stresses.append(np.abs(model.outputs.rows @ modes))
+    np.testing.assert_allclose(stresses[1], stresses[0], atol=1e-6 * np.abs(stresses[0]).max())
+    assert reduced.outputs.units == outputs.units
