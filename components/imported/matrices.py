@@ -10,6 +10,7 @@ have eight letters.
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ from .files import OUTPUTS
 from .text.labelled import Entries, LabelledMatrix
 
 Matrices = Mapping[str, Any]
+_EMPTY = 100
+"""Rows to an entry, beyond which a number of a row is damaged."""
 
 
 def from_matrices(found: Matrices) -> FiniteElementData:
@@ -189,7 +192,15 @@ def read_npz(path: Path) -> FiniteElementData:
     try:
         with np.load(path, allow_pickle=False) as stored:
             found: dict[str, Any] = {name: stored[name] for name in stored.files}
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError) as error:
+    except (
+        ValueError,
+        OSError,
+        EOFError,
+        zipfile.BadZipFile,
+        zlib.error,
+        KeyError,
+        NotImplementedError,
+    ) as error:
         raise ComponentError(f"{path.name}: cannot be read as npz: {error}") from None
     for name in [name for name in found if name.endswith("_entries")]:
         found[name.removesuffix("_entries")] = _from_entries(name, found.pop(name), found)
@@ -205,6 +216,8 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
         raise ComponentError(f"{name}: rows and columns count from 1")
     count = len(found["dofs"]) if "dofs" in found else int(columns.max()) + 1
     height = int(rows.max()) + 1 if name.startswith(("sample", "recovered", "stress")) else count
+    if count > len(entries) * _EMPTY:
+        raise ComponentError(f"{name}: an entry is in row or column {count}, and there are {len(entries)}")
     if columns.max() >= count or rows.max() >= height:
         raise ComponentError(f"{name}: an entry is in column {columns.max() + 1} of {count}")
     return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -98,9 +99,14 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
         return read_dofs(path)
     if is_harwell_boeing(path):
         return read_harwell_boeing(path)
-    if path.read_bytes().startswith(_HEAD):
+    content = path.read_bytes()
+    if content.startswith(_HEAD):
         try:
-            return sparse.coo_array(io.mmread(path))
+            size = max(io.mminfo(BytesIO(content))[:2])
+            if size > len(content):
+                raise ValueError(f"it has {size} rows or columns in {len(content)} characters")
+            # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
+            return sparse.coo_array(io.mmread(BytesIO(content + b"\n")))
         except (ValueError, OSError, TypeError, OverflowError) as error:
             raise ComponentError(f"{path.name}: cannot be read as Matrix Market: {error}") from None
     if name not in ("stiffness", "mass"):

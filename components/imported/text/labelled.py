@@ -11,6 +11,9 @@ from ...contract.component import ComponentError, Vector
 from ...flexible.finite_elements import SparseMatrix
 from ..data import Integers
 
+_EMPTY = 100
+"""Rows to an entry, beyond which a number of a row is damaged; matrices would not fit into memory."""
+
 
 @dataclass(frozen=True)
 class Entries:
@@ -33,6 +36,10 @@ class Entries:
         """(count, count) with both triangles; ComponentError where it has more rows."""
         if self.count > count:
             raise ComponentError(f"{self.file}: an entry is in row or column {self.count} of {count}")
+        if count > _EMPTY * len(self.values):
+            raise ComponentError(
+                f"{self.file}: an entry is in row or column {count}, and there are {len(self.values)}"
+            )
         if min(self.rows.min(), self.columns.min()) < 0:
             raise ComponentError(f"{self.file}: rows and columns count from 1")
         return whole(sparse.csr_array((self.values, (self.rows, self.columns)), shape=(count, count)))

@@ -52,6 +52,22 @@ def test_files_cut_off_are_sentences(tmp_path, program):
     assert imported(files).model().mass == pytest.approx(bar_frame().mass, rel=1e-9)
 
 
+@pytest.mark.parametrize("sizes", ["72 72", "99999999999 72"])
+def test_matrix_market_cut_off_within_an_exponent_or_with_a_wrong_size_is_a_sentence(tmp_path, sizes):
+    """SciPy's reader would look for digits beyond the end of the first, and fill all memory for the second."""
+    files = {
+        "stiffness": tmp_path / "k.mtx",
+        "mass": tmp_path / "k.mtx",
+        "coordinates": write.columns(tmp_path, DATA),
+    }
+    end = "e-" if sizes == "72 72" else "e-03"
+    files["mass"].write_text(
+        f"%%MatrixMarket matrix coordinate real symmetric\n{sizes} 9\n1 1 1.0\n2 2 3.1763735522{end}"
+    )
+    with pytest.raises(ComponentError, match=r"k\.mtx: cannot be read as Matrix Market"):
+        imported(files).model()
+
+
 def _edited(path, old, new):
     text = path.read_text()
     assert old in text

@@ -185,6 +185,11 @@ def test_files_cut_off_and_points_that_are_not_there_are_sentences(tmp_path):
     path.write_bytes(path.read_bytes()[:4000])
     with pytest.raises(ComponentError, match="cannot be read as npz"):
         imported(path).model()
+    write_npz(path, frame_data(bar_frame()))  # compressed
+    content = path.read_bytes()
+    path.write_bytes(content[:300] + bytes(200) + content[500:])
+    with pytest.raises(ComponentError, match="cannot be read as npz"):
+        imported(path).model()
 
 
 def test_what_is_stated_is_compared(tmp_path):
