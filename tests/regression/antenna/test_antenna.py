@@ -1,6 +1,7 @@
 """The antenna of the thesis: its unit carries the membrane up (Mollo, chapter 5; M15 to M18 of the data sheet)."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -18,17 +19,30 @@ TRAVEL = {(): 1.176, ("without_spacers",): 1.176, ("diagonal",): 0.9996}
 """m, of the law by variant."""
 WHOLE = 1.2
 """m, of the law that the design's numbers belong to."""
+COARSE = {"body.membrane.panel.element_size": "100 mm"}
+"""A mesh five times as coarse: the lag of the middle is 5e-5 larger where it is linear, 1 % less where it stretches."""
 
 
 @pytest.fixture(scope="module")
-def runs():
-    """All variants a little beyond the first swing, in which the membrane lags most."""
-    return {
-        variant: fanfold.simulate(
-            fanfold.load("antenna", variant), until=0.09, tolerance=1e-3, estimate=False
-        )
-        for variant in TRAVEL
-    }
+def told_runs():
+    """All variants a little beyond the first swing, in which the membrane lags most, and the warnings of the first.
+
+    The first has the mesh of the catalogue, which stress and frequencies need; the others are compared by their lag.
+    """
+    runs = {}
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        runs[()] = fanfold.simulate("antenna", until=0.09, tolerance=1e-3, estimate=False)
+    for variant in list(TRAVEL)[1:]:
+        scene = fanfold.load("antenna", variant, settings=COARSE)
+        runs[variant] = fanfold.simulate(scene, until=0.09, tolerance=1e-2, estimate=False)
+    return runs, told
+
+
+@pytest.fixture(scope="module")
+def runs(told_runs):
+    """The runs alone."""
+    return told_runs[0]
 
 
 def middle(result):
@@ -48,23 +62,26 @@ def test_the_membrane_lags_as_designed(runs):
     assert deflection[lowest] == pytest.approx(-15.42e-3 * TRAVEL[()] / WHOLE, rel=5e-3)
 
 
-def test_linear_theory_beyond_its_range_is_told():
+def test_linear_theory_beyond_its_range_is_told(told_runs):
     """Messages: how far, when, how many thicknesses of the foil, and what would be right."""
-    with pytest.warns(fanfold.FanfoldWarning, match="membrane bent by") as told:
-        run = fanfold.simulate("antenna", until=0.02, tolerance=1e-3, estimate=False)
+    runs, told = told_runs
     (sentence,) = [str(one.message) for one in told if "which is linear" in str(one.message)]
     bent = re.match(
-        r"membrane bent by ([\d.]+) mm between its joints, at 0\.02 s, ([\d.]+) times the 0\.5 mm", sentence
+        r"membrane bent by ([\d.]+) mm between its joints, at ([\d.]+) s, ([\d.]+) times the 0\.5 mm",
+        sentence,
     )
-    lag = 1e3 * np.abs(middle(run)).max()
-    assert lag < float(bent[1]) < 1.2 * lag  # early on, other places than the middle lag most
-    assert float(bent[2]) == pytest.approx(float(bent[1]) / 0.5, rel=0.05)
+    deflection = np.abs(middle(runs[()]))
+    assert 1e3 * deflection.max() < float(bent[1]) < 1.2e3 * deflection.max()
+    assert float(bent[2]) == pytest.approx(runs[()].time[int(np.argmax(deflection))], abs=1e-3)
+    assert float(bent[3]) == pytest.approx(float(bent[1]) / 0.5, rel=0.05)
+    assert all(one.category is fanfold.FanfoldWarning for one in told)
     assert 'geometry = "von_karman"' in sentence
 
 
 def test_a_membrane_that_stretches_lags_less():
     """Design: 2.51 mm at 25.5 ms on a border that follows the law and does not give way; nothing is told of it."""
-    run = fanfold.simulate(fanfold.load("antenna", "von_karman"), until=0.03, tolerance=1e-3, estimate=False)
+    scene = fanfold.load("antenna", "von_karman", settings=COARSE)
+    run = fanfold.simulate(scene, until=0.03, tolerance=1e-2, estimate=False)
     deflection = middle(run)
     lowest = int(np.argmin(deflection))
     assert run.time[lowest] == pytest.approx(0.0255, abs=2.5e-3)
@@ -92,15 +109,9 @@ def test_joints_of_the_border_are_alike(runs):
     assert np.ptp(sides) < 1e-3 * max(sides)
 
 
-@pytest.fixture(scope="module")
-def drawn(runs):
-    """Figures of the thesis, by name."""
-    return {drawing.name: drawing for drawing in plots.draw_all(runs[()])}
-
-
-def test_figures_of_the_thesis_are_drawn(drawn):
+def test_figures_of_the_thesis_are_drawn(runs):
     """Chapter 5: law, accelerations, joint loads, modes, deformed shape, stress and its hot spots over time."""
-    assert set(drawn) >= {
+    assert {drawing.name for drawing in plots.draw_all(runs["without_spacers",])} >= {
         "prescribed_motion", "accelerations", "angular_accelerations", "joint_accelerations", "joint_forces",
         "joint_torques", "modal_accelerations", "deformations", "membrane_shape", "membrane_stress_field",
         "membrane_stress_histories",
@@ -127,9 +138,10 @@ def test_acceleration_of_the_top_is_that_of_its_law(runs):
     assert gained == pytest.approx(rate[-1], rel=0.02)
 
 
-def test_modes_and_stress_are_those_of_the_thesis(runs, drawn):
+def test_modes_and_stress_are_those_of_the_thesis(runs):
     """M11: 6.41 and 18.9 Hz; M13: 11.17 mm in the body's frame; M14: 100.55 MPa at (10, 500) mm at 0.07 s."""
-    labels = [line.get_label() for line in drawn["modal_accelerations"].figure.axes[0].lines]
+    accelerating = next(one for one in histories(runs[()]) if one.name == "modal_accelerations")
+    labels = list(accelerating.panels[0].curves)
     assert labels[:2] == ["membrane 6.419 Hz", "membrane 19.07 Hz"]
     (deflection,) = deflections(runs[()], ["membrane"]).values()
     assert 1e3 * deflection.size[deflection.row] == pytest.approx(11.17, rel=2e-3)
