@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -24,8 +24,9 @@ from .archive import digest_of, zip_bytes
 from .description.fmi2 import DATE_FORMAT, Backend, Experiment, FmiVersion, model_description
 from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
-from .native import equations, library
+from .native import CompileError, equations, library
 from .native.binary_data import component_bytes
+from .native.platforms import libraries
 from .native.source_files import source_files
 from .python.bundle import python_code, python_data
 
@@ -55,26 +56,28 @@ def build_fmu(
     with_sources: bool = False,
     experiment: Experiment | None = None,
     compressed: bool = True,
+    platforms: Sequence[str] = (),
 ) -> Path:
     """Write `name`.fmu into `directory` (made if missing) and return its path.
 
     `start` are start values of parameters and inputs by name; wrong ones raise `ComponentError`, as does a
     native FMU where there is none, and FMI 3.0 or sources of a PythonFMU. Without a `backend` it is native where
     possible. `experiment` is what a tool runs by default. `with_sources` adds the C sources, for platforms that this
-    one does not build for; no compiler is needed then. Not `compressed`: for files that are soon gone.
+    one does not build for; no compiler is needed then. `platforms`, names of `native.platforms`: libraries of these
+    and of no other, in place of the one of here. Not `compressed`: for files that are soon gone.
     """
     starts = start_values(component, start or {})
-    only_native = fmi == "3.0" or with_sources
+    only_native = fmi == "3.0" or with_sources or bool(platforms)
     backend = backend or ("native" if only_native or native_backend(component) else "python")
     if only_native and backend == "python":
         raise ComponentError(
-            "PythonFMUs are of FMI 2.0 and have no C sources; FMI 3.0 and sources need the native back end"
+            "PythonFMUs are of FMI 2.0 for this platform and have no C sources; all else needs the native back end"
         )
     sources = source_files(name, fmi) if with_sources else {}
     listed = [path.removeprefix("sources/") for path in sources if path.endswith(".c")]
 
     if backend == "native":
-        code = _native_code(component, name, fmi, sources)
+        code = _native_code(component, name, fmi, sources, platforms)
         data = {"resources/component.bin": component_bytes(component, starts, _NO_GUID)}
     else:
         code, data = python_code(component, name), python_data(component, starts)
@@ -105,22 +108,35 @@ def _dated(key: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
 
 
 def _native_code(
-    component: Component, name: str, fmi: FmiVersion, sources: Mapping[str, bytes]
+    component: Component,
+    name: str,
+    fmi: FmiVersion,
+    sources: Mapping[str, bytes],
+    platforms: Sequence[str],
 ) -> dict[str, bytes]:
-    """Library and sources of a native FMU, by their path in it; the library's folder names its platform."""
-    binary = library()
-    if binary is None and not sources:
+    """Libraries and sources of a native FMU, by their path in it; a library's folder names its platform."""
+    if not _has_kernel(component):
+        raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
+    try:
+        found = libraries(platforms, fmi) if platforms else _library_of_here(fmi)
+    except CompileError as error:
+        raise ComponentError(f"{error}") from None
+    if not found and not sources:
         raise ComponentError(
             "there is no native library here; install with a C compiler, or export PythonFMUs or sources"
         )
-    if not _has_kernel(component):
-        raise ComponentError(f"{component.kind} has no native kernel; export it as a PythonFMU")
-    folder = platform_tuple if fmi == "3.0" else platform
-    binaries = {} if binary is None else {f"binaries/{folder}/{name}{binary.suffix}": binary.read_bytes()}
-    files = {**binaries, **sources}
+    files = {f"binaries/{path.replace('*', name)}": content for path, content in found.items()}
+    files.update(sources)
     if fmi == "3.0" and component.ports:
         files["terminalsAndIcons/terminalsAndIcons.xml"] = terminals(component)
     return files
+
+
+def _library_of_here(fmi: FmiVersion) -> dict[str, bytes]:
+    """By folder and suffix; nothing where the package was installed without a C compiler."""
+    binary = library()
+    folder = platform_tuple if fmi == "3.0" else platform
+    return {} if binary is None else {f"{folder}/*{binary.suffix}": binary.read_bytes()}
 
 
 def _now() -> datetime:

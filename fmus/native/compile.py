@@ -74,9 +74,18 @@ def compiler() -> list[str] | None:
     return next((command for command in commands if shutil.which(command[0])), None)
 
 
-def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FLAGS) -> None:
-    """Compile C files, one on each core at a time, into a shared library; CompileError with what the compiler said."""
-    found = compiler()
+def compile_files(
+    names: Sequence[Path],
+    target: Path,
+    flags: Sequence[str] = FLAGS,
+    command: Sequence[str] | None = None,
+    link_flags: Sequence[str] = ("-shared",),
+) -> None:
+    """Compile C files, one on each core at a time, into a shared library; CompileError with what the compiler said.
+
+    command: the compiler with its arguments, by default what `compiler` finds.
+    """
+    found = list(command) if command is not None else compiler()
     if found is None:
         raise CompileError("there is no C compiler (CC, cc, gcc, clang)")
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -87,7 +96,7 @@ def compile_files(names: Sequence[Path], target: Path, flags: Sequence[str] = FL
         commands = [[*found, *flags, "-c", str(name), "-o", made_of_it] for name, made_of_it in pairs]
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             list(pool.map(_run, commands))  # the list raises what a compilation has raised
-        _run([*found, *flags, "-shared", *objects, "-o", str(made), "-lm"])
+        _run([*found, *flags, *link_flags, *objects, "-o", str(made), "-lm"])
         os.replace(made, target)
 
 
@@ -100,9 +109,14 @@ def _run(command: list[str]) -> None:
         raise CompileError(f"{command[0]} failed: {run.stderr.strip()[-2000:]}")
 
 
-def compile_library(target: Path, flags: Sequence[str] = FLAGS) -> None:
+def compile_library(
+    target: Path,
+    flags: Sequence[str] = FLAGS,
+    command: Sequence[str] | None = None,
+    link_flags: Sequence[str] = ("-shared",),
+) -> None:
     """Compile the library of all components to `target`; CompileError where that is impossible."""
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources().items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        compile_files(sorted(Path(folder).glob("*.c")), target, flags)
+        compile_files(sorted(Path(folder).glob("*.c")), target, flags, command, link_flags)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from fmus import Backend, Experiment, FmiVersion
+from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
@@ -36,6 +37,8 @@ def export(
     sources: bool = False,
     backend: Backend | None = None,
     ssp: str | Path | None = None,
+    platforms: Names = (),
+    watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
     """Write every component of a scene as an FMU into a folder, and return the paths.
 
@@ -43,7 +46,9 @@ def export(
     experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable, if there
     is one. Events of a scene are its master's and no part of FMUs; a FanfoldWarning tells so.
     wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
-    sources: add the C sources, to be compiled on other platforms. ssp: a file that takes all FMUs of FMI 2.0 with
+    sources: add the C sources, to be compiled on other platforms. platforms: names of `fmus.PLATFORMS`, or "all":
+    libraries of these in place of the one of here, compiled by Zig (the extra `platforms`); `watch` is told of each
+    before, as the first time takes half a minute. ssp: a file that takes all FMUs of FMI 2.0 with
     end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
     """
     checked = load(scene).check_one_run()
@@ -53,7 +58,8 @@ def export(
                 ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
             )
         check_ssp(Path(ssp))
-    if fmi == "2.0" and not sources and (sentence := python_sentence(backend)):
+    wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
+    if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
         warn(sentence)
 
     def assembled(mode: WrenchMode) -> Assembly:
@@ -77,7 +83,9 @@ def export(
         )
     step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
     experiment = Experiment(assembly.until, step)
-    paths = run.export(assembly, Path(folder), backend, fmi, sources, experiment)
+    paths = run.export(
+        assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
+    )
     return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
 
 

@@ -55,6 +55,10 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
     help="One file with all FMUs and their connections (SSP 1.0).",
 )  # fmt: skip
 @click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
+@click.option(
+    "--platforms", default="", callback=ordered_names, metavar="NAMES",
+    help="Libraries for linux64, aarch64-linux, win64, darwin64, aarch64-darwin, wasm32, or all; by default for here.",
+)  # fmt: skip
 @backend_option
 def command(
     choice: SceneChoice,
@@ -64,20 +68,26 @@ def command(
     fmi: FmiVersion,
     ssp: Path | None,
     sources: bool,
+    platforms: tuple[str, ...],
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU."""
-    paths = fanfold.export(
-        choice.load(),
-        output,
-        **choice.fidelities,
-        large_deformation=large_deformation,
-        wrench_mode=wrench_mode,
-        fmi=fmi,
-        sources=sources,
-        backend=backend,
-        ssp=ssp,
-    )
+    from rich.console import Console
+
+    with Console(stderr=True).status("exporting") as status:
+        paths = fanfold.export(
+            choice.load(),
+            output,
+            **choice.fidelities,
+            large_deformation=large_deformation,
+            wrench_mode=wrench_mode,
+            fmi=fmi,
+            sources=sources,
+            backend=backend,
+            ssp=ssp,
+            platforms="all" if platforms == ("all",) else platforms,
+            watch=lambda name: status.update(f"library for {name}, which is compiled once"),
+        )
     for path in paths:
         click.echo(path)
     if wrench_mode == "endpoint":

@@ -18,7 +18,7 @@ import numpy as np
 
 from components import REGISTRY, ComponentError, Layout
 from components.cache.temporary import process_folder
-from fmus import Backend, Experiment, FmiVersion, build_fmu
+from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
@@ -103,11 +103,20 @@ def export(
     with_sources: bool = False,
     experiment: Experiment | None = None,
     compressed: bool = True,
+    platforms: Sequence[str] = (),
+    watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
     """Write every part of an assembly as an FMU into a directory (made if missing); native where possible.
 
-    Not compressed: for files that are soon gone.
+    Not compressed: for files that are soon gone. platforms: those that the libraries are for, by default this one;
+    `watch` is told of each before its library is compiled, which takes its time once.
     """
+    try:
+        for name in platforms:
+            watch(name)
+            cross_compiled(name)
+    except CompileError as error:
+        raise RunError(f"{assembly.name}: {error}") from None
     directory.mkdir(parents=True, exist_ok=True)
     paths = []
     for part in assembly.parts:
@@ -124,6 +133,7 @@ def export(
                     with_sources,
                     experiment,
                     compressed,
+                    platforms,
                 )
             )
         except ComponentError as error:

@@ -3,6 +3,7 @@
 #include "data.h"
 
 #include "memory.h"
+#include "resources.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -63,7 +64,7 @@ static int read_entry(const unsigned char *bytes, size_t size, size_t *position,
 }
 
 static unsigned char *whole_file(const char *path, size_t *size, Memory *memory, Reason *why) {
-    FILE *file = fopen(path, "rb");
+    FILE *file = open_to_read(path);
     if (!file) {
         refuse(why, "%s cannot be read; the FMU is incomplete", path);
         return NULL;

@@ -1,8 +1,11 @@
-/* From the URI of the resources to a path. */
+/* From the URI of the resources to a path, and to a file. */
 
 #include "resources.h"
 
 #include <string.h>
+#ifdef _WIN32
+#include <windows.h>
+#endif
 
 static int hexadecimal(char digit) {
     if (digit >= '0' && digit <= '9')
@@ -43,3 +46,17 @@ int resources_path(const char *location, char *path, size_t size) {
     path[length] = '\0';
     return length > 0;
 }
+
+#ifdef _WIN32
+FILE *open_to_read(const char *path) {
+    wchar_t wide[FILENAME_MAX];
+    /* fopen takes the code page of the user, in which folders may have no name */
+    if (!MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, FILENAME_MAX))
+        return fopen(path, "rb");
+    return _wfopen(wide, L"rb");
+}
+#else
+FILE *open_to_read(const char *path) {
+    return fopen(path, "rb");
+}
+#endif
