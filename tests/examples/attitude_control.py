@@ -11,7 +11,7 @@ CONTROLLER = Path(__file__).parent / "controllers" / "attitude_controller.py"
 fmu = FmuBuilder.build_FMU(str(CONTROLLER), dest=".")
 
 wing = fanfold.load("amos3", "free")
-free = fanfold.simulate(wing, flexible="all", tolerance=1e-2, until=20, estimate=False)
+free = fanfold.simulate(wing, rigid="all", tolerance=1e-2, until=14, estimate=False)
 
 wheel = wing.connection(
     "wheel", "load", ports={"body": {"body": "spacecraft", "point": "hl1"}},
@@ -22,7 +22,7 @@ wing.fmu(
     inputs={"angle": "spacecraft.attitude[2]", "rate": "spacecraft.attitude_rate[2]"},
     outputs={"torque": f"{wheel}.added_torque"},
 )  # fmt: skip
-controlled = fanfold.simulate(wing, flexible="all", tolerance=1e-2, until=50, estimate=False)
+controlled = fanfold.simulate(wing, rigid="all", tolerance=1e-2, until=40, estimate=False)
 
 attitude = {
     name: np.degrees(run["spacecraft", "attitude"][:, 1])

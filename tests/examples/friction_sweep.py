@@ -4,9 +4,9 @@ import matplotlib.pyplot as plt
 
 import orchestrator as fanfold
 
-frictions, wing = [0.01 * k for k in range(20)], fanfold.load("amos3", settings={"scene.tolerance": 1e-2})
-wings = [wing.with_settings({"friction.coefficient": friction}) for friction in frictions]
-runs = [fanfold.simulate(one, rigid="all", estimate=False) for one in wings]
+vary = {"friction.coefficient": "uniform(0, 0.19)"}
+sweep = fanfold.study("amos3", vary, method="grid", levels=20, rigid="all", until="12 s", tolerance=1e-2)
 axes = plt.figure().add_subplot(xlabel="friction coefficient", ylabel="latch-up, s")
-axes.plot(frictions, [list(run.latch_times.values()) for run in runs], "o-", label=wing.hinge_lines)
+for line in ("HL1", "HL2", "HL3"):
+    axes.plot(sweep.parameters["friction.coefficient"], sweep.numbers[f"latch time {line}"], "o-", label=line)
 axes.legend().figure.savefig("latch_times.png")

@@ -16,5 +16,4 @@ peaks = {
 }
 figure = flexible.plot("latch_torques")
 figure.savefig("latch_torques.png")
-overlays = fanfold.plot_comparison(rigid, flexible, "overlays")
 page = fanfold.report(flexible, other=rigid, frames=6)

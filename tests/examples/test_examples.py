@@ -41,11 +41,13 @@ def for_other_tools(found, folder):
 
 def friction_sweep(found, folder):
     """Friction makes every line later; thesis: 7.4, 8.5, 11.6 s at 0.10."""
-    times = np.array([list(run.latch_times.values()) for run in found["runs"]])
+    sweep = found["sweep"]
+    times = np.array([sweep.numbers[f"latch time {line}"] for line in ("HL3", "HL2", "HL1")]).T
+    frictions = sweep.parameters["friction.coefficient"]
+    assert frictions == pytest.approx(0.01 * np.arange(20))
     assert times.shape == (20, 3)
     assert np.all(np.diff(times, axis=0) > 0.0)
-    at_tenth = [np.interp(0.10, found["frictions"], column) for column in times.T]
-    assert sorted(at_tenth) == pytest.approx([7.4, 8.5, 11.6], rel=0.01)
+    assert times[10] == pytest.approx([7.4, 8.5, 11.6], rel=0.01)
     assert (folder / "latch_times.png").exists()
 
 
@@ -73,7 +75,6 @@ def rigid_or_flexible(found, folder):
     assert {row.quantity for row in found["comparison"].rows} >= {"latch-up", "latch torque peak"}
     assert found["page"] == Path("flexible.html")
     assert found["page"].read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
-    assert len(found["overlays"]) >= 3
 
 
 def scatter(found, folder):
@@ -91,7 +92,7 @@ def tape_spring_boom(found, folder):
     )
     assert np.max(np.abs(found["torque"])) == pytest.approx(5.0, rel=1e-2)
     assert found["run"].headline.energy_residual < 1e-4
-    assert "tape_spring_loads" in [path.stem for path in found["figures"]]
+    assert (folder / "tape_spring_loads.png").exists()
     assert folder / "fmus" / "tape.fmu" in [folder / path for path in found["fmus"]]
 
 

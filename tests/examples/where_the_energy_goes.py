@@ -4,7 +4,7 @@ import numpy as np
 
 import orchestrator as fanfold
 
-result = fanfold.simulate("amos3", rigid="all", tolerance=1e-3)
+result = fanfold.simulate("amos3", rigid="all", tolerance=1e-3, estimate=False)
 latch_up = max(result.latch_times.values())
 
 released = sum(result[hinge, "motor_energy"].at(latch_up) for hinge in result.recording("motor_energy"))
