@@ -6,6 +6,7 @@ at tolerance 1e-4, and were not checked against anybody else's.
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import chain, combinations
 from pathlib import Path
 
@@ -26,6 +27,9 @@ COMBINATIONS = list(chain.from_iterable(combinations(BODIES, n) for n in range(4
 
 LATCH_TIMES = {"HL3": 7.4, "HL2": 8.5, "HL1": 11.6}
 """s; Bagnoli 2007, section 2.3.2.1 (data_sheets.md, B5), which an independent planar model of the sheet meets."""
+
+LAST = 12.1
+"""s; behind the last latch-up by those times, even if it were late by what fidelity may make of it."""
 
 FLEXIBLE_MODES = {"yoke": 22, "panel1": 28, "panel2": 16}
 """10 fixed-interface modes, 6 for each attachment point, less the 6 rigid-body ones (issue 2, done-when 2)."""
@@ -51,11 +55,27 @@ def identifier(flexible):
 
 
 @pytest.fixture(scope="module")
-def rigid(tmp_path_factory):
-    """The whole deployment with all bodies rigid, as FMUs at default settings."""
-    assembly = assembly_of(())
-    settings = Settings(tolerance=assembly.tolerance, largest_step=assembly.largest_step)
-    return run(assembly, tmp_path_factory.mktemp("amos3") / "rigid.h5", settings)
+def outcome_of(tmp_path_factory):
+    """Runs by flexible bodies, as FMUs, each made once: with none and with all of them at default settings.
+
+    Those between end behind the last latch-up, at a tolerance that leaves a third of what is asked of their times.
+    """
+    folder = tmp_path_factory.mktemp("amos3")
+
+    @cache
+    def outcome(flexible):
+        assembly = assembly_of(flexible)
+        tolerance, until = (1e-2, LAST) if 0 < len(flexible) < len(BODIES) else (assembly.tolerance, None)
+        settings = Settings(tolerance=tolerance, largest_step=assembly.largest_step)
+        return run(assembly, folder / f"{identifier(flexible)}.h5", settings, until)
+
+    return outcome
+
+
+@pytest.fixture
+def rigid(outcome_of):
+    """The whole deployment with all bodies rigid."""
+    return outcome_of(())
 
 
 def test_hinge_lines_latch_in_order_at_published_times(rigid):
@@ -91,19 +111,18 @@ def test_wing_rests_deployed(rigid):
 
 
 @pytest.mark.parametrize("flexible", COMBINATIONS, ids=identifier)
-def test_every_combination_starts_and_runs(flexible, tmp_path):
+def test_every_combination_starts_and_runs(flexible, outcome_of):
     """Done-when 2: modes as specified, static preload found, and first steps taken, as FMUs."""
-    assembly = assembly_of(flexible)
-    settings = Settings(tolerance=assembly.tolerance, largest_step=assembly.largest_step)
-    parts = {part.name: part for part in assembly.parts}
+    parts = {part.name: part for part in assembly_of(flexible).parts}
     for name in BODIES:
         modes = len(parts[name].structure["modal"]["frequency"])
         assert modes == (FLEXIBLE_MODES[name] if name in flexible else 0)
-    outcome = run(assembly, tmp_path / "run.h5", settings, 0.05)
+    outcome = outcome_of(flexible)
     result = Result.open(outcome.path)
     assert outcome.headline.complete
-    assert outcome.costs.steps < 1000
-    residual = np.abs(result.signal("scene", "energy_residual")).max()
+    first = result.time < 0.05
+    assert np.count_nonzero(first) < 1000
+    residual = np.abs(result.signal("scene", "energy_residual"))[first].max()
     assert residual < 1e-6 * result.signal("scene", "stored_energy")[0]
     for loop in ("yoke_loop", "panel_loop"):
         tensions = [result.signal(loop, f"tension_{side}")[0] for side in "ab"]
@@ -111,14 +130,12 @@ def test_every_combination_starts_and_runs(flexible, tmp_path):
 
 
 @pytest.mark.parametrize("flexible", COMBINATIONS[1:], ids=identifier)
-def test_latch_times_hardly_depend_on_fidelity(flexible, rigid, tmp_path):
+def test_latch_times_hardly_depend_on_fidelity(flexible, rigid, outcome_of):
     """Done-when 2: independent models of the bodies agree with the all-rigid run within 3 %."""
-    assembly = assembly_of(flexible)
-    settings = Settings(tolerance=1e-3, largest_step=assembly.largest_step)
-    outcome = run(assembly, tmp_path / f"{identifier(flexible)}.h5", settings)
-    assert outcome.headline.complete
-    assert outcome.headline.latch_times == pytest.approx(rigid.headline.latch_times, rel=0.03)
-    assert outcome.headline.energy_residual < 1e-4
+    found = outcome_of(flexible).headline
+    assert found.complete
+    assert found.latch_times == pytest.approx(rigid.headline.latch_times, rel=0.03)
+    assert found.energy_residual < 1e-4
 
 
 def test_scene_values_are_those_of_the_sheet():
@@ -129,10 +146,9 @@ def test_scene_values_are_those_of_the_sheet():
         assert f'"{value}"' in text
 
 
-def test_the_default_tolerance_is_kept_by_the_flexible_wing(tmp_path):
+def test_the_default_tolerance_is_kept_by_the_flexible_wing(outcome_of):
     """Issue 2, done-when 4: at tolerance 1e-4 latch times and peaks err by less than 1e-3 of a tight reference."""
-    assembly = assembly_of(BODIES)
-    settings = Settings(tolerance=1e-4, largest_step=assembly.largest_step)
-    found = run(assembly, tmp_path / "flexible.h5", settings).headline
+    assert assembly_of(BODIES).tolerance == 1e-4
+    found = outcome_of(BODIES).headline
     assert found.latch_times == pytest.approx(FLEXIBLE_REFERENCE["times"], rel=1e-3)
     assert found.latch_torque_peaks == pytest.approx(FLEXIBLE_REFERENCE["peaks"], rel=1e-3)
