@@ -1,7 +1,7 @@
 """An assembly as one SSP file (System Structure and Parameterization 1.0): its FMUs and how they are connected.
 
 The start values are those of the FMUs, the end time that of the scene. SSP knows no step size: OMSimulator finds it in
-the annotation, others are told.
+the annotation, others are told. The scene itself goes along, for our own runs.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 from components import FanfoldError, Quantity
 from fmus import Experiment
@@ -18,6 +19,8 @@ from fmus.description.units import base_unit
 
 from ..assembly import Assembly, Link
 from ..cosim.ports import MOTION, UNITS, WRENCH
+from ..scene.body_tables import Fidelity
+from ..scene.exchange.system_structure import MEMBER, carried
 
 if TYPE_CHECKING:
     from pyssp_standard.ssd import Component, Connection
@@ -67,9 +70,19 @@ def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: 
             _order(archive.get_file_temp_path("SystemStructure.ssd"))
             for fmu in fmus:
                 archive.add_resource(fmu)
+        with ZipFile(part, "a", ZIP_DEFLATED) as archive:
+            system = {name: archive.read(name) for name in archive.namelist()}
+            archive.writestr(MEMBER, carried(assembly.scene_tree, _fidelities(assembly), system))
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(part.read_bytes())
     return path
+
+
+def _fidelities(assembly: Assembly) -> dict[str, Fidelity]:
+    """Of every body that is a part; one that is held belongs to another and stays what its scene says."""
+    found: dict[str, Fidelity] = {part.name: "rigid" for part in assembly.parts}
+    found |= dict.fromkeys(assembly.flexible, "flexible")
+    return found | dict.fromkeys(assembly.large_deformation, "large_deformation")
 
 
 def _order(description: Path) -> None:

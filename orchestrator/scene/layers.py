@@ -16,6 +16,7 @@ from typing import Any
 
 from components.imported.files import NAMES
 
+from .exchange.system_structure import scene_of
 from .table import SceneError
 
 Tree = dict[str, Any]
@@ -99,7 +100,8 @@ def _with_extended(
 
 def _read(path: Path) -> Tree:
     try:
-        return with_absolute_files(tomllib.loads(path.read_text(encoding="utf-8")), path.parent)
+        text = scene_of(path) if path.suffix == ".ssp" else path.read_text(encoding="utf-8")
+        return with_absolute_files(tomllib.loads(text), path.parent)
     except UnicodeDecodeError as error:
         raise SceneError(
             [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]

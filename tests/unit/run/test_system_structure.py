@@ -6,6 +6,7 @@ import re
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from fmpy import read_model_description
 
@@ -75,3 +76,50 @@ def test_what_cannot_be_one_is_refused_before_anything_is_written(name, options,
     with pytest.raises(fanfold.FanfoldError, match="SSP file"):
         fanfold.export("workbench", tmp_path, rigid="all", ssp=tmp_path / name, **options)
     assert list(tmp_path.iterdir()) == []
+
+
+def without(path, name, target, **others):
+    """A copy of an archive without a member, and with others."""
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:
+        for member in old.namelist():
+            if member != name and member not in others:
+                new.writestr(member, old.read(member))
+        for member, content in others.items():
+            new.writestr(member, content)
+    return target
+
+
+def test_it_runs_as_the_scene_that_it_was_exported_from(written):
+    """Identity: numbers of the scene with its settings, at the fidelity of the export."""
+    options = {"until": 0.2, "estimate": False}
+    angles = [
+        np.asarray(run["hinge_left", "angle"])
+        for run in (
+            fanfold.simulate(written, **options),
+            fanfold.simulate("workbench", rigid="all", **options),
+        )
+    ]
+    assert angles[0].tolist() == angles[1].tolist()
+    assert angles[0][-1] != angles[0][0]
+    assert (
+        fanfold.simulate(written, flexible="all", until=0.001, estimate=False).provenance["flexible"] != "[]"
+    )
+
+
+def test_a_system_that_was_changed_is_no_longer_the_scene(written, tmp_path):
+    """Bad input: another connection, another FMU, no scene, no archive at all; each is told of with its name."""
+    with zipfile.ZipFile(written) as archive:
+        structure = archive.read("SystemStructure.ssd")
+    other = {"SystemStructure.ssd": structure.replace(b"panel", b"table", 1)}
+    cases = {
+        "in place of SystemStructure.ssd; lay changes": without(written, "", tmp_path / "a.ssp", **other),
+        "in place of resources/panel.fmu; lay": without(written, "resources/panel.fmu", tmp_path / "b.ssp"),
+        "in place of more.ssv; lay": without(written, "", tmp_path / "c.ssp", **{"more.ssv": b""}),
+        "holds no scene": without(written, "resources/scene.json", tmp_path / "d.ssp"),
+        "is damaged": without(written, "", tmp_path / "e.ssp", **{"resources/scene.json": b"[]"}),
+        "no SSP file": tmp_path / "f.ssp",
+    }
+    (tmp_path / "f.ssp").write_bytes(b"PK nothing")
+    for sentence, path in cases.items():
+        with pytest.raises(fanfold.FanfoldError, match=re.escape(sentence)):
+            fanfold.load(path)

@@ -16,7 +16,6 @@ import pytest
 from click.testing import CliRunner
 from matplotlib.image import imread
 
-import orchestrator
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.views import plots

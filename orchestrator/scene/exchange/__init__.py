@@ -1,0 +1,1 @@
+"""Scenes in files of other formats than their own."""
