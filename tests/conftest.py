@@ -1,9 +1,14 @@
 """Shared by all tests."""
 
 import pytest
+from hypothesis import settings
 
 from components import REGISTRY
 from components.contract import plugins
+
+settings.register_profile("sample", max_examples=30, deadline=None)
+settings.register_profile("thorough", max_examples=1000, deadline=None)
+settings.load_profile("sample")  # --hypothesis-profile=thorough for more
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
