@@ -23,19 +23,20 @@ from tests.benchmark.stability import (
 from tests.references.native_fmus import HAS_NATIVE, needs_native
 
 PANELS = {"rigid": (0, 1.0), "flexible": (16, 1.0), "undamped": (16, 0.0)}
+"""Modes, and the share of their damping."""
 GRID = list(product((1e3, 2e6, 1e10), (1e2, 1e9), (1e-4, 2e-3, 2e-2)))
+CASES = [(panel, *cell) for panel in PANELS for cell in GRID if panel != "flexible" or cell[0] == 2e6]
+"""What damping could hide shows undamped, so that the damped panel is tried on one joint."""
 
 
-@pytest.mark.parametrize("panel", PANELS)
-@pytest.mark.parametrize(("joint", "latch", "h"), GRID)
+@pytest.mark.parametrize(("panel", "joint", "latch", "h"), CASES)
 def test_the_implicit_master_never_diverges(panel, joint, latch, h):
     """Held wrenches that are mean wrenches conserve energy at any stiffness and step (design: section 3)."""
     assert residual_of_stable_run(panel, joint, latch, Settings(fixed_step=h)) < 1e-3
 
 
 @needs_native
-@pytest.mark.parametrize("panel", PANELS)
-@pytest.mark.parametrize(("joint", "latch", "h"), GRID)
+@pytest.mark.parametrize(("panel", "joint", "latch", "h"), CASES)
 def test_order_four_never_diverges(panel, joint, latch, h):
     """So do wrenches with slopes, up to the rotation of flexible bodies.
 

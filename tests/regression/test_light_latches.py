@@ -21,17 +21,18 @@ SCENES = Path(__file__).parents[1] / "scenes"
 
 
 @pytest.mark.parametrize(
-    ("scene", "tolerance", "peak", "error"),
+    ("scene", "tolerance", "until", "peak", "error"),
     [
-        ("light_body_latch", 1e-3, 1073.1, 1e-2),
-        ("light_body_latch", 1e-5, 1073.1, 1e-3),
-        ("light_root_latch", 1e-3, 503.1, 1e-2),
+        ("light_body_latch", 1e-3, 1.5, 1073.1, 1e-2),
+        ("light_body_latch", 1e-5, 1.5, 1073.1, 1e-3),
+        ("light_root_latch", 1e-3, 2.63, 503.1, 1e-2),
     ],
 )
-def test_peak_follows_the_tolerance(tmp_path, scene, tolerance, peak, error):
+def test_peak_follows_the_tolerance(tmp_path, scene, tolerance, until, peak, error):
+    """L1 latches 40 ms before the end, several hundred of its first swings."""
     assembly = assemble(load_scene(SCENES / f"{scene}.toml"))
     settings = Settings(tolerance=tolerance, largest_step=assembly.largest_step)
-    outcome = run(assembly, tmp_path / "run.h5", settings)
+    outcome = run(assembly, tmp_path / "run.h5", settings, until)
     assert outcome.headline.latch_torque_peaks["L1"] == pytest.approx(peak, rel=error)
 
 
@@ -39,9 +40,10 @@ def test_first_swing_beside_a_lock_is_resolved():
     """Random wing 40: in steps of 20 ms the hinge of L2, beside a lock, would turn against its torque.
 
     Against 358.5 N of a run at a hundredth of the tolerance; 304 N where the first swing, 0.2 ms long, is missed.
+    L2 latches at 4.653 s.
     """
     scene = load_wing(40)
     assembly = assemble(scene)
     tolerance = scene.header.tolerance
-    found = run(assembly, None, Settings(tolerance, assembly.largest_step)).headline
+    found = run(assembly, None, Settings(tolerance, assembly.largest_step), until=4.7).headline
     assert found.interface_force_peaks[2] == pytest.approx(358.5, rel=10.0 * tolerance)

@@ -12,7 +12,7 @@ from tests.references.native_fmus import needs_native
 from tests.references.ringing import swing, undamped_wing
 
 STEP = 5e-3
-SETTLED, END = 10.0, 30.0
+SETTLED, END = 10.0, 20.0
 """Periods: until what a kick starts besides the mode has died away, and until when the loss is watched."""
 
 
