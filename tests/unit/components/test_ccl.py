@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from components.ccl import CableLoop
@@ -107,6 +107,7 @@ def test_guided_cable_puts_its_torque_on_the_guide():
 
 @pytest.mark.parametrize("guided", [False, True])
 @given(turn=st.floats(-40.0, 40.0))
+@settings(max_examples=30)
 def test_tension_is_never_negative(guided, turn):
     """Law of a cable: a slack strand carries nothing, the other one at least the preload, after any turn."""
     component, c = loop("endpoint", guided)
@@ -129,6 +130,7 @@ def test_tension_is_never_negative(guided, turn):
 @given(
     first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), third=st.tuples(THREE, THREE), about=THREE
 )
+@settings(max_examples=30)
 def test_wrenches_sum_to_zero_about_any_point(guided, mode, first, second, third, about):
     """Conservation law: no net force and no net moment, at mid-step (mean) or at its end (endpoint)."""
     component, c = loop(mode, guided, strand_damping=3.0)
@@ -149,6 +151,7 @@ def test_wrenches_sum_to_zero_about_any_point(guided, mode, first, second, third
 
 @pytest.mark.parametrize("guided", [False, True])
 @given(turns=st.tuples(*[st.floats(-0.3, 0.3)] * 3), damping=st.sampled_from((0.0, 5.0)))
+@settings(max_examples=30)
 def test_work_of_the_mean_wrench_is_the_change_of_energy(guided, turns, damping):
     """Discrete gradient: work + change of elastic energy + heat = 0 for pulleys that turn in place; exact."""
     component, c = loop("mean", guided, strand_damping=damping)
@@ -250,7 +253,7 @@ def test_pulleys_too_close_are_refused():
         component.initial(c, motions(component))
 
 
-def synchronised(radius_1, radius_2, strand, guided, until=3.0):
+def synchronised(radius_1, radius_2, strand, guided, until=1.5):
     """A link on a fixed base with a wheel on its end; the loop runs from the base to the wheel."""
     stiff = {
         "translational_stiffness": (1e8,) * 3,
@@ -311,7 +314,7 @@ def test_stiff_loop_makes_one_coordinate(radius_1, radius_2, guided):
     inertia = 3.0 + 3.0 + 0.8 * (1 - radius_1 / radius_2) ** 2
     times = np.array(run.times)
     expected = np.array([spring_driven_angle(inertia, 0.05, 8.0, t) for t in times])
-    assert expected[-1] > 0.25
+    assert expected[-1] > 0.06
     # the strands carry what turns the wheel; twice the static give, as for any load applied at once
     give = 0.8 * (0.05 * 8.0 / inertia) * abs(1 - radius_1 / radius_2) / (2 * strand * radius_2)
     assert np.abs(radius_1 * angle + radius_2 * wheel).max() < 2 * give + 1e-9

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
@@ -255,6 +255,7 @@ def test_a_soft_gearbox_that_follows_a_command():
 
 
 @given(start=st.floats(-3, 3), change=st.floats(-3, 3), h=st.sampled_from((1e-3, 0.1, 0.5)))
+@settings(max_examples=30)
 def test_the_motor_works_for_everything(start, change, h):
     """Conservation law of one step: work on the bodies, elastic energy and heat are the motor's work."""
     component, c = drive()
@@ -276,6 +277,7 @@ def test_the_motor_works_for_everything(start, change, h):
 
 
 @given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)
+@settings(max_examples=30)
 def test_wrenches_sum_to_zero_about_any_point(first, second, about):
     """Conservation law: no net force and moment of the mean wrenches."""
     component, c = drive()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from components.ccl import CableLoop
@@ -85,6 +85,7 @@ def posed(name, component, moved, moments=None, **commands):
 
 @pytest.mark.parametrize("name", CASES)
 @given(st.tuples(PORTS, PORTS, PORTS), st.tuples(PORTS, PORTS), st.tuples(PORTS, PORTS))
+@settings(max_examples=30)
 def test_work_is_the_change_of_energy(name, moved, first, second):
     """Exact, whatever the moments: means on changes and slopes on moments against what is stored, lost and supplied."""
     component, c = case(name, order=4.0)
@@ -115,6 +116,7 @@ def test_work_is_the_change_of_energy(name, moved, first, second):
 
 @pytest.mark.parametrize("name", CASES)
 @given(st.tuples(PORTS, PORTS), PORTS, st.tuples(PORTS, PORTS), THREE)
+@settings(max_examples=30)
 def test_wrenches_give_no_momentum(name, moved, turns, moments, about):
     """Conservation law over a step, all ports turning and moving; round-off of forces up to 2e3 N."""
     component, c = case(name, order=4.0)

@@ -27,7 +27,7 @@ from tests.unit.components.body.body_cases import (
     wrenches,
 )
 
-DURATION = 0.2
+DURATION = 0.1
 AGREED = 1e-8  # with the independent formulation
 REFERENCE = 1e-10  # error of its coordinates
 ROUND_OFF = 1e-13  # of generalised forces up to 100

@@ -57,19 +57,19 @@ def test_spring_driven_panel_latches_at_the_published_time():
     """
     published, exact = (4.27132, 1.370585), spring_driven(*DRIVEN, PI)
     assert exact == pytest.approx(published, abs=5e-6)
-    runs = [spring_driven_panel(step) for step in (0.02, 0.01)]
+    runs = [spring_driven_panel(step) for step in (0.04, 0.02)]
     late = [run.events[0][0] - exact.time for run in runs]
     assert (4 * late[1] - late[0]) / 3 == pytest.approx(0.0, abs=1.5e-6)
     # three times the 4e-7 s that the stretch leaves is 2 %
     assert late[0] == pytest.approx(4 * late[1], rel=0.05)
     rate = runs[1].signal("hinge", "angular_rate")[at(runs[1], runs[1].events[0][0])]
-    assert rate == pytest.approx(exact.rate, rel=(0.01 * exact.rate) ** 2 / 4)
+    assert rate == pytest.approx(exact.rate, rel=(0.02 * exact.rate) ** 2 / 4)
     quarter = spring_driven(*DRIVEN, PI / 2)
     late = [time_of(run, PI / 2) - quarter.time for run in runs]
     assert (4 * late[1] - late[0]) / 3 == pytest.approx(0.0, abs=1.5e-6)
 
 
-def latched_pair(stiffness, step, latch="spring", **structure):
+def latched_pair(stiffness, step, latch="spring", until=0.5, **structure):
     """Two bodies whose centres lie on the hinge line, latched from the start, 0.01 rad/s apart."""
     inertia_1, inertia_2, rate = PAIR[0], PAIR[1], 0.01
     share = inertia_1 / (inertia_1 + inertia_2)
@@ -87,7 +87,7 @@ def latched_pair(stiffness, step, latch="spring", **structure):
         Part("hinge", "hinge", {"latch": latch, **structure}, {**STIFF, "latch_stiffness": stiffness}),
     ]
     return completed(
-        1.0, parts, between("hinge", "one.p", "two.p"), settings=Settings(fixed_step=step),
+        until, parts, between("hinge", "one.p", "two.p"), settings=Settings(fixed_step=step),
         commands={("hinge", "latch_command"): 1.0}, iteration=Tolerance(1e-9),
     )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -31,6 +31,7 @@ MECHANISM = {
 
 @pytest.mark.parametrize("mode", ["mean", "endpoint"])
 @given(first=st.tuples(THREE, THREE), second=st.tuples(THREE, THREE), about=THREE)
+@settings(max_examples=30)
 def test_wrenches_sum_to_zero_about_any_point(mode, first, second, about):
     """Conservation law: no net force and no net moment, at mid-step (mean) or at its end (endpoint).
 
@@ -66,6 +67,7 @@ def energy_rest(component, c, states, h=0.1):
 
 @pytest.mark.parametrize("latch", ["none", "spring"])
 @given(turns=st.tuples(*[st.floats(-1.5, 1.5)] * 3), places=st.tuples(THREE, THREE, THREE))
+@settings(max_examples=30)
 def test_work_of_the_mean_wrench_is_the_change_of_energy(latch, turns, places):
     """Discrete gradient: work + stored + heat = 0 to round-off where only the outboard port moves about the line."""
     component, c = hinge("mean", {**HARNESS, "latch": latch}, **MECHANISM)
@@ -113,6 +115,7 @@ def test_mean_torque_points_along_the_mean_of_the_axis():
 
 
 @given(swing=st.floats(-0.3, 0.3), rate=st.tuples(*[st.floats(-1.0, 1.0)] * 3))
+@settings(max_examples=30)
 def test_opening_torque_does_the_work_of_the_hinge_angle(swing, rate):
     """Virtual work: torque times relative rate is the opening torque times the rate of the angle, at any swing.
 
