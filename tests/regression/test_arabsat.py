@@ -15,7 +15,7 @@ PHASE_1 = {"rigid": (10.298, 75.13), "hybrid": (10.231, 60.46)}
 @pytest.mark.parametrize(("name", "rigid"), [("rigid", ("all",)), ("hybrid", ())])
 def test_phase_1_opens_the_outer_panel(name, rigid):
     """Data sheet, sheet (d), check 1: latch-up within 9 to 12 s, below 80 N.m; the energy balance closes."""
-    found = RUNS("arabsat", "phase1", rigid=rigid).headline
+    found = RUNS("arabsat", "phase1", rigid=rigid, until=12.0).headline
     time, peak = found.latch_times["HL6"], found.latch_torque_peaks["HL6"]
     assert 9.0 < time < 12.0
     assert peak < 80.0
@@ -42,7 +42,7 @@ def test_fidelity_of_any_panel_is_one_flag(flexible):
 @pytest.mark.slow
 def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
     """Sheet (d), check 2: motor-driven to full deployment, all angles from the drive's by the loops' ratios."""
-    result = RUNS.result("arabsat", "phase2", rigid=("all",), tolerance=1e-3)
+    result = RUNS.result("arabsat", "phase2", rigid=("all",), tolerance=1e-2)
     supplied = result.signal("sadm", "supplied_energy")
     residual = result.signal("scene", "energy_residual")
     assert np.abs(residual).max() < 1e-4 * np.abs(supplied).max()

@@ -12,6 +12,10 @@ PEAKS = {"rigid": 124.79, "semi-flexible": 114.64}
 """N.m; Fanfold, 2026-11-21, tolerance 1e-4: a change must be meant."""
 
 
+STRUCK = 5.2
+"""s; behind the first strike after the latch-up at 4.58 s with the raised torque."""
+
+
 def after_latch_up(result, component, variable, delay=0.0):
     (time, _, _) = result.events[0]
     return result.signal(component, variable)[result.time > time + delay]
@@ -74,9 +78,8 @@ def test_inboard_panel_is_pressed_on_the_wall_then_pulled_off():
 
     It is pressed as soon as the joints, of periods of milliseconds, have taken up the motor's start.
     """
-    normal, raised = (
-        impacts(RUNS.result("bepicolombo", *layers, rigid=RIGID)) for layers in ((), ("impact",))
-    )
+    normal = impacts(RUNS.result("bepicolombo", rigid=RIGID))
+    raised = impacts(RUNS.result("bepicolombo", "impact", rigid=RIGID, until=STRUCK))
     assert normal[0].start < 1e-2
     assert all(impact.start < 2.0 for impact in normal)
     assert any(impact.start > 4.0 and impact.peak_force > 100.0 for impact in raised)
@@ -88,7 +91,7 @@ def test_flexible_panels_strike_the_wall_with_the_momentum_of_rigid_ones():
     The SADM's friction of 20 N.m lets a light joint stick and slip within less than the smallest step of the control.
     """
     rigid, flexible = (
-        next(i for i in impacts(RUNS.result("bepicolombo", "impact", rigid=r)) if i.start > 4.0)
+        next(i for i in impacts(RUNS.result("bepicolombo", "impact", rigid=r, until=STRUCK)) if i.start > 4.0)
         for r in (RIGID, ())
     )
     assert flexible.impulse == pytest.approx(rigid.impulse, rel=0.1)
