@@ -81,7 +81,7 @@ def test_energy_is_kept_at_any_step(h, exponent):
     The iteration ends at 1e-11 of the force, which works over twice the depth.
     """
     parameters = {**HERTZ, "exponent": exponent}
-    run = impact(at_steps(h), 0.4, 0.0123, **parameters)
+    run = impact(at_steps(h), max(0.12, 20 * h), 0.0123, **parameters)
     depth = run.signal("pad", "penetration")
     assert depth.max() > 0.0 > depth[-1]
     assert list(run.signal("pad", "in_contact")) == list((depth >= 0.0).astype(float))
@@ -111,7 +111,7 @@ def damped(exponent, damping, full, until):
 
     found = solve_ivp(
         lambda t, s: (s[1], -force(*s) / MASS), (0.0, until), (0.0, SPEED), "DOP853",
-        rtol=1e-11, atol=1e-14, max_step=1e-4, dense_output=True,
+        rtol=1e-11, atol=1e-14, max_step=1e-3, dense_output=True,
     )  # fmt: skip
     heat = 0.5 * MASS * (SPEED**2 - found.y[1, -1] ** 2)
     return found.y[0, -1], found.y[1, -1], found.sol(np.linspace(0, until, 100001))[0].max(), heat
@@ -123,15 +123,15 @@ def damped(exponent, damping, full, until):
 def test_damped_impact(exponent, damping, full):
     """Independent integration of the same ball; the last case would pull if it could.
 
-    Second order in the step: (w h)^2 / 12 is 6e-4 of everything at 1 ms, and an eighth of the step leaves 1/64 of
+    Second order in the step: (w h)^2 / 12 is 6e-4 of everything at 1 ms, and a quarter of the step leaves 1/16 of
     it, four times as much where steps meet the kinks of the law elsewhere. The energy balance is that of the
-    iteration: 1e-11 of a force of 500 N over 1 cm and 300 steps.
+    iteration: 1e-11 of a force of 500 N over 1 cm and 600 steps.
     """
-    until = 0.15 if exponent == 1.0 else 0.06
+    until = 0.06 if exponent == 1.5 else 0.1 if damping < 1e3 else 0.15
     depth, rate, deepest, heat = damped(exponent, damping, full, until)
     parameters = {**HERTZ, "exponent": exponent, "damping": damping, "full_damping_penetration": full}
     values = []
-    for h in (1e-3, 1.25e-4):
+    for h in (1e-3, 2.5e-4):
         run = impact(at_steps(h), until, **parameters)
         s = run.signal("pad", "penetration")
         spline = CubicSpline(run.times, s)(np.linspace(0, until, 20001)).max()
@@ -142,7 +142,7 @@ def test_damped_impact(exponent, damping, full):
     exact = np.array((depth, rate, deepest, heat))
     assert depth < 0.0 < heat
     assert np.all(np.abs(coarse - exact) < 1e-3 * np.array((1e-2, SPEED, 1e-2, heat)))
-    assert np.all(np.abs(fine - exact) < np.abs(coarse - exact) / 16 + 1e-10)
+    assert np.all(np.abs(fine - exact) < np.abs(coarse - exact) / 4 + 1e-10)
 
 
 def test_the_last_damped_case_is_limited():

@@ -91,18 +91,18 @@ def acceleration(law, t):
     return np.where(inside, law.change / law.duration**2 * value, 0.0)
 
 
-@pytest.mark.parametrize("h", [5e-3, 0.02])
+@pytest.mark.parametrize("h", [8e-3, 0.02])
 def test_a_stiff_gearbox_follows_the_law(h):
     """Newton's law: J times the commanded acceleration, and the angle lags by that torque over the stiffness.
 
     STEP5 of the change d starts and ends with jumps of 60 d/T^3 of the jerk. They ring with that over w, where
-    w^2 = K / J, and steps that do not resolve w (w h is 2.9 and 12) see them up to a step late. Between them the
+    w^2 = K / J, and steps that do not resolve w (w h is 4.6 and 12) see them up to a step late. Between them the
     next term of the quasi-static series is 360 d / (T^4 w^2), and extrapolating means errs by a quarter h^2 of it.
     """
     stiffness, duration, change = 4e6, 2.0, 1.5
     start = {"end_angle": change, "duration": duration, "stiffness": stiffness, "damping": 1e3}
     iteration = Tolerance(1e-10, 1e-4, 1e-4)
-    run = completed(2.5, *scene(**start), settings=Settings(fixed_step=h), iteration=iteration)
+    run = completed(2.2, *scene(**start), settings=Settings(fixed_step=h), iteration=iteration)
     law, t, w = MotionLaw(True, 0.0, change, 0.0, duration), np.array(run.times), np.sqrt(stiffness / INERTIA)
     jerk, snap = (INERTIA * change * n / duration**k for n, k in ((60, 3), (360, 4)))
     ringing = jerk / w + snap / w**2
@@ -144,7 +144,7 @@ def test_a_soft_gearbox_against_a_differential_equation():
 
 
 @pytest.mark.parametrize("stiffness", [100.0, 1e5])
-@pytest.mark.parametrize("h", [0.3, 0.05, 0.01])
+@pytest.mark.parametrize("h", [0.3, 0.05, 0.02])
 def test_energy_balance_at_any_step_size(h, stiffness):
     """Conservation law: the discrete gradient leaves the tolerance of the iteration, here 1e-10 per step."""
     run = completed(
@@ -160,8 +160,8 @@ def test_several_turns():
     """The angle is unwrapped: two turns and a half, and back again from a start angle beyond one turn."""
     for start, end in ((0.0, 5 * np.pi), (4 * np.pi, -np.pi)):
         run = completed(
-            4.0, *scene(start_angle=start, end_angle=end, duration=3.0, damping=100.0),
-            settings=Settings(fixed_step=0.02),
+            3.6, *scene(start_angle=start, end_angle=end, duration=3.0, damping=100.0),
+            settings=Settings(fixed_step=0.04),
         )  # fmt: skip
         assert run.signal("drive", "angle")[0] == pytest.approx(start)
         assert run.signal("drive", "angle")[-1] == pytest.approx(end, abs=1e-3)
@@ -229,7 +229,11 @@ def test_moments_of_following(h):
 
 
 def test_a_soft_gearbox_that_follows_a_command():
-    """Independent formulation: J q'' = -k (q - a) - d (q' - a'), a' = (command - a) / tau, by SciPy."""
+    """Independent formulation: J q'' = -k (q - a) - d (q' - a'), a' = (command - a) / tau, by SciPy.
+
+    Mean torques are of second order in the step, which is extrapolated, with 7e-5 left; wrenches of order 4 leave 4e-7
+    at this tolerance, where those of order 2 leave 1e-4.
+    """
     stiffness, damping, command, tau = 300.0, 8.0, 0.8, 0.15
 
     def rates(t, y):
@@ -237,7 +241,7 @@ def test_a_soft_gearbox_that_follows_a_command():
         torque = -stiffness * (y[0] - y[2]) - damping * (y[1] - rate)
         return (y[1], torque / INERTIA, rate, torque * rate, damping * (y[1] - rate) ** 2)
 
-    exact = solve_ivp(rates, (0, 1.5), (0.3, 0.0, 0.3, 0.0, 0.0), rtol=1e-10, atol=1e-12).y[:, -1]
+    exact = solve_ivp(rates, (0, 1.5), (0.3, 0.0, 0.3, 0.0, 0.0), rtol=1e-10, atol=1e-12).y[[0, 2, 3, 4], -1]
     start = {
         "aligned_angle": 0.3,
         "start_angle": 0.3,
@@ -246,12 +250,16 @@ def test_a_soft_gearbox_that_follows_a_command():
         "stiffness": stiffness,
         "damping": damping,
     }
-    run = completed(1.5, *scene("commanded", **start), settings=Settings(tolerance=1e-5))
-    found = [
-        run.signal("drive", name)[-1]
-        for name in ("angle", "commanded_angle", "supplied_energy", "dissipated_energy")
-    ]
-    assert found == pytest.approx([exact[0], exact[2], exact[3], exact[4]], rel=2e-5)
+
+    def found(**how):
+        run = completed(1.5, *scene("commanded", **start), settings=Settings(**how))
+        names = ("angle", "commanded_angle", "supplied_energy", "dissipated_energy")
+        return np.array([run.signal("drive", name)[-1] for name in names])
+
+    coarse, fine = (found(fixed_step=h) for h in (0.02, 0.01))
+    assert np.all(np.abs(fine - exact) < 0.3 * np.abs(coarse - exact) + 1e-12)
+    assert (4 * fine - coarse) / 3 == pytest.approx(exact, rel=2e-4)
+    assert found(tolerance=1e-4, order=4) == pytest.approx(exact, rel=2e-6)
 
 
 @given(start=st.floats(-3, 3), change=st.floats(-3, 3), h=st.sampled_from((1e-3, 0.1, 0.5)))

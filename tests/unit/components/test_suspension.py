@@ -54,7 +54,7 @@ def test_vertical_oscillation(damping):
 
     The mean force shifts frequencies by (w h)^2 / 12 of them, in phase w t times that; damping alike.
     """
-    h, until, start = 5e-3, 4.0, -0.05
+    h, until, start = 1e-2, 2.5, -0.05
     run = hung(h, until, (0, 0, start), damping=damping)
     t, b = np.array(run.times), damping / (2 * MASS)
     w = np.sqrt(STIFFNESS / MASS - b * b)
@@ -92,13 +92,13 @@ def test_elastic_pendulum():
             -(2 * fast * spin + GRAVITY * np.sin(turn)) / length,
         )
 
-    exact = solve_ivp(rates, (0, 3.0), (LENGTH, angle, 0.0, rate), rtol=1e-11, atol=1e-12).y[0, -1]
-    coarse, fine = (hung(h, 3.0, place, velocity).signal("spring", "length")[-1] for h in (0.02, 0.01))
+    exact = solve_ivp(rates, (0, 1.5), (LENGTH, angle, 0.0, rate), rtol=1e-11, atol=1e-12).y[0, -1]
+    coarse, fine = (hung(h, 1.5, place, velocity).signal("spring", "length")[-1] for h in (0.02, 0.01))
     assert abs(fine - exact) < 0.35 * abs(coarse - exact) < 1e-2
     assert (4 * fine - coarse) / 3 == pytest.approx(exact, abs=1e-5)
 
 
-@pytest.mark.parametrize("h", [0.3, 0.07, 0.01])
+@pytest.mark.parametrize("h", [0.3, 0.07, 0.02])
 @pytest.mark.parametrize("damping", [0.0, 5.0])
 def test_energy_balance_at_any_step_size(h, damping):
     """Conservation law, through slack phases: a free fall into the spring, thrown sideways."""

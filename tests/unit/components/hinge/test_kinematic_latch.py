@@ -83,7 +83,7 @@ def test_kinematic_latch_is_a_plastic_event(step):
     assert run.signal("HL2", "friction_energy")[-1] == 0.0
 
 
-@pytest.mark.parametrize("step", [1e-3, 5e-3, 2e-2])
+@pytest.mark.parametrize("step", [2e-3, 2e-2])
 def test_kinematic_latch_after_a_swing(step):
     """Closed form: after the event both turn as one, with the energy H^2 / 2 I of the momentum before it.
 

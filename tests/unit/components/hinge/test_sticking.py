@@ -46,19 +46,19 @@ def test_a_torque_below_the_friction_moves_nothing():
 
     What is left are the wrenches' iterations: 1e-10 of 1 N.m over the stiffness, below 1e-12 rad.
     """
-    run = run_of([1.0] * 300, 0.4)
+    run = run_of([3.0] * 100, 0.4)
     assert np.abs(run.signal("hinge", "angle")).max() < ITERATED / STIFFNESS
     assert run.signal("hinge", "friction_torque") == pytest.approx(-0.4, abs=1e-9)
     assert run.signal("hinge", "friction_energy")[-1] == 0.0
 
 
 def test_a_load_that_swings_below_the_friction_does_not_make_it_drift():
-    """Between 0.31 and 0.49 N.m, 22 swings without damping: the contact is a spring, whose energy the steps keep.
+    """Between 0.31 and 0.49 N.m, 11 swings without damping: the contact is a spring, whose energy the steps keep.
 
     The models of Dahl and LuGre drift here. Rows come at most 0.14 of a radian from a turning point: 1 % below it.
     """
     w, most = sqrt(STIFFNESS / INERTIA), 4.5e-4
-    run = run_of([0.05] * 500, 0.4, w * most, presliding_damping=0.0)
+    run = run_of([0.05] * 250, 0.4, w * most, presliding_damping=0.0)
     angle = run.signal("hinge", "angle")
     assert np.abs(angle).max() < most * (1.0 + 1e-6)
     for side in (-angle, angle):
@@ -90,11 +90,11 @@ def turning_points(first, stiffness, count):
 def test_a_swing_on_a_spring_loses_what_friction_takes():
     """Each turning point follows from the one before by the work of friction; found by a parabola through three rows.
 
-    With w h = 0.01 turning points err by (w h)^2 / 24 of a swing's curvature where the contact turns around, 1e-5.
+    With w h = 0.02 turning points err by (w h)^2 / 24 of a swing's curvature where the contact turns around, 4e-5.
     """
     spring = 5.0
     w = sqrt(spring / INERTIA)
-    steps = [0.01 / w] * 1000
+    steps = [0.02 / w] * 500
     start = {"rotational_stiffness": (spring, 1e5, 1e5), "presliding_damping": 0.0}
     run = run_of(steps, 0.0, 1.5 * w, **start)
     angle = run.signal("hinge", "angle")
@@ -105,7 +105,7 @@ def test_a_swing_on_a_spring_loses_what_friction_takes():
     for i in turns[:3]:
         rise, bend = 0.5 * (angle[i + 1] - angle[i - 1]), angle[i + 1] - 2.0 * angle[i] + angle[i - 1]
         found.append(abs(angle[i] - 0.5 * rise * rise / bend))
-    assert found == pytest.approx(turning_points(found[0], spring, 2), abs=1e-5)
+    assert found == pytest.approx(turning_points(found[0], spring, 2), abs=4e-5)
     total = sum(run.signal(name, "kinetic_energy") for name in ("rotor",)) + sum(
         run.signal("hinge", kind)
         for kind in ("potential_energy", "dissipated_energy", "numerical_dissipation")
@@ -132,10 +132,10 @@ def test_a_swing_ends_where_friction_holds_the_spring():
         law, (0.0, until), (0.0, rate, 0.0), method="LSODA", rtol=1e-8, atol=1e-10, max_step=0.01
     )
     start = {"rotational_stiffness": (spring, 1e5, 1e5)}
-    ends = [run_of([h] * round(until / h), 0.0, rate, **start).signal("hinge", "angle") for h in (0.04, 0.02)]
+    ends = [run_of([h] * round(until / h), 0.0, rate, **start).signal("hinge", "angle") for h in (0.08, 0.04)]
     (coarse, fine) = (angle[-1] for angle in ends)
     assert abs(fine) < FRICTION / spring
-    assert np.ptp(ends[1][-50:]) < 1e-5
+    assert np.ptp(ends[1][-25:]) < 1e-5
     assert fine == pytest.approx(exact.y[0, -1], abs=abs(fine - coarse) + 1e-6)
 
 
