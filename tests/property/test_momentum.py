@@ -158,13 +158,13 @@ def test_any_tumbling_start_keeps_both_momenta(spin, velocity, angle, step, orde
     """
     soft = {**JOINT, "translational_stiffness": (2e4, 2e4, 2e4), "rotational_stiffness": (0.0, 2e3, 2e3)}
     run = free_scene(
-        "none", 30 * step, Settings(tolerance=1e-8, fixed_step=step, order=order), angle, 0.3, spin, velocity,
+        "none", 15 * step, Settings(tolerance=1e-8, fixed_step=step, order=order), angle, 0.3, spin, velocity,
         soft, Tolerance(1e-12, 100.0, 100.0), native=False,
     )  # fmt: skip
     change, size = drift(run, "linear_momentum")
     assert change < 1e-13 * max(size, 1.0)
     change, size = drift(run, "angular_momentum")
-    assert change < 1e-13 * max(size, 1.0) + 2 * 1e-10 * 30 * step
+    assert change < 1e-13 * max(size, 1.0) + 2 * 1e-10 * 15 * step
 
 
 @ORDERS

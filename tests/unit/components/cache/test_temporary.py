@@ -9,8 +9,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[4]
-MADE = """
+ALONE = """
 import sys
+from types import ModuleType
+for name in ("components", "components.cache"):
+    sys.modules[name] = ModuleType(name)
+    sys.modules[name].__path__ = [name.replace(".", "/")]
+"""
+"""The modules of this folder without all kinds of components, whose import is most of what a process would cost."""
+MADE = f"""{ALONE}
 from components.cache.temporary import process_folder
 folder = process_folder()
 (folder / "unpacked").mkdir()
@@ -63,7 +70,7 @@ def test_folder_of_a_killed_process_goes_at_the_next_start(tmp_path):
 def test_fork_leaves_the_folder_of_its_parent(tmp_path):
     """A fork that ends as a program does takes nothing with it."""
     program = (
-        "import os, sys\nfrom components.cache.temporary import process_folder\nfolder = process_folder()\n"
+        f"{ALONE}\nimport os\nfrom components.cache.temporary import process_folder\nfolder = process_folder()\n"
         "child = os.fork()\nif child == 0:\n    assert process_folder() != folder\n    sys.exit()\n"
         "os.waitpid(child, 0)\nassert folder.exists()\nassert len(list(folder.parent.iterdir())) == 1\n"
     )

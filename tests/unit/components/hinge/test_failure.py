@@ -51,7 +51,7 @@ def test_what_the_spring_held_is_heat_and_the_body_flies_on():
     Of order 4 the phase errs by (w h)^4 / 720 of itself, 1e-9 here; the body's turn is free of the springs. The
     iteration leaves 1e-10 of the work, which goes to and fro three times.
     """
-    _, run = failed_at(FAILURE, 0.5)
+    _, run = failed_at(FAILURE, 0.4)
     w, kinetic = np.sqrt(STIFFNESS / MASS), 0.5 * MASS * SPEED**2
     after = np.array(run.times) > FAILURE + 1e-9
     held = kinetic * np.sin(w * FAILURE) ** 2
@@ -122,7 +122,7 @@ def test_an_end_point_joint_fails_at_a_step_or_an_event():
 )
 def test_what_drives_a_joint_makes_no_heat_of_its_failure(driven):
     """Rule: heat is never negative, and the zero of a motor's energy is nobody's; the balance closes all the same."""
-    _, run = failed_at(FAILURE, 0.5, structure={**HARNESS, "latch": "none"}, **driven)
+    _, run = failed_at(FAILURE, 0.4, structure={**HARNESS, "latch": "none"}, **driven)
     after = np.array(run.times) > FAILURE + 1e-9
     held = 0.5 * MASS * SPEED**2 * np.sin(np.sqrt(STIFFNESS / MASS) * FAILURE) ** 2
     assert run.signal("joint", "failure_energy")[after] == pytest.approx(held, rel=1e-6)

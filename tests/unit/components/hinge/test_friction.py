@@ -41,7 +41,7 @@ def test_coulomb_friction_stops_the_rotor(transition):
     time, angle = coulomb_stop(INERTIA, FRICTION, 1.0)
     assert (time, angle) == pytest.approx((12.5028, 6.2514), abs=5e-5)
     h = 3.0 * transition
-    run = sliding_rotor([0.05] * 248 + [h] * 200, transition=transition)
+    run = sliding_rotor([0.1] * 124 + [h] * 100, transition=transition)
     i = at(run, 10.0)
     rate = run.signal("hinge", "angular_rate")
     # the wrenches' iteration: 1.5e-10 of 0.5 N.m over ten seconds
@@ -61,12 +61,12 @@ def test_rotor_sticks_below_the_friction_torque_and_slides_above():
     The creep is where friction has risen to 0.8 of its value: 1.5 r - 0.5 r^3 = 0.8, r the share of the
     transition rate. Iteration leaves 1.6e-10 N.m, over a slope of 0.5 N.m per r.
     """
-    creeping = sliding_rotor([0.1] * 200, 0.0, torque=0.4).signal("hinge", "angular_rate")
+    creeping = sliding_rotor([0.1] * 100, 0.0, torque=0.4).signal("hinge", "angular_rate")
     (share,) = [r.real for r in np.roots((0.5, 0.0, -1.5, 0.8)) if 0.0 < r.real < 1.0]
     assert creeping.max() < 0.0167
     assert creeping[-1] == pytest.approx(share * 0.0167, rel=1e-9)
-    moving = sliding_rotor([0.1] * 200, 0.0, torque=0.6).signal("hinge", "angular_rate")
-    assert moving[-1] - moving[100] == pytest.approx(0.1 / INERTIA * 10.0, rel=2e-9)
+    moving = sliding_rotor([0.2] * 100, 0.0, torque=0.6).signal("hinge", "angular_rate")
+    assert moving[-1] - moving[50] == pytest.approx(0.1 / INERTIA * 10.0, rel=2e-9)
 
 
 @pytest.mark.parametrize(("bending_arm", "swing"), [(0.0, 0.0), (0.01, 2e-3)])

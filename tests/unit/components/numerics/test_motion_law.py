@@ -18,7 +18,7 @@ TERMS = {
     "harmonic": {"start": 0.3, "amplitude": 0.2, "frequency": 1.3, "phase": 0.4},
     "table": {"times": [0.1, 0.5, 1.7, 2.0], "values": [0.0, 1.0, 0.5, 0.9]},
 }
-TIMES = np.linspace(-1.0, 4.0, 501) + 1e-3
+TIMES = np.linspace(-1.0, 4.0, 201) + 1e-3
 
 
 def law(*names):
