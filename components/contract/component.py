@@ -41,6 +41,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from inspect import signature
 from typing import Any, ClassVar, Literal, Self
 
@@ -239,7 +240,7 @@ class Component(ABC):
     @classmethod
     def has_wrench_mode(cls) -> bool:
         """Whether its wrenches are means over steps or those of an end point, as its structure says."""
-        return "wrench_mode" in signature(cls).parameters
+        return _has_wrench_mode(cls)
 
     @classmethod
     @abstractmethod
@@ -250,3 +251,8 @@ class Component(ABC):
     def other_examples(cls) -> Mapping[str, Self]:
         """Instances with variables that the example lacks, by the words of a scene or structure that make them so."""
         return {}
+
+
+@cache
+def _has_wrench_mode(kind: type[Component]) -> bool:
+    return "wrench_mode" in signature(kind).parameters

@@ -66,7 +66,7 @@ class Quantity:
 
     def start_values(self) -> Vector:
         """Start values, shape (size,)."""
-        return np.broadcast_to(np.asarray(self.start, dtype=float), (self.size,)).copy()
+        return np.full(self.size, self.start, dtype=float)
 
 
 class Layout:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -73,7 +73,7 @@ def scalars(component: Component) -> Iterator[Variable]:
     """All scalars of a component in order, each as one variable."""
     for variable in quantities(component):
         for i, name in enumerate(variable.quantity.scalar_names()):
-            yield replace(variable, name=name, value_reference=variable.value_reference + i)
+            yield Variable(name, variable.value_reference + i, variable.causality, variable.quantity)
 
 
 def value_references(component: Component) -> dict[str, int]:
