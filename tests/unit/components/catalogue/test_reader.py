@@ -230,7 +230,10 @@ def test_skins_of_another_thickness_are_another_body(tmp_path, monkeypatch):
 
 
 def test_bodies_do_not_depend_on_threads(tmp_path, monkeypatch):
-    """R25: cold caches under other numbers of threads hold the same bits; without the limit of reductions they differ."""
+    """R25: cold caches under other numbers of threads hold the same bits.
+
+    Without the limit that reductions set, these two differ.
+    """
     found = set()
     for threads in (1, 4):
         monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path / str(threads)))
