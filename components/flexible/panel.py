@@ -54,20 +54,14 @@ class _Axis:
         self.slopes = np.isin(np.arange(hermite.N), hermite.nodal_dofs[1])
         self.stretching_places = quadratic.doflocs[0]
 
-    def at(self, x: float) -> tuple[list[SparseMatrix], list[SparseMatrix]]:
-        """Bending and stretching functions and their derivatives at x, each (1, n)."""
-        cell = int(np.clip(np.searchsorted(self.nodes, x) - 1, 0, self.nodes.size - 2))
-        fraction = (x - self.nodes[cell]) / (self.nodes[cell + 1] - self.nodes[cell])
-        rule, cells = (np.array([[fraction]]), np.ones(1)), np.array([cell])
+    def at(self, places: Vector) -> tuple[list[SparseMatrix], list[SparseMatrix]]:
+        """Bending and stretching functions and their derivatives at places (k,), each (k, n)."""
+        cells = np.clip(np.searchsorted(self.nodes, places) - 1, 0, self.nodes.size - 2)
+        fractions = (places - self.nodes[cells]) / (self.nodes[cells + 1] - self.nodes[cells])
+        rule = (fractions[None, :, None], np.ones(1))  # one point in the element of each place
         hermite = skfem.CellBasis(self._mesh, skfem.ElementLineHermite(), quadrature=rule, elements=cells)
         quadratic = skfem.CellBasis(self._mesh, skfem.ElementLineP2(), quadrature=rule, elements=cells)
         return [_values(hermite, k) for k in range(2)], [_values(quadratic, k) for k in range(2)]
-
-    def values(self, places: Vector) -> tuple[SparseMatrix, SparseMatrix]:
-        """Bending and stretching functions at places (k,), each (k, n)."""
-        found = [self.at(float(x)) for x in places]
-        bending, stretching = (sparse.vstack([one[kind][0] for one in found]) for kind in range(2))
-        return sparse.csr_array(bending), sparse.csr_array(stretching)
 
     def corners(self) -> AxisCorners:
         """The functions at both ends of every element."""
@@ -141,8 +135,8 @@ class PlateElements:
 
     def motion(self, x: float, y: float) -> SparseMatrix:
         """Translation and small rotation (6, n) of the plate at a point."""
-        (hx, gx), (px, qx) = self._x.at(x)
-        (hy, gy), (py, qy) = self._y.at(y)
+        (hx, gx), (px, qx) = self._x.at(np.array([x]))
+        (hy, gy), (py, qy) = self._y.at(np.array([y]))
         w, w_x, w_y = (kron(*pair) for pair in ((hx, hy), (gx, hy), (hx, gy)))
         u, u_y, v_x = (kron(*pair) for pair in ((px, py), (px, qy), (qx, py)))
         rows = [[None, u, None], [None, None, u], [w, None, None], [w_y, None, None], [-w_x, None, None]]
@@ -150,7 +144,7 @@ class PlateElements:
 
     def translations(self, x: Vector, y: Vector) -> SparseMatrix:
         """Translations of the plate at all pairs of x (k,) and y (l,): row 3 (l i + j) + axis, (3 k l, n)."""
-        (hx, px), (hy, py) = self._x.values(x), self._y.values(y)
+        ((hx, _), (px, _)), ((hy, _), (py, _)) = self._x.at(x), self._y.at(y)
         return _interleaved(kron(px, py), kron(hx, hy))
 
     def nodes(self, inserts: Sequence[Rectangle]) -> PlateNodes:
