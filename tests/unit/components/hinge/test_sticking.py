@@ -132,7 +132,7 @@ def test_a_swing_ends_where_friction_holds_the_spring():
         law, (0.0, until), (0.0, rate, 0.0), method="LSODA", rtol=1e-8, atol=1e-10, max_step=0.01
     )
     start = {"rotational_stiffness": (spring, 1e5, 1e5)}
-    ends = [run_of([h] * round(until / h), 0.0, rate, **start).signal("hinge", "angle") for h in (0.08, 0.04)]
+    ends = [run_of([h] * round(until / h), 0.0, rate, **start).signal("hinge", "angle") for h in (0.06, 0.03)]
     (coarse, fine) = (angle[-1] for angle in ends)
     assert abs(fine) < FRICTION / spring
     assert np.ptp(ends[1][-25:]) < 1e-5
