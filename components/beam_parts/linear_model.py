@@ -7,6 +7,7 @@ masses of its nodes, and the samples at nodes lie around the axis so as to have 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -38,7 +39,7 @@ def linear_model(
         masses=masses,
         positions=places,
         displacement=displacement,
-        strain=_strain(positions, section),
+        membrane_strain=partial(_strain, positions, section),
         rigid_motions=np.concatenate([rigid_motion(place) for place in positions]),
         point_positions={name: positions[node] for name, node in points.items()},
         point_motions={

@@ -231,7 +231,7 @@ def beam_frame(
         masses=np.concatenate(masses),
         positions=np.concatenate(positions),
         displacement=sparse.csr_array(sparse.vstack(displacement)),
-        strain=assembly.strain(),
+        membrane_strain=assembly.strain,
         rigid_motions=np.concatenate([rigid_motion(p) for p in nodes]),
         point_positions={name: nodes[assembly.index[name]] for name in names},
         point_motions={name: assembly.node_motion(assembly.index[name]) for name in names},

@@ -47,8 +47,8 @@ class FiniteElementModel:
     """(Q, 3) of the samples, construction frame, m"""
     displacement: SparseMatrix
     """(3 Q, n) displacement of the samples, row 3 q + axis"""
-    strain: MembraneStrain
-    """along beams and in the planes of plates"""
+    membrane_strain: Callable[[], MembraneStrain]
+    """makes `strain`, which only bodies of second order need"""
     rigid_motions: Vector
     """(n, 6) exact translations along and rotations about the construction axes"""
     point_positions: Mapping[str, Vector]
@@ -69,6 +69,11 @@ class FiniteElementModel:
     """(n, n) of imported models, whose mass matrix no samples need to make"""
     outputs: OutputRows | None = None
     """of imported models that bring rows for them"""
+
+    @cached_property
+    def strain(self) -> MembraneStrain:
+        """Strains along beams and in the planes of plates."""
+        return self.membrane_strain()
 
     @cached_property
     def mass_matrix(self) -> SparseMatrix:

@@ -39,7 +39,7 @@ def joined(first: FiniteElementModel, second: FiniteElementModel) -> FiniteEleme
         masses=np.concatenate([first.masses, second.masses]),
         positions=np.concatenate([first.positions, second.positions]),
         displacement=_stacked(on_first(first.displacement), on_second(second.displacement)),
-        strain=combined([first.strain.reduced(on_first), second.strain.reduced(on_second)]),
+        membrane_strain=lambda: combined([first.strain.reduced(on_first), second.strain.reduced(on_second)]),
         rigid_motions=rigid_motions,
         point_positions=kept,
         point_motions={name: motions[name] for name in kept},

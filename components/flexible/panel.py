@@ -242,7 +242,7 @@ def panel_model(panel: Panel) -> FiniteElementModel:
         displacement=sparse.csr_array(
             sparse.vstack([ties.reduce(plate.displacement), *(hubs[arm.name][:3] for arm in heavy)])
         ),
-        strain=ties.strain(),
+        membrane_strain=ties.strain,
         rigid_motions=ties.rigid_motions(),
         point_positions=ties.tips | nodes,
         point_motions=hubs | motions,

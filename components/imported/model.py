@@ -8,6 +8,7 @@ its inertia stays that of the undeformed body. Matrices tell nothing of strains 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -42,7 +43,9 @@ def finite_element_model(
         masses=samples.masses,
         positions=samples.positions,
         displacement=samples.displacement,
-        strain=MembraneStrain(sparse.csr_array((0, len(data.dofs))), (), sparse.csr_array((0, 0))),
+        membrane_strain=partial(
+            MembraneStrain, sparse.csr_array((0, len(data.dofs))), (), sparse.csr_array((0, 0))
+        ),
         rigid_motions=data.rigid_motions(),
         point_positions=positions,
         point_motions=motions,
