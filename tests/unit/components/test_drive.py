@@ -231,8 +231,8 @@ def test_moments_of_following(h):
 def test_a_soft_gearbox_that_follows_a_command():
     """Independent formulation: J q'' = -k (q - a) - d (q' - a'), a' = (command - a) / tau, by SciPy.
 
-    Mean torques are of second order in the step, which is extrapolated, with 7e-5 left; wrenches of order 4 leave 4e-7
-    at this tolerance, where those of order 2 leave 1e-4.
+    Mean torques are of second order in the step; extrapolated, 7e-5 are left. Wrenches of order 4 leave 4e-7 at
+    this tolerance, where those of order 2 leave 1e-4.
     """
     stiffness, damping, command, tau = 300.0, 8.0, 0.8, 0.15
 
