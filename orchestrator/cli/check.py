@@ -105,8 +105,8 @@ def _print(found: SceneCheck, folder: Path) -> None:
         console.print(table)
     for sentence in found.warnings:
         click.echo(f"warning: {sentence}")
-    click.echo(
-        f"{found.scene}: no problem found" + (f", {len(found.warnings)} warnings" if found.warnings else "")
-    )
+    count = len(found.warnings)
+    told = f", {count} warning{'s' if count > 1 else ''}" if count else ""
+    click.echo(f"{found.scene}: no problem found{told}")
     for path in fanfold.plot(found, folder):
         click.echo(path)
