@@ -25,7 +25,7 @@ _FLAT = 1e-3
 _STUBBY = 0.5
 """Thickness of a beam over its length, from which on it is none."""
 _SLACK = 0.01
-"""Hz, of a free beam's first bending: ropes and hoses bend so slowly, no boom does."""
+"""Hz, of a free beam's first bending: ropes, hoses and cloths bend so slowly, no boom or panel does."""
 _FIRST_BENDING = 22.3733
 """Square of the first wave number of a free beam times its length, 4.730^2."""
 _DENSEST = 22_600.0
@@ -203,7 +203,7 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
 
 
 def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
-    """Panels that are no plates, or denser than any material, by the thickness that their stiffnesses tell."""
+    """Panels that are no plates, denser than any material, or slack, by what their stiffnesses tell."""
     for body in scene.bodies:
         panel = _panel(body)
         if panel is None:
@@ -223,6 +223,17 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
                 f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
                 "material; check the units of areal_mass and of thickness"
             )
+        first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
+        if first < _SLACK and plate.prestress == 0.0:
+            yield (
+                f"{key}: free, it would bend at {first:.2g} Hz, as a cloth does; check the units of "
+                "youngs_modulus, or of bending"
+            )
+
+
+def _first_bending(bending: float, mass: float, length: float) -> float:
+    """Hz, of a free beam or strip of a bending stiffness (N.m2, or N.m over its width) and a mass a length."""
+    return float(_FIRST_BENDING / (2.0 * np.pi) * np.sqrt(bending / (mass * length**4)))
 
 
 def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
@@ -239,7 +250,7 @@ def _unlikely_beams(scene: CheckedScene) -> Iterator[str]:
                 "theory does not hold for it; check the units of its section"
             )
         bending = min(section.bending_y, section.bending_z)
-        first = _FIRST_BENDING / (2.0 * np.pi) * np.sqrt(bending / (section.line_mass * length**4))
+        first = _first_bending(bending, section.line_mass, length)
         if first < _SLACK:
             yield (
                 f"{key}: free, it would bend at {first:.2g} Hz, as a rope does; check the units of its section and of "
