@@ -128,10 +128,10 @@ def test_latch_up_that_a_finer_run_does_not_reach(tmp_path):
     """Bad luck: numbers that not all runs have are left out, the others are still verified."""
     assembly = smooth_scene()
     settings = Settings(tolerance=1e-3)
-    outcome = run(assembly, tmp_path / "run.h5", settings, 0.1)
-    early = replace(outcome.headline, latch_times={"middle_line": 0.09})
+    outcome = run(assembly, tmp_path / "run.h5", settings, 0.02)
+    early = replace(outcome.headline, latch_times={"middle_line": 0.015})
     quantities = [v.number.quantity for v in verify(
-        assembly, replace(outcome, headline=early), settings, 0.1)]  # fmt: skip
+        assembly, replace(outcome, headline=early), settings, 0.02)]  # fmt: skip
     assert "latch time" not in quantities
     assert "motor energy" in quantities
 

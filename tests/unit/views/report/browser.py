@@ -78,8 +78,8 @@ class Browser:
                 assert "error" not in answer, answer["error"]
                 return answer["result"]
 
-    def open(self, path: Path, width: int = 1000, height: int = 900) -> None:
-        """Load a page and wait until it is there."""
+    def open(self, path: Path, width: int = 420, height: int = 320) -> None:
+        """Load a page and wait until it is there; small, as a processor draws every pixel."""
         self.ask(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -99,7 +99,7 @@ class Browser:
         return found["result"].get("value")
 
     def picture(self, identity: str = ""):
-        """What is seen of an element, or of the window: (height, width, 3) from 0 to 1."""
+        """What the window holds of an element, or of anything: (height, width, 3) from 0 to 1."""
         return imread(BytesIO(self.png(identity)))[..., :3]
 
     def png(self, identity: str = "") -> bytes:
@@ -107,10 +107,13 @@ class Browser:
         clip = {}
         if identity:
             box = self.run(f"""(() => {{
-                const box = document.getElementById({json.dumps(identity)}).getBoundingClientRect();
-                return {{x: box.x + scrollX, y: box.y + scrollY, width: box.width, height: box.height, scale: 1}};
+                const element = document.getElementById({json.dumps(identity)});
+                element.scrollIntoView({{behavior: "instant"}});
+                const box = element.getBoundingClientRect();
+                const height = Math.min(box.height, innerHeight - box.y);
+                return {{x: box.x + scrollX, y: box.y + scrollY, width: box.width, height, scale: 1}};
             }})()""")
-            clip = {"clip": box, "captureBeyondViewport": True}
+            clip = {"clip": box}
         return b64decode(self.ask("Page.captureScreenshot", format="png", **clip)["data"])
 
     def _next(self):

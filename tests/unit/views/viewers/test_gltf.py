@@ -25,6 +25,12 @@ def result(tmp_path_factory):
     return fanfold.Result.open(reference.write(tmp_path_factory.mktemp("gltf") / "run.h5"))
 
 
+@pytest.fixture(scope="module")
+def exported(result, tmp_path_factory):
+    """With the default tolerance."""
+    return Glb.open(fanfold.export_view(result, tmp_path_factory.mktemp("default") / "run.glb")[0])
+
+
 def farthest(glb, result, name, rows):
     """How far (m) a node of a body is from its place in the result at the most; y up turned back into z up."""
     x, y, z = np.moveaxis([glb.played(name, result.time[row]) for row in rows], -1, 0)
@@ -60,18 +66,18 @@ def test_bodies_are_where_the_result_has_them(result, tmp_path, tolerance):
     assert [one["event"] for one in extras["events"]] == [text for _, _, text in result.events]
 
 
-def test_the_default_tolerance_is_told_and_kept(result, tmp_path):
+def test_the_default_tolerance_is_told_and_kept(result, exported):
     """It is 1e-4 of the box around all that is shown, which the deployed wing of 5.1 x 1.5 m makes at least 0.5 mm."""
-    glb = Glb.open(fanfold.export_view(result, tmp_path / "run.glb")[0])
+    glb = exported
     tolerance = glb.document["scenes"][0]["extras"]["interpolation_tolerance_m"]
     assert 0.5e-3 < tolerance < 1e-3
     rows = np.arange(3, result.time.size, 41)
     assert all(farthest(glb, result, name, rows) <= tolerance + SINGLE for name in result.geometry)
 
 
-def test_modes_are_morph_targets_of_the_body(result, tmp_path):
+def test_modes_are_morph_targets_of_the_body(result, exported):
     """Target times weight is shape times modal coordinate; weights are at most 1; a frame of beams is lines."""
-    glb = Glb.open(fanfold.export_view(result, tmp_path / "run.glb")[0])
+    glb = exported
     node = glb.document["nodes"][glb.node("panel1")]
     mesh = glb.document["meshes"][node["mesh"]]
     (primitive,) = mesh["primitives"]
