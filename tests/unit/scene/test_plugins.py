@@ -13,6 +13,7 @@ from fmus import check_fmu
 from orchestrator.cli.main import main
 from orchestrator.scene.bodies import body_model
 from orchestrator.scene.expansion import plugins
+from orchestrator.views import plots
 from tests.references import synthetic_result
 from tests.references.relative_motion import inputs, port_motion
 
@@ -165,8 +166,9 @@ def test_installed_plugins_are_loaded_and_told_of_where_they_fail(monkeypatch):
     assert told == ["the installed plugin mine (my_parts): ZeroDivisionError: division by zero"]
 
 
-def test_commands_take_plugins(tmp_path):
+def test_commands_take_plugins(tmp_path, monkeypatch):
     """`list` tells the keys of a component from outside, `plot` draws a figure from outside."""
+    monkeypatch.setattr(plots, "_added", {})  # other tests have no such figure
     told = CliRunner().invoke(main, ["list", "tape_spring", "--plugin", str(TAPE)])
     assert "settling_stiffness" in told.output
     views = tmp_path / "views.py"
