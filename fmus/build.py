@@ -71,7 +71,8 @@ def build_fmu(
     backend = backend or ("native" if only_native or native_backend(component) else "python")
     if only_native and backend == "python":
         raise ComponentError(
-            "PythonFMUs are of FMI 2.0 for this platform and have no C sources; all else needs the native back end"
+            "PythonFMUs are of FMI 2.0 for this platform and have no C sources; FMI 3.0, sources and other platforms "
+            "need the native back end"
         )
     sources = source_files(name, fmi) if with_sources else {}
     listed = [path.removeprefix("sources/") for path in sources if path.endswith(".c")]

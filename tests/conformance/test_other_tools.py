@@ -13,7 +13,6 @@ from functools import cache
 import numpy as np
 import pytest
 from fmpy import read_model_description, simulate_fmu
-from fmpy.cli import main
 from fmpy.fmi1 import FMICallException
 
 from components import REGISTRY
@@ -76,35 +75,22 @@ def test_a_quaternion_of_zeros_is_named(kind):
     assert f"input {name} is zero; connect it" in b" ".join(said).decode()
 
 
-@pytest.fixture
-def simulated(tmp_path, monkeypatch, capfd):
-    """Runs FMPy's command of a kind and an interface; nothing may be said. Rows of its result file, time first."""
-
-    def run(kind, fmi, interface):
-        found = tmp_path / f"{interface}{fmi}.csv"
-        command = ["simulate", path_of(kind, fmi), "--interface-type", interface, "--stop-time", str(STOP)]
-        command += ["--output-file", str(found)]
-        monkeypatch.chdir(tmp_path)
-        if kind == "hinge":  # as typed; the others save a process each
-            done = subprocess.run([sys.executable, "-P", "-m", "fmpy", *command], timeout=120)
-            assert done.returncode == 0
-        else:
-            monkeypatch.setattr(sys, "argv", ["fmpy", *command])
-            assert not main()
-        assert capfd.readouterr() == ("", "")
-        lines = found.read_text().splitlines()[1:]
-        return np.array(
-            [line.replace(",", " ").split() for line in lines], dtype=float
-        )  # arrays are one column
-
-    return run
+def simulated(kind, fmi, interface, folder):
+    """Rows of FMPy's result file, time first; nothing may be said."""
+    found = folder / f"{interface}{fmi}.csv"
+    plain = ["simulate", path_of(kind, fmi), "--interface-type", interface, "--stop-time", str(STOP)]
+    command = [sys.executable, "-P", "-m", "fmpy", *plain, "--output-file", str(found)]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=folder, timeout=120)
+    assert (run.returncode, run.stdout, run.stderr[-2000:]) == (0, "", ""), run.args
+    lines = found.read_text().splitlines()[1:]
+    return np.array([line.replace(",", " ").split() for line in lines], dtype=float)  # arrays are one column
 
 
 @pytest.mark.parametrize("kind", REGISTRY)
-def test_runs_by_the_plain_command(kind, simulated):
+def test_runs_by_the_plain_command(kind, tmp_path):
     """To the stop time, and the solver's end is that of the component's own steps, but for moments over a step."""
-    stepped = [simulated(kind, *interface) for interface in INTERFACES[1:]]
-    exchanged = stepped[0] if kind in CO_SIMULATION_ONLY else simulated(kind, *INTERFACES[0])
+    stepped = [simulated(kind, *interface, tmp_path) for interface in INTERFACES[1:]]
+    exchanged = stepped[0] if kind in CO_SIMULATION_ONLY else simulated(kind, *INTERFACES[0], tmp_path)
     for rows in (exchanged, *stepped):
         assert (rows[0, 0], rows[-1, 0]) == (0.0, pytest.approx(STOP, abs=1e-9))
         assert np.all(np.diff(rows[:, 0]) >= 0.0)
