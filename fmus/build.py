@@ -26,6 +26,7 @@ from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
 from .native import CompileError, equations, library
 from .native.binary_data import component_bytes
+from .native.compile import ASSEMBLY
 from .native.platforms import libraries
 from .native.source_files import source_files
 from .python.bundle import python_code, python_data
@@ -41,9 +42,16 @@ def native_backend(component: Component) -> bool:
 
 def _has_kernel(component: Component) -> bool:
     """A kernel has the name of the component's file; kinds from outside have none, whatever data their bases give."""
+    if component.kind == ASSEMBLY:
+        return True
     package, _, file = type(component).__module__.rpartition(".")
     ours = package == components.__name__ and file in equations()
     return ours and component.native_data() is not None
+
+
+def component_data(component: Component, start: Mapping[str, StartValue]) -> bytes:
+    """What a native FMU of a component carries of it, for one inside of another FMU."""
+    return component_bytes(component, start_values(component, start), _NO_GUID)
 
 
 def build_fmu(

@@ -129,10 +129,13 @@ class Component(ABC):
     feedthrough: bool
     continuous: ContinuousStates | None = None
     constant_mobility: bool = False
+    tells_derivatives: bool = True
+    """Whether a native FMU of it gives directional derivatives."""
 
-    def __init_subclass__(cls, **kwargs: object) -> None:
+    def __init_subclass__(cls, *, registered: bool = True, **kwargs: object) -> None:
+        """registered: whether the class is a kind that scenes may name."""
         super().__init_subclass__(**kwargs)
-        if "kind" in cls.__dict__:
+        if "kind" in cls.__dict__ and registered:
             if cls.kind in REGISTRY:
                 raise TypeError(f"two components of kind {cls.kind!r}")
             REGISTRY[cls.kind] = cls
@@ -236,6 +239,10 @@ class Component(ABC):
         parameters by name from the declared layouts, so they are not repeated here.
         """
         return None
+
+    def native_parts(self) -> Mapping[str, bytes]:
+        """What the native kernel reads beside numbers, by name: the data of components inside of this one."""
+        return {}
 
     @classmethod
     def has_wrench_mode(cls) -> bool:

@@ -31,6 +31,10 @@ FLAGS = (
     "-Werror=incompatible-pointer-types",  # a plain state is no state that carries a derivative
     "-Werror=implicit-function-declaration",
 )
+ASSEMBLY = "assembly"
+"""Kind of a scene with its master as one component: its kernel, in `coupling`, drives those of the others."""
+COUPLING_FLAGS = (*FLAGS, f"-I{HERE / 'coupling'}")
+"""For C files elsewhere that couple FMUs by the headers here."""
 
 
 class CompileError(Exception):
@@ -53,11 +57,12 @@ def sources() -> dict[str, str]:
     names = equations()
     for name in names:
         texts[f"{name}_derivative.c"] = f'#define FANFOLD_COMPLEX\n#include "{name}.c"\n'
-    listed = ", ".join(f"&{name}_kernel" for name in names)
-    declared = "".join(f"extern const Kernel {name}_kernel;\n" for name in names)
+    made = [*names, ASSEMBLY]
+    listed = ", ".join(f"&{name}_kernel" for name in made)
+    declared = "".join(f"extern const Kernel {name}_kernel;\n" for name in made)
     texts["kernels.c"] = (
         f'#include "kernel.h"\n\n{declared}\nconst Kernel *const kernels[] = {{{listed}}};\n'
-        f"const size_t kernel_count = {len(names)};\n"
+        f"const size_t kernel_count = {len(made)};\n"
     )
     return texts
 

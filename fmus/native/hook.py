@@ -24,7 +24,7 @@ class NativeBuildHook(BuildHookInterface[Any]):  # type: ignore[misc] # hatchlin
         libraries = {
             "fmus/native/lib/fanfold": build.compile_library,
             "orchestrator/cosim/native/_coupling": lambda target: build.compile_files(
-                [cosim / "native" / "coupling.c"], target
+                [cosim / "native" / "coupling.c"], target, build.COUPLING_FLAGS
             ),
             "orchestrator/cosim/isolation/native/_isolation": lambda target: build.compile_files(
                 [isolation / "caller.c", isolation / "server.c"],

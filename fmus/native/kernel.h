@@ -85,6 +85,10 @@ typedef struct {
     size_t (*indicators)(void *self, const double *x, const double *u, double *indicators);
     /* What the state remembers of an accepted step of the solver and, at an event, what happens; NULL for nothing. */
     void (*update)(void *self, const double *x, const double *u, int at_event, double *x_next);
+    /* Both NULL for components that keep nothing outside of their state. What follows a state that was saved or put back
+       depends on the state alone; and what `create` has made is no longer needed. */
+    void (*settle)(void *self);
+    void (*destroy)(void *self);
     const char *layout; /* digest of the declared layout that the kernel was written for */
 } Kernel;
 

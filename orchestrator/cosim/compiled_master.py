@@ -1,4 +1,4 @@
-"""The master whose plain steps are made in C, native/loop.h, many in one call; all else is the master's in Python."""
+"""The master whose plain steps are made in C, coupling/loop.h, many in one call; all else is the master's in Python."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ from .settings import Settings
 from .signals.process import SignalProcess
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
-_ITERATED = {2: 1e-2, 4: 1e-3}
+ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
@@ -58,7 +58,7 @@ class Master(CoSimulation):
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
-        tolerance = Tolerance(min(_ITERATED[network.order] * settings.tolerance, 1e-6))
+        tolerance = Tolerance(min(ITERATED[network.order] * settings.tolerance, 1e-6))
         super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance), events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings

@@ -47,7 +47,7 @@ class NativeAccess(Protocol):
     calls: Calls
 
     def failure(self, call: int, status: int, time: float, h: float) -> ParticipantError:
-        """What to raise when a call failed, by its number in native/coupling.c and its FMI status."""
+        """What to raise when a call failed, by its number in coupled_step.h and its FMI status."""
 
 
 class Participant(Protocol):

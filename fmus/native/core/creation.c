@@ -51,36 +51,58 @@ static int check_token(Instance *instance, const char *token, Reason *why) {
     return 1;
 }
 
-Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host) {
+/* A new one with its name; NULL where there is no memory. */
+static Instance *allocate_instance(const char *name, Logger logger, void *host) {
     Instance *instance = calloc(1, sizeof *instance);
     if (!instance)
         return NULL;
     instance->logger = logger;
     instance->host = host;
-    Reason why = {""};
     char *own_name = allocate(&instance->memory, strlen(name) + 1);
+    instance->name = own_name ? strcpy(own_name, name) : "";
+    return instance;
+}
+
+/* All that follows from its data, where it has them. */
+static Instance *furnish(Instance *instance, int has_data, Reason *why) {
+    if (has_data && find_kernel(instance, why) && layout_read(instance, why) && make_state(instance, why)) {
+        instance_reset(instance);
+        return instance;
+    }
+    instance_fail(instance, STATUS_ERROR, "%s", why->text[0] ? why->text : "no memory");
+    instance_free(instance);
+    return NULL;
+}
+
+Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host) {
+    Instance *instance = allocate_instance(name, logger, host);
+    if (!instance)
+        return NULL;
+    Reason why = {""};
     size_t length = strlen(resources);
     char *path = allocate(&instance->memory, length + 20);
-    instance->name = own_name ? strcpy(own_name, name) : "";
-    int done = own_name && path;
-    if (done) {
+    if (path) {
         const char *separator = length && (resources[length - 1] == '/' || resources[length - 1] == '\\') ? "" : "/";
         snprintf(path, length + 20, "%s%scomponent.bin", resources, separator);
-        done = data_read(&instance->data, path, &instance->memory, &why) && check_token(instance, token, &why) &&
-               find_kernel(instance, &why) && layout_read(instance, &why) && make_state(instance, &why);
     }
-    if (!done) {
-        instance_fail(instance, STATUS_ERROR, "%s", why.text[0] ? why.text : "no memory");
-        instance_free(instance);
+    return furnish(instance, path && data_read(&instance->data, path, &instance->memory, &why) &&
+                                 check_token(instance, token, &why), &why);
+}
+
+Instance *instance_create_inside(const char *name, const char *bytes, size_t size, Logger logger, void *host) {
+    Instance *instance = allocate_instance(name, logger, host);
+    if (!instance)
         return NULL;
-    }
-    instance_reset(instance);
-    return instance;
+    Reason why = {""};
+    return furnish(instance, data_parse(&instance->data, name, (const unsigned char *)bytes, size, &instance->memory,
+                                        &why), &why);
 }
 
 void instance_free(Instance *instance) {
     if (!instance)
         return;
+    if (instance->self && instance->kernel->destroy)
+        instance->kernel->destroy(instance->self);
     release(&instance->memory);
     free(instance);
 }

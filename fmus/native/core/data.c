@@ -87,29 +87,31 @@ static unsigned char *whole_file(const char *path, size_t *size, Memory *memory,
 int data_read(Data *data, const char *path, Memory *memory, Reason *why) {
     size_t size = 0;
     const unsigned char *bytes = whole_file(path, &size, memory, why);
-    if (!bytes)
-        return 0;
+    return bytes && data_parse(data, path, bytes, size, memory, why);
+}
+
+int data_parse(Data *data, const char *source, const unsigned char *bytes, size_t size, Memory *memory, Reason *why) {
     size_t start = strlen(MAGIC);
     if (size < start || memcmp(bytes, MAGIC, start) != 0)
-        return refuse(why, "%s is not the data of a Fanfold component of this version", path);
+        return refuse(why, "%s is not the data of a Fanfold component of this version", source);
     Memory trial = {NULL};
     size_t count = 0;
     Entry entry;
     for (size_t position = start; position < size; count++) {
         if (!read_entry(bytes, size, &position, &entry, &trial)) {
             release(&trial);
-            return refuse(why, "%s is damaged after its entry %lu", path, (unsigned long)count);
+            return refuse(why, "%s is damaged after its entry %lu", source, (unsigned long)count);
         }
     }
     release(&trial);
     data->entries = allocate(memory, (count + 1) * sizeof(Entry));
     if (!data->entries)
-        return refuse(why, "no memory for the entries of %s", path);
+        return refuse(why, "no memory for the entries of %s", source);
     data->count = count;
     size_t position = start;
     for (size_t i = 0; i < count; i++)
         if (!read_entry(bytes, size, &position, &data->entries[i], memory))
-            return refuse(why, "no memory for the content of %s", path);
+            return refuse(why, "no memory for the content of %s", source);
     return 1;
 }
 
@@ -122,6 +124,13 @@ static const Entry *find(const Data *data, const char *name) {
 
 const char *data_text(const Data *data, const char *name) {
     const Entry *entry = find(data, name);
+    return entry ? entry->text : NULL;
+}
+
+const char *data_bytes(const Data *data, const char *name, size_t *count) {
+    const Entry *entry = find(data, name);
+    if (entry)
+        *count = entry->count;
     return entry ? entry->text : NULL;
 }
 

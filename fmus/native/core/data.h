@@ -37,6 +37,10 @@ typedef struct {
 
 /* Reads a file; 0 and a sentence when it is not what it should be. */
 int data_read(Data *data, const char *path, Memory *memory, Reason *why);
+/* The same from the bytes of such a file, called `source` in the sentence. */
+int data_parse(Data *data, const char *source, const unsigned char *bytes, size_t size, Memory *memory, Reason *why);
+/* The bytes of a text and their number; NULL when there is none. */
+const char *data_bytes(const Data *data, const char *name, size_t *count);
 /* The text of that name; NULL when there is none. */
 const char *data_text(const Data *data, const char *name);
 /* The declared variable of entry `index` if it is one of `group`; 0 otherwise. */

@@ -39,6 +39,8 @@ static int differentiate(Instance *instance, Reason *why) {
 /* Complex equations give the derivatives of ports' outputs by inputs, after initialization. */
 static ExactRanges exact_ranges(const Instance *instance, const uint32_t *knowns, size_t known_count) {
     const ExactRanges none = {{0, 0}, {0, 0}}, outputs = {{instance->ends[1], 0}, {instance->ends[2], 0}};
+    if (!instance->kernel->outputs_complex)
+        return none;
     for (size_t i = 0; i < known_count; i++)
         if (knowns[i] < instance->ends[0] || knowns[i] >= instance->ends[1])
             return none;

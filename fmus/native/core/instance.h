@@ -87,6 +87,8 @@ typedef struct {
 /* Reads resources and makes an instance in MODE_INSTANTIATED; NULL, with the reason logged, when it cannot.
    `token` is the model description's guid or instantiation token. */
 Instance *instance_create(const char *name, const char *resources, const char *token, Logger logger, void *host);
+/* The same from the bytes of a component.bin, whatever its token; for components inside of others. */
+Instance *instance_create_inside(const char *name, const char *bytes, size_t size, Logger logger, void *host);
 void instance_free(Instance *instance);
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...);

@@ -23,6 +23,8 @@ Status instance_save(Instance *instance, SavedState **state) {
         saved->states = instance->states;
         *state = saved;
     }
+    if (instance->kernel->settle)
+        instance->kernel->settle(instance->self);
     saved->time = instance->time;
     saved->mode = instance->mode;
     saved->has_state = instance->has_state;
@@ -50,6 +52,8 @@ Status instance_restore(Instance *instance, const SavedState *state) {
     memcpy(instance->slopes.rates, state->numbers + instance->ends[1], instance->slopes.count * sizeof(double));
     instance->slopes.used = state->interpolates;
     memcpy(instance->x, state->numbers + state->known, state->states * sizeof(double));
+    if (instance->kernel->settle)
+        instance->kernel->settle(instance->self);
     instance->time = state->time;
     instance->mode = (Mode)state->mode;
     instance->has_state = state->has_state;

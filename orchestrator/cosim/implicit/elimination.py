@@ -2,7 +2,7 @@
 
 Connections between the same bodies form a group, and groups that share a body depend on each other. Groups
 are eliminated by least degree: a chain, and a tree of chains, then stay as sparse as they were, so that
-memory and work grow linearly with the number of bodies. The tables are read by orchestrator/cosim/native/blocks.h.
+memory and work grow linearly with the number of bodies. The tables are read by fmus/native/coupling/blocks.h.
 
 A body that never moves joins nothing: no wrench depends on those that it takes, so each of them is a group of its
 own that is eliminated first.

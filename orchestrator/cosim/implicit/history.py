@@ -1,6 +1,6 @@
 """Wrenches of the last steps: where the next one starts from, and how much they bend.
 
-What orchestrator/cosim/native/prediction.h does for a network of FMUs.
+What fmus/native/coupling/prediction.h does for a network of FMUs.
 """
 
 from __future__ import annotations

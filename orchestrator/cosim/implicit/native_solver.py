@@ -1,4 +1,4 @@
-"""The coupled step in C, native/coupling.c: its structures, filled once from a network, then a few calls a step."""
+"""The coupled step in C, fmus/native/coupling: its structures, filled once from a network, then a few calls a step."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _LIMITS = Limits(
 
 
 class Status(IntEnum):
-    """How an iteration ended, as in native/coupling.c."""
+    """How an iteration ended, as in coupled_step.h."""
 
     CONVERGED = 0
     NOT_CONVERGED = 1
@@ -52,7 +52,7 @@ class Status(IntEnum):
 
 
 class Stop(IntEnum):
-    """Why plain steps ended, as in native/loop.h."""
+    """Why plain steps ended, as in loop.h."""
 
     PAUSED = 0
     STANDS = 1

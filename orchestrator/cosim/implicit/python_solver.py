@@ -1,4 +1,4 @@
-"""The coupled step in Python, for participants of any kind: what native/coupling.c does, to be read."""
+"""The coupled step in Python, for participants of any kind: what fmus/native/coupling does, to be read."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The linear system of a coupled step in Python: I - stiffness x mobility over the connection graph, sparse.
 
-What orchestrator/cosim/native/blocks.h does for a network of FMUs, for networks of anything else.
+What fmus/native/coupling/blocks.h does for a network of FMUs, for networks of anything else.
 """
 
 from __future__ import annotations

@@ -9,7 +9,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-FOLDER = Path(__file__).parent
+import fmus
+
+_HEADERS = Path(fmus.__file__).parent / "native" / "coupling"
 _NUMBERS = {"double": c_double, "int": c_int, "size_t": c_size_t, "ptrdiff_t": c_ssize_t}
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _STRUCTURE = re.compile(r"typedef struct \{([^}]*)\} (\w+);")
@@ -54,7 +56,7 @@ def constant(name: str) -> int:
 @cache
 def _declared() -> tuple[dict[str, str], dict[str, int]]:
     """Bodies of all structures, and all enumerators."""
-    texts = [_COMMENT.sub("", path.read_text(encoding="utf-8")) for path in sorted(FOLDER.glob("*.h"))]
+    texts = [_COMMENT.sub("", path.read_text(encoding="utf-8")) for path in sorted(_HEADERS.glob("*.h"))]
     structures = {name: body for text in texts for body, name in _STRUCTURE.findall(text)}
     return structures, {
         name: value for text in texts for body in _ENUMERATION.findall(text) for name, value in _counted(body)

@@ -1,16 +1,17 @@
-"""The compiled library of the coupled step, native/coupling.c: its structures, its functions, and where it is."""
+"""The compiled library of the coupled step, coupling.c: its structures, its functions, and where it is."""
 
 from __future__ import annotations
 
 import sys
 from ctypes import CDLL, POINTER, Structure, c_double, c_int, c_size_t, c_void_p, sizeof
 from functools import cache
+from pathlib import Path
 from typing import Any
 
-from .fields import FOLDER, constant, fields
+from .fields import constant, fields
 
 _SUFFIX = {"win32": ".dll", "darwin": ".dylib"}
-LIBRARY = FOLDER / f"_coupling{_SUFFIX.get(sys.platform, '.so')}"
+LIBRARY = Path(__file__).parent / f"_coupling{_SUFFIX.get(sys.platform, '.so')}"
 POINTS = constant("POINTS")
 """Steps that the native solver remembers."""
 

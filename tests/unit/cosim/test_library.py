@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus.native.compile import compile_files
+from fmus.native.compile import COUPLING_FLAGS, FLAGS, compile_files
 from orchestrator.cosim.native import library as module
 from tests.conformance.programs import sanitized
 from tests.unit.cosim import sanitized_runs
@@ -38,7 +38,8 @@ def test_runs_are_clean_under_sanitizers(tmp_path):
     """AddressSanitizer sees what leaves an array of NumPy by one number, as Python takes all its memory from malloc."""
     preloaded = sanitized.runtime()
     library = tmp_path / "_coupling.so"
-    compile_files([module.FOLDER / "coupling.c"], library, sanitized.flags())
+    source = module.LIBRARY.parent / "coupling.c"
+    compile_files([source], library, (*sanitized.flags(), *COUPLING_FLAGS[len(FLAGS) :]))
     environment = os.environ | {
         "LD_PRELOAD": preloaded,
         "ASAN_OPTIONS": "detect_leaks=0",  # the interpreter's own

@@ -24,7 +24,7 @@
 /* Rows of a group, and the columns [first, first + columns) of another that they depend on. */
 typedef struct {
     size_t row_group, column_group, first, columns, offset;
-} Block;
+} MatrixBlock;
 
 /* Where a 6 x 6 part of the matrix stands in `values`, and the distance between its rows. */
 typedef struct {
@@ -37,7 +37,7 @@ typedef struct {
 typedef struct {
     size_t groups, block_count, size, length;
     const size_t *begin;
-    const Block *blocks;
+    const MatrixBlock *blocks;
     const size_t *lower_begin, *lower, *upper_begin, *upper, *targets;
     double *values, *transposed;
     size_t *pivots;
@@ -137,7 +137,7 @@ static INLINE void solve_dense(const double *restrict a, size_t n, const size_t 
 
 /* Blocks (rows, columns) of the factors as (columns, rows), for solving along the columns. */
 static INLINE void transpose_blocks(Matrix *m) {
-    for (const Block *block = m->blocks; block < m->blocks + m->block_count; block++) {
+    for (const MatrixBlock *block = m->blocks; block < m->blocks + m->block_count; block++) {
         const size_t rows = m->begin[block->row_group + 1] - m->begin[block->row_group];
         const double *from = m->values + block->offset;
         double *to = m->transposed + block->offset;
@@ -154,14 +154,14 @@ VECTORISED static int factorize_blocks(Matrix *m) {
         double *diagonal = m->values + m->blocks[k].offset;
         if (!factorize(diagonal, n, m->pivots + m->begin[k])) return 0;
         for (size_t u = m->upper_begin[k]; u < m->upper_begin[k + 1]; u++) {
-            const Block *right = m->blocks + m->upper[u];
+            const MatrixBlock *right = m->blocks + m->upper[u];
             solve_dense(diagonal, n, m->pivots + m->begin[k], m->values + right->offset, right->columns);
         }
         for (size_t l = m->lower_begin[k]; l < m->lower_begin[k + 1]; l++) {
-            const Block *below = m->blocks + m->lower[l];
+            const MatrixBlock *below = m->blocks + m->lower[l];
             const size_t rows = m->begin[below->row_group + 1] - m->begin[below->row_group];
             for (size_t u = m->upper_begin[k]; u < m->upper_begin[k + 1]; u++) {
-                const Block *right = m->blocks + m->upper[u], *into = m->blocks + *target++;
+                const MatrixBlock *right = m->blocks + m->upper[u], *into = m->blocks + *target++;
                 subtract_product(m->values + into->offset + right->first - into->first, into->columns,
                                  m->values + below->offset, below->columns,
                                  m->values + right->offset + below->first * right->columns, right->columns,
@@ -198,7 +198,7 @@ VECTORISED static void solve_blocks(const Matrix *m, double *b) {
         double *own = b + m->begin[k];
         solve_vector(m->transposed + m->blocks[k].offset, m->begin[k + 1] - m->begin[k], m->pivots + m->begin[k], own);
         for (size_t l = m->lower_begin[k]; l < m->lower_begin[k + 1]; l++) {
-            const Block *below = m->blocks + m->lower[l];
+            const MatrixBlock *below = m->blocks + m->lower[l];
             const size_t row = m->begin[below->row_group], rows = m->begin[below->row_group + 1] - row;
             subtract_product(b + row, rows, own + below->first, below->columns, m->transposed + below->offset, rows, 1,
                              below->columns, rows);
@@ -207,7 +207,7 @@ VECTORISED static void solve_blocks(const Matrix *m, double *b) {
     for (size_t k = m->groups; k-- > 0;) {
         const size_t rows = m->begin[k + 1] - m->begin[k];
         for (size_t u = m->upper_begin[k]; u < m->upper_begin[k + 1]; u++) {
-            const Block *right = m->blocks + m->upper[u];
+            const MatrixBlock *right = m->blocks + m->upper[u];
             subtract_product(b + m->begin[k], rows, b + m->begin[right->column_group] + right->first, right->columns,
                              m->transposed + right->offset, rows, 1, right->columns, rows);
         }

@@ -1,0 +1,523 @@
+/* A scene as one component: its components and the master that couples them, which steps as its tolerance asks.
+
+   The master goes on until rows of results stand on both sides of a communication point; what is read there lies
+   between them. Inputs and parameters that change have it go back to the communication point first. So results do not
+   depend on the communication step size, and small ones cost nothing. */
+
+#define _POSIX_C_SOURCE 199309L
+#define EXPORT static
+
+#include "assembly_model.h"
+
+#include <string.h>
+
+/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
+   latched, and peaks. */
+enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
+
+/* Numbers of the master that are in no array, to or from `scalars`. */
+static void exchange_scalars(Assembly *a, int write) {
+    Master *m = &a->master;
+    Loop *l = &m->loop;
+    EnergyGuard *g = &m->guard;
+    History *past = &m->network.history;
+    double *place = a->scalars;
+    double *doubles[] = {&a->last_row_time, &l->time,      &m->sizes.worst, &m->error.energy, &g->kinetic,
+                         &g->power,     &g->rounding,   &m->segment,     &m->held_segment, &l->rows.held_time,
+                         past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
+                         g->last + 2,   g->last + 3,    g->last + 4,     g->powers,        g->powers + 1,
+                         g->powers + 2, g->powers + 3};
+    size_t *counts[] = {&past->count, &g->trials, &l->position, &l->rows.held, &m->steps, &m->rejected,
+                        &m->network.watched_count};
+    ptrdiff_t *signs[] = {&m->sizes.level, &m->sizes.wait, &m->sizes.stirred};
+    for (size_t i = 0; i < sizeof doubles / sizeof *doubles; i++, place++)
+        write ? (void)(*place = *doubles[i]) : (void)(*doubles[i] = *place);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++, place++)
+        write ? (void)(*place = (double)*counts[i]) : (void)(*counts[i] = (size_t)*place);
+    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++, place++)
+        write ? (void)(*place = (double)*signs[i]) : (void)(*signs[i] = (ptrdiff_t)*place);
+}
+
+/* Watched torques, whose numbers follow the scalars. */
+static void exchange_watched(Assembly *a, double *place, int write) {
+    Network *n = &a->master.network;
+    for (size_t i = 0; i < n->watched_count; i++, place += 7) {
+        Watched *w = a->master.watched + i;
+        if (write) {
+            const double numbers[] = {(double)w->connection, (double)w->port, (double)w->row, w->axis[0],
+                                      w->axis[1],            w->axis[2],      w->weight};
+            memcpy(place, numbers, sizeof numbers);
+        } else {
+            *w = (Watched){(size_t)place[0], (size_t)place[1], (size_t)place[2], {place[3], place[4], place[5]}, place[6]};
+        }
+    }
+    n->watched = a->master.watched;
+}
+
+/* Room for the numbers of a run that a saved state holds; NULL first to learn how many they are. */
+static size_t arrange_standing(Assembly *a, double *first) {
+    Master *m = &a->master;
+    Network *n = &m->network;
+    RowBlock *r = &m->loop.rows;
+    size_t used = 0;
+#define TAKE(pointer, count) (pointer = first ? (void *)(first + used) : NULL, used += (count))
+    TAKE(a->scalars, SCALARS + 7 * MOST_HINGES * m->lines);
+    TAKE(a->in_force, a->parameter_count);
+    TAKE(n->accepted, n->size);
+    TAKE(n->history.values, POINTS * n->size);
+    TAKE(r->held_observations, r->observations);
+    TAKE(r->held_scene, CHANNELS);
+    TAKE(m->energy_start, ENERGIES);
+    TAKE(m->before_lines, m->lines);
+    TAKE(m->before_events, m->events);
+    for (size_t i = 0; i < m->lines; i++) {
+        HingeLine *line = m->line + i;
+        TAKE(line->pending, 1);
+        TAKE(line->sensor, 1);
+        TAKE(line->latch_time, 1);
+        TAKE(line->released, line->hinges);
+        TAKE(line->stiffened, sizeof(StiffenedLine) / sizeof(double));
+    }
+    for (size_t i = 0; i < m->events; i++) TAKE(m->event[i].pending, 1);
+#undef TAKE
+    return used;
+}
+
+/* One that is in a snapshot. */
+static const double *snapshot_time(const Assembly *a, size_t number) { return a->snapshot + number * a->snapshot_size; }
+
+/* Keep where the run stands, the newest first. */
+static void keep_snapshot(Assembly *a) {
+    memmove(a->snapshot + a->snapshot_size, a->snapshot, (SNAPSHOTS - 1) * a->snapshot_size * sizeof(double));
+    double *place = a->snapshot;
+    a->run_serial = ++a->last_run;
+    exchange_scalars(a, 1);
+    exchange_watched(a, a->scalars + SCALARS, 1);
+    *place++ = a->master.loop.time;
+    memcpy(place, a->standing, a->standing_size * sizeof(double));
+    place += a->standing_size;
+    for (size_t i = 0; i < a->participants; i++) {
+        const SavedState *saved = a->saved[i];
+        memcpy(place, saved->numbers + saved->known, saved->states * sizeof(double));
+        place += saved->states;
+        memcpy(place, a->input[i], a->instance[i]->sizes.inputs * sizeof(double));
+        place += a->instance[i]->sizes.inputs;
+    }
+    if (a->snapshots < SNAPSHOTS) a->snapshots++;
+}
+
+/* Have a participant take what is in force of its parameters. */
+static void take_parameters(Assembly *a, size_t i) {
+    Instance *instance = a->instance[i];
+    const double *own = a->in_force + a->first_parameter[i];
+    const size_t bytes = instance->sizes.parameters * sizeof(double);
+    if (memcmp(instance->values, own, bytes) == 0) return;
+    memcpy(instance->values, own, bytes);
+    instance->prepared = instance->outputs_known = instance->observations_known = 0;
+}
+
+/* Stand where the run stood in a snapshot, those after it being forgotten; 0 where a participant cannot. */
+static int take_snapshot(Assembly *a, size_t number) {
+    Master *m = &a->master;
+    const double *place = snapshot_time(a, number) + 1;
+    memcpy(a->standing, place, a->standing_size * sizeof(double));
+    exchange_scalars(a, 0);
+    exchange_watched(a, a->scalars + SCALARS, 0);
+    place += a->standing_size;
+    for (size_t i = 0; i < a->participants; i++) {
+        Instance *instance = a->instance[i];
+        take_parameters(a, i);
+        memcpy(instance->x, place, instance->states * sizeof(double));
+        place += instance->states;
+        memcpy(a->input[i], place, instance->sizes.inputs * sizeof(double));
+        memcpy(instance->values + instance->ends[0], place, instance->sizes.inputs * sizeof(double));
+        place += instance->sizes.inputs;
+        instance->time = m->loop.time;
+        instance->mode = MODE_STEP;
+        instance->has_state = 1;
+        instance->stepped = instance->event_due = instance->outputs_known = instance->observations_known = 0;
+    }
+    memcpy(m->network.wrenches, m->network.accepted, m->network.size * sizeof(double));
+    forget_all(&m->solver);
+    m->loop.rows.count = m->loop.made = 0;
+    if (number)
+        memmove(a->snapshot, snapshot_time(a, number), (a->snapshots - number) * a->snapshot_size * sizeof(double));
+    a->snapshots -= number;
+    while (a->rows && a->ring[(a->rows - 1) * a->row_size] > a->last_row_time) a->rows--;
+    if (!coupling_save(&m->network) || !restore_all(&m->network) || !observe_all(m)) return 0;
+    watch_all(m);
+    return 1;
+}
+
+/* Largest sizes of loads in a row. */
+static void note_peaks(Assembly *a, const double *row) {
+    for (size_t i = 0; i < a->peak_count; i++) {
+        double square = 0.0;
+        for (size_t k = 0; k < a->peak[i].size; k++) {
+            const double value = row[2 + a->peak[i].place + k];
+            square += value * value;
+        }
+        a->peaks[i] = fmax(a->peaks[i], sqrt(square));
+    }
+    a->peak_time = row[0];
+}
+
+/* Take a row into the ring; peaks are those up to the communication point. */
+static void take_row(void *taker, double time, double segment, const double *values) {
+    Assembly *a = taker;
+    if (a->rows == RING) {
+        memmove(a->ring, a->ring + a->row_size, (RING - 1) * a->row_size * sizeof(double));
+        a->rows--;
+    }
+    double *row = a->ring + a->rows++ * a->row_size;
+    row[0] = a->last_row_time = time;
+    row[1] = segment;
+    memcpy(row + 2, values, (a->row_size - 2) * sizeof(double));
+    if (time <= a->target) note_peaks(a, row);
+}
+
+static int set_parameter(void *taker, size_t participant, size_t place, double value) {
+    Assembly *a = taker;
+    Instance *instance = a->instance[participant];
+    a->in_force[a->first_parameter[participant] + place] = value;
+    take_parameters(a, participant);
+    return instance_save(instance, a->saved + participant) <= STATUS_WARNING;
+}
+
+/* What was said last of why it cannot go on; 0. */
+static int refuse_run(Assembly *a, Reason *why) {
+    a->stands = 0;
+    return refuse(why, "%s", a->said[0] ? a->said : a->master.said[0] ? a->master.said : "the run cannot go on");
+}
+
+/* One turn; what it leads to is kept where it leads on. */
+static int go_further(Assembly *a) {
+    Master *m = &a->master;
+    const size_t steps = m->steps, happened = m->happened;
+    if (!take_turn(m)) return 0;
+    if (m->steps != steps || m->happened != happened) keep_snapshot(a);
+    return 1;
+}
+
+/* Step until a time exactly. */
+static int run_to(Assembly *a, double until) {
+    Loop *l = &a->master.loop;
+    int fine = 1;
+    l->until = until;
+    while (fine && l->time < until - a->master.rules.time_rounding) fine = go_further(a);
+    l->until = INFINITY;
+    return fine;
+}
+
+/* Step until results stand on both sides of a time. */
+static int run_past(Assembly *a, double time) {
+    int fine = 1;
+    while (fine && a->last_row_time < time) fine = go_further(a);
+    return fine;
+}
+
+/* Participants out of initialization, bodies before what is connected to them. */
+static int initialize_participants(Assembly *a) {
+    Network *n = &a->master.network;
+    for (size_t i = 0; i < n->participants; i++) {
+        Instance *instance = a->instance[i];
+        const size_t inputs = instance->sizes.inputs;
+        instance_reset(instance);
+        memcpy(instance->values, a->in_force + a->first_parameter[i], instance->sizes.parameters * sizeof(double));
+        memcpy(a->input[i], instance->start + instance->ends[0], inputs * sizeof(double));
+        if (instance_enter_initialization(instance) != STATUS_OK) return 0;
+    }
+    for (size_t i = 0; i < n->participants; i++) {
+        const Participant *p = n->participant + i;
+        if (i == n->bodies) give_motions(n);
+        if (instance_set(p->component, p->input_references, a->instance[i]->sizes.inputs, a->input[i]) > STATUS_WARNING ||
+            (i < n->bodies && p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING))
+            return 0;
+    }
+    for (size_t i = 0; i < n->participants; i++) {
+        const Participant *p = n->participant + i;
+        if (instance_exit_initialization(a->instance[i]) != STATUS_OK ||
+            p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING)
+            return 0;
+    }
+    return 1;
+}
+
+static size_t state_size(const Assembly *a) {
+    return OUTER + a->parameter_count + a->commands + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
+}
+
+/* Arrays of a component's state, in their order after the numbers that come first. */
+typedef struct {
+    double *own;
+    size_t count;
+} Section;
+
+enum { SECTIONS = 5 };
+
+static void sections_of(const Assembly *a, Section *sections) {
+    const Section all[SECTIONS] = {{a->applied, a->parameter_count},
+                                   {a->inputs, a->commands},
+                                   {a->peaks, a->peak_count},
+                                   {a->ring, RING * a->row_size},
+                                   {a->snapshot, SNAPSHOTS * a->snapshot_size}};
+    memcpy(sections, all, sizeof all);
+}
+
+/* Write a state down. What the run has come to is there already where nothing but the time has gone on: a component has
+   room for two states, and fills one after the other. */
+static void store(Assembly *a, double *x) {
+    Section section[SECTIONS];
+    const int has_run = x[AT_RUN] == a->run_serial;
+    sections_of(a, section);
+    a->serial += 1.0;
+    const double first[OUTER] = {a->time,
+                                 a->serial,
+                                 a->run_serial,
+                                 (double)a->snapshots,
+                                 (double)a->rows,
+                                 a->peak_time,
+                                 (double)a->master.steps,
+                                 (double)a->master.rejected};
+    memcpy(x, first, sizeof first);
+    x += OUTER;
+    for (size_t i = 0; i < SECTIONS; x += section[i++].count)
+        if (!has_run || section[i].own == a->peaks) memcpy(x, section[i].own, section[i].count * sizeof(double));
+    a->stands = 1;
+}
+
+/* Stand where a state was written down, unless that is where all stands. */
+static int stand(Assembly *a, const double *x) {
+    Section section[SECTIONS];
+    if (a->stands && x[AT_SERIAL] == a->serial) return 1;
+    sections_of(a, section);
+    const double *place = x + OUTER;
+    for (size_t i = 0; i < SECTIONS; place += section[i++].count)
+        memcpy(section[i].own, place, section[i].count * sizeof(double));
+    a->time = x[AT_TIME];
+    a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
+    a->snapshots = (size_t)x[AT_SNAPSHOTS];
+    a->rows = (size_t)x[AT_ROWS];
+    a->peak_time = x[AT_PEAK_TIME];
+    return take_snapshot(a, 0);
+}
+
+static void destroy(void *self) {
+    Assembly *a = self;
+    for (size_t i = 0; i < a->participants && a->instance && a->saved; i++) {
+        instance_forget(a->saved[i]);
+        instance_free(a->instance[i]);
+    }
+}
+
+/* All that follows from the data; 0 and a sentence where they are unusable. */
+static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
+    Master *m = &a->master;
+    m->solver.loop = &m->loop;
+    m->taker = a;
+    m->row = take_row;
+    m->set_parameter = set_parameter;
+    if (!read_settings(a, data, why) || !create_participants(a, data, memory, why) || !create_network(a, data, memory, why) ||
+        !create_jacobians(a, data, memory, why) || !create_lines(a, data, memory, why) ||
+        !create_events(a, data, memory, why) || !create_commands(a, data, sizes, memory, why) ||
+        !create_loop(a, data, sizes, memory, why) || !read_names(a, data, memory, why))
+        return 0;
+    a->parameter_count = a->first_parameter[a->participants];
+    a->input_count = a->first_input[a->participants];
+    if (sizes->parameters != a->parameter_count || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
+        return refuse(why, "the assembly declares %lu parameters, its components have %lu",
+                      (unsigned long)sizes->parameters, (unsigned long)a->parameter_count);
+    a->standing_size = arrange_standing(a, NULL);
+    a->snapshot_size = 1 + a->standing_size + a->states + a->input_count;
+    a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
+    a->wanted = allocate(memory, (a->parameter_count + 1) * sizeof(double));
+    a->applied = allocate(memory, (a->parameter_count + 1) * sizeof(double));
+    a->inputs = allocate(memory, (a->commands + 1) * sizeof(double));
+    a->peaks = allocate(memory, (a->peak_count + 1) * sizeof(double));
+    a->ring = allocate(memory, RING * a->row_size * sizeof(double));
+    a->snapshot = allocate(memory, (SNAPSHOTS * a->snapshot_size + 1) * sizeof(double));
+    if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot)
+        return refuse(why, "no memory for the state of an assembly");
+    arrange_standing(a, a->standing);
+    m->loop.energy_start = m->energy_start;
+    return 1;
+}
+
+static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
+    Assembly *a = allocate(memory, sizeof *a);
+    if (a && furnish(a, data, sizes, memory, why)) {
+        *states = state_size(a);
+        return a;
+    }
+    if (a) destroy(a);
+    else refuse(why, "no memory for an assembly");
+    return NULL;
+}
+
+/* Every component checks its own; they take them where the run comes to it. */
+static int prepare(void *self, const double *p, Reason *why) {
+    Assembly *a = self;
+    for (size_t i = 0; i < a->participants; i++) {
+        Instance *instance = a->instance[i];
+        Reason own = {""};
+        instance->prepared = 0;
+        if (!instance->kernel->prepare(instance->self, p + a->first_parameter[i], &own))
+            return refuse(why, "%.100s: %.380s", instance->name, own.text);
+    }
+    memcpy(a->wanted, p, a->parameter_count * sizeof(double));
+    return 1;
+}
+
+static int initial(void *self, const double *u, double *x, Reason *why) {
+    Assembly *a = self;
+    Master *m = &a->master;
+    a->said[0] = m->said[0] = '\0';
+    a->rows = a->snapshots = 0;
+    a->time = a->target = 0.0;
+    a->peak_time = -1.0;
+    memset(a->peaks, 0, a->peak_count * sizeof(double));
+    memset(a->ring, 0, RING * a->row_size * sizeof(double));
+    memset(a->snapshot, 0, SNAPSHOTS * a->snapshot_size * sizeof(double));
+    memset(a->standing, 0, a->standing_size * sizeof(double));
+    memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
+    memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
+    memcpy(a->inputs, u, a->commands * sizeof(double));
+    a->run_serial = ++a->last_run;
+    for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
+        *line->pending = 1.0;
+        *line->latch_time = -1.0;
+    }
+    for (Event *e = m->event; e < m->event + m->events; e++) *e->pending = 1.0;
+    if (!initialize_participants(a) || !begin_run(m, 0.0)) return refuse_run(a, why);
+    keep_snapshot(a);
+    store(a, x);
+    return 1;
+}
+
+/* Go back to the communication point and let what the host has changed act there. */
+static int change(Assembly *a, const double *u) {
+    Master *m = &a->master;
+    size_t number = 0, latches = 0;
+    size_t latch[64];
+    double before = 0.0;
+    while (number + 1 < a->snapshots && *snapshot_time(a, number) > a->time + m->rules.time_rounding) number++;
+    if (!take_snapshot(a, number) || !run_to(a, a->time)) return 0;
+    if (!balance_before(m, &before)) return 0;
+    for (size_t i = 0; i < a->participants; i++)
+        for (size_t k = 0; k < a->instance[i]->sizes.parameters; k++) {
+            const size_t at = a->first_parameter[i] + k;
+            if (a->wanted[at] != a->applied[at] && !set_parameter(a, i, k, a->wanted[at])) return 0;
+        }
+    memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
+    if (!supply(m, before)) return 0;
+    for (size_t i = 0; i < a->commands; i++) {
+        const Command *c = a->command + i;
+        if (!(u[i] > 0.5 && a->inputs[i] <= 0.5)) continue;
+        if (c->is_release) release_one(m, &c->release);
+        else if (latches < sizeof latch / sizeof *latch) latch[latches++] = c->line;
+    }
+    memcpy(a->inputs, u, a->commands * sizeof(double));
+    if (!go_on(m, latch, latches)) return 0;
+    keep_snapshot(a);
+    return 1;
+}
+
+/* Peaks up to a communication point that rows went beyond before. */
+static void catch_up_peaks(Assembly *a, double time) {
+    a->target = time;
+    for (size_t i = 0; i < a->rows; i++) {
+        const double *row = a->ring + i * a->row_size;
+        if (row[0] > a->peak_time && row[0] <= time) note_peaks(a, row);
+    }
+}
+
+static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
+    Assembly *a = self;
+    a->said[0] = a->master.said[0] = '\0';
+    if (!stand(a, x)) return refuse_run(a, why);
+    a->stands = 0;
+    const int has_changed = memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0 ||
+                            memcmp(u, a->inputs, a->commands * sizeof(double)) != 0;
+    if (has_changed && !change(a, u)) return refuse_run(a, why);
+    catch_up_peaks(a, a->time + h);
+    if (!run_past(a, a->time + h)) return refuse_run(a, why);
+    a->time += h;
+    store(a, x_next);
+    return 1;
+}
+
+/* Where the sections of a state begin. */
+static const double *ring_of(const Assembly *a, const double *x) {
+    return x + OUTER + a->parameter_count + a->commands + a->peak_count;
+}
+
+/* Weights of up to four rows at the time of a state, and the first of them: a polynomial through those of one segment. */
+static size_t weigh_rows(const Assembly *a, const double *x, double *weights, const double **first) {
+    const double *ring = ring_of(a, x), time = x[AT_TIME];
+    const size_t rows = (size_t)x[AT_ROWS];
+    size_t last = 0, count = 1;
+    while (last + 1 < rows && ring[last * a->row_size] < time) last++;
+    const double *row = ring + last * a->row_size;
+    if (last > 0) count++;
+    while (count > 1 && count <= last && row[1] == ring[(last - count + 1) * a->row_size + 1] &&
+           row[1] == ring[(last - count) * a->row_size + 1])
+        count++;
+    *first = ring + (last + 1 - count) * a->row_size;
+    for (size_t i = 0; i < count; i++) {
+        weights[i] = 1.0;
+        for (size_t j = 0; j < count; j++) {
+            const double of_i = (*first)[i * a->row_size], of_j = (*first)[j * a->row_size];
+            if (j != i) weights[i] *= (time - of_j) / (of_i - of_j);
+        }
+    }
+    return count;
+}
+
+static void observe(void *self, const double *x, const double *u, double *z) {
+    const Assembly *a = self;
+    const double *first;
+    double weights[RING];
+    const size_t count = weigh_rows(a, x, weights, &first), columns = a->master.loop.rows.columns;
+    (void)u;
+    memset(z, 0, columns * sizeof(double));
+    for (size_t i = 0; i < count; i++, first += a->row_size)
+        for (size_t k = 0; k < columns; k++) z[k] += weights[i] * first[2 + k];
+}
+
+static void outputs(void *self, const double *x, const double *u, double *y) {
+    const Assembly *a = self;
+    const double *first;
+    double weights[RING];
+    const size_t count = weigh_rows(a, x, weights, &first), channels = 2 + a->master.loop.rows.columns + 2;
+    const double *peaks = ring_of(a, x) - a->peak_count, *standing = ring_of(a, x) + RING * a->row_size + 1;
+    (void)u;
+    memset(y, 0, TOLD * sizeof(double));
+    for (size_t i = 0; i < count; i++, first += a->row_size)
+        for (size_t k = STORED_ENERGY; k <= ENERGY_RESIDUAL; k++) y[k] += weights[i] * first[channels + k];
+    y[STEPS] = x[AT_STEPS];
+    y[REJECTED_STEPS] = x[AT_REJECTED];
+    y += TOLD;
+    for (const HingeLine *line = a->master.line; line < a->master.line + a->master.lines; line++) {
+        const double latch_time = standing[line->latch_time - a->standing];
+        const int is_latched = latch_time >= 0.0 && latch_time <= x[AT_TIME];
+        *y++ = is_latched ? latch_time : -1.0;
+        *y++ = is_latched;
+    }
+    memcpy(y, peaks, a->peak_count * sizeof(double));
+}
+
+/* What follows depends on the state alone: those who saved it come to the same as those who go on from it. */
+static void settle(void *self) {
+    Assembly *a = self;
+    a->stands = 0;
+}
+
+const Kernel assembly_kernel = {.kind = "assembly",
+                                .create = create,
+                                .prepare = prepare,
+                                .initial = initial,
+                                .step = step,
+                                .outputs = outputs,
+                                .observe = observe,
+                                .settle = settle,
+                                .destroy = destroy};

@@ -1,0 +1,549 @@
+/* A run with its events: what orchestrator/cosim/master.py and cosimulation.py do, where all participants are in one
+   binary. Nothing here allocates; assembly_data.h makes these structures. */
+
+#ifndef FANFOLD_MASTER_H
+#define FANFOLD_MASTER_H
+
+#include <stdio.h>
+
+#include "latch_up.h"
+
+enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
+#define ITERATION_OF_IMPULSE 1e-10
+#define IMPULSE_STEP 1e-7
+#define LEAST_LATCH_SHARE 1e-3
+#define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
+#define EVENT_TOLERANCE 1e-11
+#define TO_CONVERGE (1.0 / 64.0)
+#define EVENT_REACHED 1e-9 /* s, what sums of step sizes may leave */
+
+/* An input or parameter of a participant. */
+typedef struct {
+    size_t participant, place;
+} Place;
+
+/* hinge: its participants; is_kinematic: latched by an impulse. Numbers that are part of a saved state: pending, sensor
+   (which of the hinges), released (hinges,), latch_time (s; negative before), stiffened. */
+typedef struct {
+    size_t hinges, is_kinematic;
+    const size_t *hinge;
+    double *pending, *sensor, *released, *latch_time;
+    StiffenedLine *stiffened;
+} HingeLine;
+
+/* A value for a parameter: `place` among those of all participants. */
+typedef struct {
+    size_t participant, place;
+    double value;
+} Setting;
+
+/* time (s): not a number where a condition is waited for, see Crossing. releases: commands; latches: lines. pending is
+   part of a saved state. */
+typedef struct {
+    double time;
+    Crossing condition;
+    size_t releases, latches, settings;
+    const Place *release;
+    const size_t *latch;
+    const Setting *setting;
+    double *pending;
+} Event;
+
+typedef struct Master Master;
+
+/* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command: by
+   participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
+   saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in. */
+struct Master {
+    Network network;
+    Loop loop;
+    StepSizes sizes;
+    ErrorEstimate error;
+    EnergyGuard guard;
+    Rules rules;
+    Solver solver;
+    HingeLine *line;
+    Event *event;
+    Crossing *crossing;
+    Watched *watched;
+    const Place *impulse;
+    const size_t *latch_distance, *latch_command;
+    void (*row)(void *taker, double time, double segment, const double *values);
+    int (*set_parameter)(void *taker, size_t participant, size_t place, double value);
+    void *taker;
+    const char **link_name, **event_name;
+    double *row_values, *energy_start, *before_lines, *before_events;
+    double start_step, event_step, usual_relative, driving_energy, segment, held_segment;
+    size_t lines, events, impulses, steps, rejected, happened;
+    char said[512];
+};
+
+static int is_pending_condition(const Event *e) { return *e->pending && isnan(e->time); }
+
+static double *sensed(const Master *m, const HingeLine *line) {
+    const size_t sensor = line->hinge[(size_t)*line->sensor];
+    return m->network.participant[sensor].output + m->latch_distance[sensor];
+}
+
+/* Lists of what may come within a step, lines first. */
+static void tell_events(Master *m) {
+    Loop *l = &m->loop;
+    l->crossing = m->crossing;
+    l->crossings = 0;
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending)
+            m->crossing[l->crossings++] = (Crossing){sensed(m, m->line + i), 0.0, -1.0, m->before_lines[i]};
+    l->lines = l->crossings;
+    l->event_time = INFINITY;
+    for (size_t i = 0; i < m->events; i++) {
+        if (is_pending_condition(m->event + i)) {
+            m->crossing[l->crossings] = m->event[i].condition;
+            m->crossing[l->crossings++].before = m->before_events[i];
+        } else if (*m->event[i].pending) {
+            l->event_time = fmin(l->event_time, m->event[i].time);
+        }
+    }
+}
+
+/* Take back how far they were after the last accepted step. */
+static void take_events(Master *m) {
+    const Crossing *c = m->crossing;
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending) m->before_lines[i] = (c++)->before;
+    for (size_t i = 0; i < m->events; i++)
+        if (is_pending_condition(m->event + i)) m->before_events[i] = (c++)->before;
+}
+
+/* Note how far all are and the next time to end a step at. */
+static void watch_all(Master *m) {
+    tell_events(m);
+    watch(&m->loop);
+    take_events(m);
+}
+
+static int observe_all(Master *m) { return coupling_observe(&m->network); }
+
+static void channels_of(const Master *m, double h, double iterations, double *channels) {
+    const double *found = m->network.energies, *start = m->energy_start;
+    channels[0] = h;
+    channels[1] = iterations;
+    channels[2] = found[KINETIC] + found[POTENTIAL];
+    channels[3] = found[DISSIPATED] - start[DISSIPATED];
+    channels[4] = found[NUMERICAL] - start[NUMERICAL];
+    channels[5] = found[SUPPLIED] - start[SUPPLIED];
+    channels[6] = balance_of(found) - balance_of(start);
+}
+
+/* Hand on the rows that the loop has let go. */
+static void hand_on_rows(Master *m) {
+    RowBlock *r = &m->loop.rows;
+    for (size_t i = 0; i < r->count; i++)
+        m->row(m->taker, r->times[i], m->held_segment, r->values + i * (r->columns + r->channels));
+    if (r->count) m->held_segment = m->segment;
+    r->count = 0;
+}
+
+/* A row that stands as it is, of what was observed last. */
+static void add_row(Master *m, double time, double h) {
+    RowBlock *r = &m->loop.rows;
+    if (r->held) hand_on_held(r);
+    r->held = 0;
+    hand_on_rows(m);
+    for (size_t i = 0; i < r->columns; i++) m->row_values[i] = m->network.observations[r->recorded[i]];
+    channels_of(m, h, 0.0, m->row_values + r->columns);
+    m->row(m->taker, time, m->segment + 0.5, m->row_values);
+    m->held_segment = m->segment;
+}
+
+static void command_all(Master *m, double value) {
+    for (size_t i = 0; i < m->impulses; i++)
+        m->network.participant[m->impulse[i].participant].input[m->impulse[i].place] = value;
+}
+
+static void command_latches(Master *m, const HingeLine *line, double value) {
+    for (size_t i = 0; i < line->hinges; i++)
+        if (!line->released[i])
+            m->network.participant[line->hinge[i]].input[m->latch_command[line->hinge[i]]] = value;
+}
+
+/* Go to the grid size at or below a size (s); not stirred: errors of the first steps count like others. */
+static void restart_sizes(Master *m, double size, int stirred) {
+    StepSizes *s = &m->sizes;
+    const double levels = -floor(log(size / s->largest) / log(m->rules.ratio) + 1e-9);
+    s->level = levels > 0.0 ? (ptrdiff_t)levels : 0;
+    size_changed(&m->loop, m->rules.after_growth);
+    if (!stirred) s->stirred = 0;
+}
+
+static void begin_segment(Master *m) {
+    if (m->loop.position) m->segment += 1.0;
+    m->loop.position = 0;
+    if (!m->loop.rows.held) m->held_segment = m->segment;
+}
+
+static void renew(Master *m) {
+    coupling_restart(&m->network);
+    if (m->event_step < size_now(&m->loop)) restart_sizes(m, m->event_step, 0);
+    begin_segment(m);
+}
+
+static void judge_latches(Master *m) {
+    const double whole = m->error.energy;
+    size_t count = 0;
+    for (size_t i = 0; i < m->lines; i++) {
+        const StiffenedLine *line = m->line[i].stiffened;
+        if (line->hinges) {
+            const double energy = sqrt(whole * fmax(line->energy, LEAST_LATCH_SHARE * whole));
+            count += watch_torques(&m->network, line, energy, m->watched + count);
+        }
+    }
+    m->network.watched = m->watched;
+    m->network.watched_count = count;
+}
+
+/* A sentence of a step that does not converge at any size, unless a participant has said one. */
+static int say_failure(Master *m, double h) {
+    const Network *n = &m->network;
+    if (!m->said[0])
+        snprintf(m->said, sizeof m->said,
+                 "the step of %.3g s from t = %.6f s does not converge: the wrench of %s still changes by %.3g times its "
+                 "tolerance; loosen the tolerance or check that connection's stiffness", h, m->loop.time,
+                 m->link_name[n->worst_row / n->width.wrench], n->correction);
+    return 0;
+}
+
+/* A row with what an event makes of loads, from a step too short for motion, which is then taken back. */
+static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
+    Network *n = &m->network;
+    if (!restore_all(n)) return 0;
+    if (solve(&m->solver, after, n->accepted) == CONVERGED) {
+        if (!observe_all(m)) return 0;
+    } else if (!restore_all(n) || !observe_all(m)) {
+        return 0;
+    }
+    note_energies(&m->loop);
+    add_row(m, m->loop.time + after, after);
+    if (!restore_all(n)) return 0;
+    forget(&m->solver);
+    return 1;
+}
+
+/* A vanishing step in which every joint takes away the rates that it does not allow. */
+static int make_impulse(Master *m) {
+    Network *n = &m->network;
+    Solver *s = &m->solver;
+    command_all(m, 1.0);
+    n->tolerance.relative = ITERATION_OF_IMPULSE;
+    s->persistent = 1;
+    forget_stiffnesses(s);
+    const int status = solve(s, IMPULSE_STEP, n->accepted);
+    n->tolerance.relative = m->usual_relative;
+    s->persistent = 0;
+    if (status != CONVERGED) return say_failure(m, IMPULSE_STEP);
+    m->loop.time += IMPULSE_STEP;
+    if (!coupling_save(n)) return 0;
+    watch_all(m);
+    command_all(m, 0.0);
+    forget_stiffnesses(s);
+    if (!observe_all(m)) return 0;
+    note_energies(&m->loop);
+    add_row(m, m->loop.time, IMPULSE_STEP);
+    return 1;
+}
+
+/* How a latched line swings as a whole, and the step (s) that tells: the longest that does. 0 for a failure. */
+static double note_whole_swing(Master *m, StiffenedLine *line) {
+    double size = fmin(m->sizes.largest, LONGEST_SWING);
+    for (size_t i = 0; i < FREQUENCY_SEARCH; i++) {
+        if (!linearize(&m->solver, size)) return 0.0;
+        note_swing(&m->solver, size, line);
+        if (fastest_of(line) > 0.0) break;
+        size *= 0.5;
+    }
+    return size;
+}
+
+/* A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s); 0 for a failure. */
+static double resolving(Master *m, const StiffenedLine *line, double size, double h) {
+    StiffenedLine found = *line;
+    for (size_t i = 0; i < FREQUENCY_SEARCH && fastest_of(&found) * size >= 2.0; i++) {
+        size = fmax(1.0 / fastest_of(&found), 0.1 * size);
+        if (!linearize(&m->solver, size)) return 0.0;
+        note_swing(&m->solver, size, &found);
+    }
+    const double wanted = cbrt(m->error.resolved);
+    return fastest_of(&found) * h > wanted ? wanted / fastest_of(&found) : h;
+}
+
+/* Slopes of the hinges of a line under the commands of now. */
+static int slopes_of(Master *m, const HingeLine *line, double h, Slope *slopes) {
+    for (size_t i = 0; i < line->hinges; i++)
+        if (!line->released[i] && !slope_of(&m->solver, line->hinge[i], h, slopes + i)) return 0;
+    return 1;
+}
+
+/* Latch a line; the step (s) to go on with, 0 for a failure. */
+static double engage(Master *m, HingeLine *line) {
+    Slope before[MOST_HINGES], after[MOST_HINGES];
+    StiffenedLine *slow = line->stiffened;
+    double h = size_now(&m->loop);
+    if (line->is_kinematic) {
+        command_latches(m, line, 1.0);
+        return fmin(h, m->event_step);
+    }
+    if (!slopes_of(m, line, h, before)) return 0.0;
+    command_latches(m, line, 1.0);
+    if (!slopes_of(m, line, h, after)) return 0.0;
+    command_latches(m, line, 0.0);
+    slow->hinges = 0.0;
+    for (size_t i = 0; i < line->hinges; i++)
+        if (!line->released[i] && stiffening_of(&m->network, line->hinge[i], before + i, after + i, h,
+                                                slow->hinge + (size_t)slow->hinges))
+            slow->hinges += 1.0;
+    if (slow->hinges) {
+        const double size = note_whole_swing(m, slow);
+        if (size == 0.0) return 0.0;
+        judge_latches(m);
+        h = fastest_of(slow) > 0.0 ? resolving(m, slow, size, h) : fmin(h, m->event_step);
+    }
+    command_latches(m, line, 1.0);
+    return h;
+}
+
+/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse. */
+static int latch_line(Master *m, HingeLine *line) {
+    *line->pending = 0.0;
+    *line->latch_time = m->loop.time;
+    /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
+    if (line->is_kinematic && !make_impulse(m)) return 0;
+    const double size = engage(m, line);
+    if (size == 0.0) return 0;
+    forget_stiffnesses(&m->solver);
+    if (line->is_kinematic ? !make_impulse(m) : !record_jump(m, fmin(IMPULSE_STEP, 0.1 * size), forget_all)) return 0;
+    coupling_restart(&m->network);
+    restart_sizes(m, size, 0);
+    begin_segment(m);
+    return 1;
+}
+
+/* Lines go on with those of their hinges that are not released; without any they have no latch, and are not judged. */
+static void release_from_lines(Master *m, size_t participant) {
+    for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
+        size_t left = 0, first = 0;
+        for (size_t i = line->hinges; i-- > 0;) {
+            if (line->hinge[i] == participant) {
+                line->released[i] = 1.0;
+                line->stiffened->hinges = 0.0;
+            }
+            if (!line->released[i]) left++, first = i;
+        }
+        if (left == 0) *line->pending = 0.0;
+        else if (line->released[(size_t)*line->sensor]) *line->sensor = (double)first;
+    }
+}
+
+/* What is set meanwhile changes energies from outside: take note of the balance before. */
+static int balance_before(Master *m, double *balance) {
+    if (!observe_all(m)) return 0;
+    *balance = balance_of(m->network.energies);
+    return 1;
+}
+
+static int supply(Master *m, double before) {
+    if (!observe_all(m)) return 0;
+    m->energy_start[SUPPLIED] -= balance_of(m->network.energies) - before;
+    return 1;
+}
+
+/* Go on after something jumped: latches that were commanded with it engage at once. */
+static int go_on(Master *m, const size_t *latch, size_t latches) {
+    forget_all(&m->solver);
+    if (!record_jump(m, fmin(IMPULSE_STEP, 0.1 * size_now(&m->loop)), forget_all)) return 0;
+    watch_all(m);
+    for (size_t i = 0; i < latches; i++)
+        if (*m->line[latch[i]].pending && !latch_line(m, m->line + latch[i])) return 0;
+    judge_latches(m);
+    renew(m);
+    return 1;
+}
+
+static void release_one(Master *m, const Place *release) {
+    m->network.participant[release->participant].input[release->place] = 1.0;
+    release_from_lines(m, release->participant);
+}
+
+/* Let an event act at this instant. */
+static int happen(Master *m, Event *event) {
+    double before = 0.0;
+    *event->pending = 0.0;
+    m->happened++;
+    for (size_t i = 0; i < event->releases; i++) release_one(m, event->release + i);
+    if (!balance_before(m, &before)) return 0;
+    for (size_t i = 0; i < event->settings; i++) {
+        const Setting *s = event->setting + i;
+        if (!m->set_parameter(m->taker, s->participant, s->place, s->value)) return 0;
+    }
+    return supply(m, before) && go_on(m, event->latch, event->latches);
+}
+
+/* An event whose time has come, or whose condition holds. */
+static Event *due_event(Master *m) {
+    for (Event *e = m->event; e < m->event + m->events; e++) {
+        if (!*e->pending) continue;
+        if (isnan(e->time) ? distance(&e->condition) <= 0.0 : e->time <= m->loop.time + EVENT_REACHED) return e;
+    }
+    return NULL;
+}
+
+/* What fell through zero first in the step just made. */
+static const Crossing *first_crossed(const Master *m, double h) {
+    const Crossing *best = NULL;
+    double best_time = h;
+    for (const Crossing *c = m->crossing; c < m->crossing + m->loop.crossings; c++) {
+        const double after = distance(c);
+        if (after <= 0.0 && 0.0 < c->before && h * c->before / (c->before - after) <= best_time) {
+            best = c;
+            best_time = h * c->before / (c->before - after);
+        }
+    }
+    return best;
+}
+
+/* Step size at which a crossing is reached, by the Illinois variant of the false position; participants end there.
+   0 where a step does not converge. */
+static double find_crossing(Master *m, const Crossing *c, double h) {
+    double low = 0.0, high = h, at_low = c->before, at_high = distance(c), trial = h;
+    int side = 0;
+    for (size_t i = 0; i < EVENT_SEARCH; i++) {
+        trial = (at_low * high - at_high * low) / (at_low - at_high);
+        trial = fmin(fmax(trial, low + 1e-3 * (high - low)), high);
+        if (solve_predicted(&m->solver, trial) != CONVERGED) return 0.0;
+        if (c >= m->crossing + m->loop.lines && !observe_all(m)) return 0.0;
+        const double value = distance(c);
+        if (fabs(value) < EVENT_TOLERANCE || high - low < 1e-12) return trial;
+        if (value > 0.0) {
+            low = trial, at_low = value;
+            if (side == 1) at_high *= 0.5;
+            side = 1;
+        } else {
+            high = trial, at_high = value;
+            if (side == -1) at_low *= 0.5;
+            side = -1;
+        }
+    }
+    return trial;
+}
+
+static int smaller_step(Master *m, double share) {
+    m->sizes.level += 2;
+    size_changed(&m->loop, m->rules.after_shrinking);
+    return size_now(&m->loop) >= m->sizes.smallest * share;
+}
+
+/* Whether an insisted step stands: 1 accepted, 0 a smaller one is set, -1 nothing helps. */
+static int see_to_unsolved(Master *m) {
+    Loop *l = &m->loop;
+    double *guess = m->solver.jacobians.kept;
+    coupling_predict(&m->network, l->time + 0.5 * l->h, l->h, guess);
+    if (insist(&m->solver, (int)l->status, l->h, guess) != CONVERGED) {
+        if (!smaller_step(m, TO_CONVERGE)) return say_failure(m, l->h) - 1;
+        m->said[0] = '\0';
+    } else {
+        if (!observe_all(m)) return -1;
+        if (judge_step(l) == STANDS) return 1;
+    }
+    m->rejected++;
+    return 0;
+}
+
+/* Accept the step at hand, which may end where something crosses, and let that act. */
+static int end_step(Master *m) {
+    Loop *l = &m->loop;
+    const Crossing *crossed = first_crossed(m, l->h);
+    if (crossed) {
+        const double h = find_crossing(m, crossed, l->h);
+        if (h == 0.0) {
+            if (!smaller_step(m, 1.0)) return say_failure(m, l->h);
+            m->said[0] = '\0';
+            m->rejected++;
+            return 1;
+        }
+        l->h = h;
+        if (!observe_all(m)) return 0;
+    }
+    const size_t number = crossed ? (size_t)(crossed - m->crossing) : 0;
+    const int is_break = l->time + l->h >= l->break_time - m->rules.break_reached;
+    if (!coupling_accept(&m->network, l->time + 0.5 * l->h, l->h)) return 0;
+    l->made = 0;
+    count_step(l, l->h);
+    m->steps++;
+    take_events(m);
+    hand_on_rows(m);
+    if (!crossed) {
+        if (is_break && !due_event(m)) renew(m);
+        return 1;
+    }
+    size_t k = 0;
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i);
+    for (size_t i = 0; i < m->events; i++)
+        if (is_pending_condition(m->event + i) && k++ == number) return happen(m, m->event + i);
+    return 1;
+}
+
+/* One turn of a run that goes to loop.until: an event, a step, or a step that has to be smaller; 0 with what was said. */
+static int take_turn(Master *m) {
+    Loop *l = &m->loop;
+    Event *due = due_event(m);
+    if (due) return happen(m, due);
+    tell_events(m);
+    l->rejected = 0;
+    const int stop = follow(&m->solver);
+    m->steps += l->made;
+    m->rejected += l->rejected;
+    take_events(m);
+    hand_on_rows(m);
+    if (stop == FAILED) return 0;
+    if (stop == PAUSED) return 1;
+    if (stop == UNSOLVED || stop == UNGUARDED) {
+        const int stands = see_to_unsolved(m);
+        if (stands <= 0) return stands == 0;
+    }
+    return end_step(m);
+}
+
+/* Bring all participants, which are initialised and hold their first outputs, to the start of a run. */
+static int begin_run(Master *m, double time) {
+    Network *n = &m->network;
+    Loop *l = &m->loop;
+    l->time = time;
+    l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;
+    l->parts = 1;
+    m->steps = m->rejected = 0;
+    m->segment = m->held_segment = 0.0;
+    m->said[0] = '\0';
+    n->history.count = 0;
+    n->watched_count = 0;
+    memset(n->accepted, 0, n->size * sizeof(double));
+    memset(n->wrenches, 0, n->size * sizeof(double));
+    forget_all(&m->solver);
+    if (!observe_all(m)) return 0;
+    memcpy(m->energy_start, n->energies, ENERGIES * sizeof(double));
+    memset(&m->guard, 0, sizeof m->guard);
+    note_energies(l);
+    for (Event *e = m->event; e < m->event + m->events; e++)
+        if (isnan(e->time) && distance(&e->condition) <= 0.0) {
+            snprintf(m->said, sizeof m->said, "the condition of event %s holds from the start",
+                     m->event_name[e - m->event]);
+            return 0;
+        }
+    add_row(m, time, 0.0);
+    if (!coupling_save(n)) return 0;
+    watch_all(m);
+    m->error.energy = fmax(1e-3 * fabs(n->energies[KINETIC] + n->energies[POTENTIAL]),
+                           fmax(m->driving_energy, 1e-9));
+    restart_sizes(m, fmin(m->start_step, m->sizes.largest), 1);
+    return 1;
+}
+
+#endif

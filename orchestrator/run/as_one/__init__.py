@@ -1,0 +1,1 @@
+"""A scene as one FMU: its components and the master that couples them."""

@@ -1,0 +1,180 @@
+"""A scene as one component: what it shows of its components, and the data that its native kernel reads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from components import REGISTRY, Component, ComponentError, Layout, Quantity
+from components.contract.quantity import Vector
+from components.contract.roles import FAILURE_COMMAND, INTERFACE_LOAD, LATCH_COMMAND, LOAD, RELEASE_COMMAND
+from fmus.build import component_data
+from fmus.native.compile import ASSEMBLY
+
+from ...assembly import Assembly, HingeLine
+from ...cosim.network import Network
+from ...cosim.participant import InProcess
+from ...cosim.ports import Order
+from ...cosim.rows import recorded_layout
+from ...cosim.settings import Settings
+from .tables import Command, tables
+
+_TOLD = (
+    Quantity("stored_energy", "J", "Kinetic and potential energy of all components"),
+    Quantity("dissipated_energy", "J", "Energy dissipated by all components since the start"),
+    Quantity("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
+    Quantity("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
+    Quantity("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
+    Quantity("steps", "1", "Steps that the master has made, some of them ahead of the communication point"),
+    Quantity("rejected_steps", "1", "Steps that it has made again with a smaller size"),
+)
+"""Outputs that come first, in the order of native/coupling/assembly.c."""
+_PEAKED = (LOAD, INTERFACE_LOAD)
+_ORDER = "order"
+
+
+@dataclass(frozen=True, slots=True)
+class _Peak:
+    """A load whose largest size is told: its name, where it stands among what is recorded, and how it is declared."""
+
+    name: str
+    place: int
+    quantity: Quantity
+
+
+class AssembledScene(Component, registered=False):
+    """A deployable structure with the master that couples its components, which steps as its tolerance asks.
+
+    Parameters are those of all components, `component.parameter`; outputs what is observed of them, latch times and
+    peaks of loads. Inputs command latches of hinge lines and releases.
+    """
+
+    kind = ASSEMBLY
+    noun = "deployable structure"
+    tells_derivatives = False
+
+    def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
+        self._made = [(part, REGISTRY[part.kind](**part.structure)) for part in assembly.parts]
+        network = Network([InProcess(p.name, c, p.start) for p, c in self._made], assembly.links, order)
+        self._names = [participant.name for participant in network.participants]
+        by_name = {part.name: (part, component) for part, component in self._made}
+        self._parts = [by_name[name] for name in self._names]
+        lines = tuple(line for line in assembly.hinge_lines if line.latches)
+        commands = [*_latch_commands(lines), *_release_commands(network)]
+        observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
+        peaks = list(_peaks(self._names, observed))
+        self._order = order
+        ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
+        self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
+        self._texts |= {f"event:{number}": event.name.encode() for number, event in enumerate(assembly.events)}
+        self._tables = tables(
+            network,
+            assembly,
+            lines,
+            settings,
+            [command for command, _ in commands],
+            [(peak.place, peak.quantity.size) for peak in peaks],
+        )
+        self._declare(
+            {},
+            (),
+            parameters=_of_parts(self._names, [c.parameter_layout for _, c in self._parts]),
+            inputs=[quantity for _, quantity in commands],
+            outputs=(
+                *_TOLD,
+                *(q for line in lines for q in _told_of(line)),
+                *(_told_peak(peak) for peak in peaks),
+            ),
+            observations=_of_parts(self._names, observed),
+        )
+
+    def start(self) -> dict[str, tuple[float, ...]]:
+        """Start values of all parameters, by name."""
+        found: dict[str, tuple[float, ...]] = {}
+        for name, (part, component) in zip(self._names, self._parts, strict=True):
+            for quantity in component.parameter_layout.quantities:
+                given = self._order if quantity.name == _ORDER else part.start.get(quantity.name, quantity.start)
+                found[f"{name}.{quantity.name}"] = tuple(np.broadcast_to(given, (quantity.size,)).tolist())
+        return found
+
+    def native_data(self) -> Mapping[str, ArrayLike]:
+        """Tables of the network and numbers of the master."""
+        return self._tables
+
+    def native_parts(self) -> Mapping[str, bytes]:
+        """The data of every component, bodies before connections, and their names."""
+        found: dict[str, bytes] = {}
+        for number, (name, (part, component)) in enumerate(zip(self._names, self._parts, strict=True)):
+            found[f"part:{number}"] = component_data(component, part.start)
+            found[f"name:{number}"] = name.encode()
+        return found | self._texts
+
+    def prepare(self, p: Vector) -> Any:  # noqa: ANN401
+        """Have every component check its parameters; ComponentError with the name of the one that refuses."""
+        first = 0
+        for name, (_, component) in zip(self._names, self._parts, strict=True):
+            size = component.parameter_layout.size
+            try:
+                component.check_ranges(p[first : first + size])
+                component.prepare(p[first : first + size])
+            except ComponentError as error:
+                raise ComponentError(f"{name}: {error}") from None
+            first += size
+
+    def _only_native(self, *_: object) -> Vector:
+        raise ComponentError("a scene as one component runs in its native FMU; in Python its master couples FMUs")
+
+    initial = step = outputs = observe = _only_native  # type: ignore[assignment]
+
+    @classmethod
+    def example(cls) -> Self:
+        """There is none without a scene."""
+        raise ComponentError("a scene as one component is made of a scene")
+
+
+def _of_parts(names: Sequence[str], layouts: Iterable[Layout]) -> Iterator[Quantity]:
+    """Quantities of all components under the names that say whose they are."""
+    for name, layout in zip(names, layouts, strict=True):
+        for quantity in layout.quantities:
+            yield replace(quantity, name=f"{name}.{quantity.name}", description=f"{name}: {quantity.description}")
+
+
+def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:
+    for number, line in enumerate(lines):
+        quantity = LATCH_COMMAND.called(f"{line.name}.{LATCH_COMMAND.name}")
+        yield Command(None, number), quantity.saying(f"{line.name}: 1: all its latches engage at this communication point")
+
+
+def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
+    for number, participant in enumerate(network.participants):
+        for command in (RELEASE_COMMAND, FAILURE_COMMAND):
+            if command.name in participant.input_layout:
+                place = participant.input_layout[command.name].start
+                quantity = command.called(f"{participant.name}.{command.name}")
+                yield (
+                    Command((number, place), 0),
+                    quantity.saying(f"{participant.name}: 1: lets go at this communication point, for good"),
+                )
+
+
+def _told_of(line: HingeLine) -> Iterator[Quantity]:
+    yield Quantity(f"{line.name}.latch_time", "s", f"{line.name}: time of latch-up; -1 before", start=-1.0)
+    yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
+
+
+def _peaks(names: Sequence[str], layouts: Sequence[Layout]) -> Iterator[_Peak]:
+    first = 0
+    for name, layout in zip(names, layouts, strict=True):
+        for quantity in layout.quantities:
+            if quantity.role in _PEAKED:
+                yield _Peak(f"{name}.{quantity.name}", first + layout[quantity.name].start, quantity)
+        first += layout.size
+
+
+def _told_peak(peak: _Peak) -> Quantity:
+    text = f"{peak.name.partition('.')[0]}: largest so far of: {peak.quantity.description}"
+    return Quantity(f"{peak.name}_peak", peak.quantity.unit, text)

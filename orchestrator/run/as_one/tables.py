@@ -1,0 +1,267 @@
+"""What the native master of a scene as one FMU reads, `fmus/native/coupling/assembly_model.h`: tables by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import nan, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from components.contract.roles import (
+    FAILURE_COMMAND,
+    IMPULSE,
+    LATCH_COMMAND,
+    LATCH_DISTANCE,
+    RELEASE_COMMAND,
+    TIME_TO_BREAK,
+)
+
+from ...assembly import Assembly, Event, HingeLine
+from ...cosim import energy_guard, stepping
+from ...cosim.energy_balance import energy_rows
+from ...cosim.implicit import convergence
+from ...cosim.implicit.elimination import eliminate
+from ...cosim.master import ITERATED
+from ...cosim.network import Network
+from ...cosim.participant import Participant
+from ...cosim.ports import carried
+from ...cosim.rows import Rows
+from ...cosim.settings import Settings
+from ...cosim.stepping import ErrorEstimate
+
+_NOWHERE = 10**8
+"""Place of what a participant does not have."""
+_STILL = ("fixed_base", "moving_base")
+
+
+class Command(NamedTuple):
+    """What an input does: it releases a participant, by number and place among its inputs, or latches a line."""
+
+    release: tuple[int, int] | None
+    line: int
+
+
+def tables(
+    network: Network,
+    assembly: Assembly,
+    lines: Sequence[HingeLine],
+    settings: Settings,
+    commands: Sequence[Command],
+    peaks: Sequence[tuple[int, int]],
+) -> Mapping[str, ArrayLike]:
+    """All of them; lines: those that latch."""
+    number = {participant.name: i for i, participant in enumerate(network.participants)}
+    still = frozenset(
+        i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL
+    )
+    return {
+        **_master(network, settings),
+        **_network(network, still),
+        **_linear_system(network, still),
+        **_recorded(network),
+        "latch_distance": [_place(p.output_layout, LATCH_DISTANCE.name) for p in network.participants],
+        "latch_command": [_place(p.input_layout, LATCH_COMMAND.name) for p in network.participants],
+        "impulses": [
+            one
+            for i, p in enumerate(network.participants)
+            if IMPULSE.name in p.input_layout
+            for one in (i, p.input_layout[IMPULSE.name].start)
+        ],
+        "lines": [len(lines), *(n for line in lines for n in _line(line, number))],
+        **_events(network, assembly.events, [line.name for line in lines], number),
+        "commands": [n for command in commands for n in _command(command)],
+        "peaks": [n for peak in peaks for n in peak],
+    }
+
+
+def _kind(assembly: Assembly, name: str) -> str:
+    return next(part.kind for part in assembly.parts if part.name == name)
+
+
+def _place(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
+    return int(layout[name].start) if name in layout else _NOWHERE
+
+
+def _master(network: Network, settings: Settings) -> dict[str, ArrayLike]:
+    """Numbers in the order of the structures of the library."""
+    order = network.order
+    iteration = convergence.Tolerance(min(ITERATED[order] * settings.tolerance, 1e-6))
+    error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, order)
+    largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / stepping.REFERENCE_TOLERANCE))
+    return {
+        "network": [
+            len(network.participants),
+            len(network.bodies),
+            len(network.meetings),
+            order,
+            network.width.wrench,
+        ],
+        "limits": [
+            convergence.SLOW,
+            convergence.DIVERGED,
+            convergence.STEEPEST,
+            convergence.ROUND_OFF,
+            convergence.NEAR,
+            convergence.CREDIBLE,
+            convergence.AGREED,
+            convergence.OVERSHOT,
+            convergence.ROUGH,
+            convergence.PATIENCE,
+            convergence.MAX_ITERATIONS,
+            convergence.HALVINGS,
+            *convergence.REFRESHED,
+        ],
+        "rules": [
+            stepping.RATIO,
+            stepping.REJECTED,
+            stepping.REJECTED_STIRRED,
+            stepping.FORGET,
+            stepping.GROWTH_MARGIN,
+            stepping.LEAST_ERROR,
+            stepping.STIRRED_STEPS,
+            stepping.STEPS_AFTER_GROWTH,
+            stepping.STEPS_AFTER_SHRINKING,
+            stepping.MOST_LEVELS,
+            stepping.MOST_GROWTH,
+            energy_guard.SHARE,
+            energy_guard.ROUNDED,
+            energy_guard.STEADY,
+            energy_guard.ALLOWANCE,
+            stepping.TIME_ROUNDING,
+            stepping.BREAK_REACHED,
+            stepping.STRETCHED,
+            stepping.SHARED,
+        ],
+        "master": [
+            iteration.relative,
+            iteration.force,
+            iteration.torque,
+            order,
+            largest,
+            settings.smallest_step,
+            settings.start_step,
+            settings.event_step,
+            error.allowed,
+            error.resolved,
+            settings.driving_energy,
+        ],
+    }
+
+
+def _network(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:
+    wrench = network.width.wrench
+    places = [*network.body_places, *network.connection_places]
+    rows = [*(np.arange(r.start, r.stop) for r in network.rows), *network.connection_rows]
+    return {
+        "participants": [
+            (
+                carried(participant.input_layout, network.order),
+                carried(participant.output_layout, network.order),
+                place.ports,
+                place.slopes or 0,
+                place.moments or 0,
+                float(number in still),
+            )
+            for number, (participant, place) in enumerate(zip(network.participants, places, strict=True))
+        ],
+        "port_links": np.concatenate([found[::wrench] // wrench for found in rows]),
+        "constant_mobility": [float(body.constant_mobility) for body in network.bodies],
+        "energy_rows": energy_rows(network.participants),
+        "laws": [
+            one
+            for number, participant in enumerate(network.participants)
+            if TIME_TO_BREAK.name in participant.output_layout
+            for one in (number, participant.output_layout[TIME_TO_BREAK.name].start)
+        ],
+    }
+
+
+def _linear_system(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:
+    order = eliminate(network.meetings, network.width.wrench, still)
+    first = len(network.bodies)
+    return {
+        "links": [
+            (m.body, m.body_port, first + m.connection, m.connection_port, place)
+            for m, place in zip(network.meetings, order.place.tolist(), strict=True)
+        ],
+        "matrix_length": [order.length],
+        "matrix_begin": order.begin,
+        "matrix_blocks": order.blocks,
+        "matrix_lower": order.lower,
+        "matrix_upper": order.upper,
+        "matrix_lower_begin": order.lower_begin,
+        "matrix_upper_begin": order.upper_begin,
+        "matrix_targets": order.targets,
+        "matrix_parts": order.parts,
+    }
+
+
+class _NoRecorder:
+    """For what `Rows` knows of places alone."""
+
+    def append(self, time: float, values: Sequence[Any]) -> None:
+        """Nothing comes."""
+
+    def extend(self, times: Any, rows: Any) -> None:  # noqa: ANN401
+        """Nothing comes."""
+
+    def event(self, time: float, component: str, text: str) -> None:
+        """Nothing comes."""
+
+
+def _recorded(network: Network) -> dict[str, ArrayLike]:
+    size = sum(p.observation_layout.size for p in network.participants)
+    rows = Rows(_NoRecorder(), network.participants, np.zeros(size + 1), np.zeros(0))
+    return {"recorded": rows.recorded, "corrected": rows.corrections}
+
+
+def _line(line: HingeLine, number: Mapping[str, int]) -> list[int]:
+    """Hinges, the sensor first, as it stays while it is not released."""
+    hinges = [line.sensor, *(name for name in line.hinges if name != line.sensor)]
+    return [len(hinges), int(line.kinematic), *(number[name] for name in hinges)]
+
+
+def _events(
+    network: Network, events: Sequence[Event], lines: Sequence[str], number: Mapping[str, int]
+) -> dict[str, ArrayLike]:
+    firsts = np.cumsum([0, *(p.observation_layout.size for p in network.participants)])
+    numbers, values = [len(events)], []
+    for event in events:
+        condition, place = event.condition, 0
+        values += [nan if event.time is None else event.time, 0.0, 1.0]
+        if condition is not None:
+            part = network.by_name[condition.part]
+            place = int(firsts[number[condition.part]])
+            place += part.observation_layout[condition.variable].start + condition.index
+            size = max(1.0, abs(condition.value))
+            values[-2:] = [condition.value, size if condition.rising else -size]
+        releases = [one for name in event.releases for one in _releases(network.by_name[name], number[name])]
+        settings = [
+            (number[s.part], place, value)
+            for s in event.settings
+            for place, value in _scalars(network.by_name[s.part], s.parameter, s.value)
+        ]
+        numbers += [place, len(releases), len(event.latches), len(settings)]
+        numbers += [n for one in releases for n in one]
+        numbers += [lines.index(name) for name in event.latches]
+        numbers += [n for part_number, place, _ in settings for n in (part_number, place)]
+        values += [value for _, _, value in settings]
+    return {"events": numbers, "event_values": values}
+
+
+def _releases(participant: Participant, number: int) -> Iterator[tuple[int, int]]:
+    for name in (RELEASE_COMMAND.name, FAILURE_COMMAND.name):
+        if name in participant.input_layout:
+            yield number, participant.input_layout[name].start
+
+
+def _scalars(participant: Participant, name: str, value: ArrayLike) -> Iterator[tuple[int, float]]:
+    where = participant.parameter_layout[name]
+    values = np.broadcast_to(np.asarray(value, dtype=float), (where.stop - where.start,))
+    return zip(range(where.start, where.stop), values.tolist(), strict=True)
+
+
+def _command(command: Command) -> tuple[int, int, int]:
+    return (0, command.line, 0) if command.release is None else (1, *command.release)
