@@ -52,7 +52,10 @@ def model_description3(
     attributes = header(component, name, generated, "native")
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **attributes})
     events = _event_capabilities(component, variables)
-    SubElement(root, "CoSimulation", {"modelIdentifier": name, **_CAPABILITIES, **events})
+    capabilities = {"modelIdentifier": name, **_CAPABILITIES, **events}
+    if not component.tells_derivatives:
+        capabilities.pop("providesDirectionalDerivatives", None)
+    SubElement(root, "CoSimulation", capabilities)
     add_units(root, [*(v.quantity.unit for v in variables), "s"])
     categories = SubElement(root, "LogCategories")
     for category, text in _LOG_CATEGORIES.items():
@@ -60,12 +63,13 @@ def model_description3(
     SubElement(root, "DefaultExperiment", (experiment or Experiment()).attributes())
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
-    annotation = SubElement(
-        SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
-    )
-    SubElement(
-        annotation, "StepDerivative", {"description": STEP_DERIVATIVE}
-    )  # some readers refuse bare text
+    if component.tells_derivatives:
+        annotation = SubElement(
+            SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
+        )
+        SubElement(
+            annotation, "StepDerivative", {"description": STEP_DERIVATIVE}
+        )  # some readers refuse bare text
     return xml_bytes(root)
 
 

@@ -10,6 +10,7 @@ from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..run import run
+from ..run.as_one.export import export_as_one
 from ..run.body_export import ExportedBody
 from ..run.body_export import export_body as _export_body
 from ..run.preload import started_at_rest
@@ -17,6 +18,7 @@ from ..run.simulation import python_sentence
 from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
+from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from .simulate import SceneLike, load
 from .warnings import warn
@@ -38,6 +40,7 @@ def export(
     backend: Backend | None = None,
     ssp: str | Path | None = None,
     platforms: Names = (),
+    as_one: bool = False,
     watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
     """Write every component of a scene as an FMU into a folder, and return the paths.
@@ -48,7 +51,9 @@ def export(
     wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
     sources: add the C sources, to be compiled on other platforms. platforms: names of `fmus.PLATFORMS`, or "all":
     libraries of these in place of the one of here, compiled by Zig (the extra `platforms`); `watch` is told of each
-    before, as the first time takes half a minute. ssp: a file that takes all FMUs of FMI 2.0 with
+    before, as the first time takes half a minute. as_one: one native FMU of the whole scene, events included, with the
+    master that couples its components: inside it steps as the scene's tolerance asks, whatever the communication step.
+    ssp: a file that takes all FMUs of FMI 2.0 with
     end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
     """
     checked = load(scene).check_one_run()
@@ -61,11 +66,19 @@ def export(
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
     if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
         warn(sentence)
+    if as_one and (ssp is not None or backend == "python"):
+        raise SceneError(
+            ["a scene as one FMU is a native one and has no system structure; leave ssp and backend out"]
+        )
 
     def assembled(mode: WrenchMode) -> Assembly:
         return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
 
-    assembly = assembled(wrench_mode)
+    assembly = assembled("mean" if as_one else wrench_mode)
+    _tell_of_absent(checked, with_events=as_one)
+    if as_one:
+        one = export_as_one(assembly, Path(folder), fmi, with_sources=sources, platforms=wanted, watch=watch)
+        return [one]
     if assembly.preload and assembly.large_deformation:
         names = ", ".join(assembly.large_deformation)
         warn(
@@ -73,20 +86,24 @@ def export(
         )
     if assembly.preload:
         assembly = started_at_rest(assembly, assembled("mean"))
-    if checked.events:
-        names = ", ".join(event.name for event in checked.events)
-        warn(f"{assembly.name}: events are no part of FMUs, so nothing makes these happen: {names}")
-    if checked.fmus:
-        names = ", ".join(f"{fmu.name} ({Path(fmu.file).name})" for fmu in checked.fmus)
-        warn(
-            f"{assembly.name}: FMUs of other tools are not exported again; connect them as the scene does: {names}"
-        )
     step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
     experiment = Experiment(assembly.until, step)
     paths = run.export(
         assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
     )
     return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+
+
+def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
+    """FanfoldWarnings of what a scene has and its FMUs have not."""
+    if scene.events and not with_events:
+        names = ", ".join(event.name for event in scene.events)
+        warn(f"{scene.header.name}: events are no part of FMUs, so nothing makes these happen: {names}")
+    if scene.fmus:
+        names = ", ".join(f"{fmu.name} ({Path(fmu.file).name})" for fmu in scene.fmus)
+        warn(
+            f"{scene.header.name}: FMUs of other tools are not exported again; connect them as the scene does: {names}"
+        )
 
 
 def export_body(scene: SceneLike, body: str, path: str | Path, *, modes: int | None = None) -> ExportedBody:

@@ -59,6 +59,9 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
     "--platforms", default="", callback=ordered_names, metavar="NAMES",
     help="Libraries for linux64, aarch64-linux, win64, darwin64, aarch64-darwin, wasm32, or all; by default for here.",
 )  # fmt: skip
+@click.option(
+    "--as-one", is_flag=True, help="One FMU of the whole scene, with the master that couples its components."
+)
 @backend_option
 def command(
     choice: SceneChoice,
@@ -69,9 +72,10 @@ def command(
     ssp: Path | None,
     sources: bool,
     platforms: tuple[str, ...],
+    as_one: bool,
     backend: Backend | None,
 ) -> None:
-    """Write every component of SCENE as an FMU."""
+    """Write every component of SCENE as an FMU, or SCENE as one."""
     from rich.console import Console
 
     with Console(stderr=True).status("exporting") as status:
@@ -86,11 +90,12 @@ def command(
             backend=backend,
             ssp=ssp,
             platforms="all" if platforms == ("all",) else platforms,
+            as_one=as_one,
             watch=lambda name: status.update(f"library for {name}, which is compiled once"),
         )
     for path in paths:
         click.echo(path)
-    if wrench_mode == "endpoint":
+    if wrench_mode == "endpoint" and not as_one:
         from fmpy import read_model_description
 
         if step := read_model_description(str(paths[0])).defaultExperiment.stepSize:

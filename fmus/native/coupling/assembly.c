@@ -234,10 +234,20 @@ static int initialize_participants(Assembly *a) {
             (i < n->bodies && p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING))
             return 0;
     }
+    const double *states = a->rest_states, *inputs = a->rest_inputs;
     for (size_t i = 0; i < n->participants; i++) {
         const Participant *p = n->participant + i;
-        if (instance_exit_initialization(a->instance[i]) != STATUS_OK ||
-            p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING)
+        Instance *instance = a->instance[i];
+        if (instance_exit_initialization(instance) != STATUS_OK) return 0;
+        if (states) {
+            memcpy(instance->x, states, instance->states * sizeof(double));
+            memcpy(a->input[i], inputs, instance->sizes.inputs * sizeof(double));
+            states += instance->states;
+            inputs += instance->sizes.inputs;
+            if (instance_set(instance, p->input_references, instance->sizes.inputs, a->input[i]) > STATUS_WARNING) return 0;
+            instance->outputs_known = 0;
+        }
+        if (p->get_real(p->component, p->output_references, p->outputs, p->output) > FMI_WARNING)
             return 0;
     }
     return 1;
@@ -320,7 +330,8 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     if (!read_settings(a, data, why) || !create_participants(a, data, memory, why) || !create_network(a, data, memory, why) ||
         !create_jacobians(a, data, memory, why) || !create_lines(a, data, memory, why) ||
         !create_events(a, data, memory, why) || !create_commands(a, data, sizes, memory, why) ||
-        !create_loop(a, data, sizes, memory, why) || !read_names(a, data, memory, why))
+        !create_loop(a, data, sizes, memory, why) ||
+        !read_names(a, data, memory, why) || !read_rest(a, data, why))
         return 0;
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
@@ -388,7 +399,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
         *line->latch_time = -1.0;
     }
     for (Event *e = m->event; e < m->event + m->events; e++) *e->pending = 1.0;
-    if (!initialize_participants(a) || !begin_run(m, 0.0)) return refuse_run(a, why);
+    if (!initialize_participants(a) || !begin_run(m, a->rest_wrenches)) return refuse_run(a, why);
     keep_snapshot(a);
     store(a, x);
     return 1;

@@ -25,7 +25,8 @@ typedef struct {
 
 /* first_parameter, first_input: by participant, among those of all. Numbers of a run that a saved state holds lie in one
    array `standing`, but for the states and inputs of participants. Parameters: those that the host has set last
-   (wanted), those of them that the run knows of (applied), and those that participants have (in_force).
+   (wanted), those of them that the run knows of (applied), and those that participants have (in_force). A run starts from the states, inputs and wrenches at rest, where the scene has a
+   preload; otherwise these are NULL.
 
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
    recorded, channels), and snapshots, the newest first: time, standing, states, inputs. `stands` tells whether all
@@ -39,6 +40,7 @@ typedef struct {
     Command *command;
     Peak *peak;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
+    const double *rest_states, *rest_inputs, *rest_wrenches;
     size_t participants, commands, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target;
@@ -484,6 +486,17 @@ static const char **texts_of(const Data *data, const char *group, size_t count, 
         }
     }
     return found;
+}
+
+/* Where a scene with preload starts from. */
+static int read_rest(Assembly *a, const Data *data, Reason *why) {
+    Reason absent;
+    size_t count = 0;
+    if (!data_any(data, "rest_states", &count, &absent)) return 1;
+    a->rest_states = data_array(data, "rest_states", a->states, why);
+    a->rest_inputs = a->rest_states ? data_array(data, "rest_inputs", a->first_input[a->participants], why) : NULL;
+    a->rest_wrenches = a->rest_inputs ? data_array(data, "rest_wrenches", a->master.network.size, why) : NULL;
+    return a->rest_wrenches != NULL;
 }
 
 static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why) {

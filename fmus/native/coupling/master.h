@@ -512,11 +512,12 @@ static int take_turn(Master *m) {
     return end_step(m);
 }
 
-/* Bring all participants, which are initialised and hold their first outputs, to the start of a run. */
-static int begin_run(Master *m, double time) {
+/* Bring all participants, which are initialised and hold their first outputs, to the start of a run; wrenches: those
+   that they are at rest under, NULL for none. */
+static int begin_run(Master *m, const double *wrenches) {
     Network *n = &m->network;
     Loop *l = &m->loop;
-    l->time = time;
+    l->time = 0.0;
     l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;
     l->parts = 1;
     m->steps = m->rejected = 0;
@@ -524,8 +525,7 @@ static int begin_run(Master *m, double time) {
     m->said[0] = '\0';
     n->history.count = 0;
     n->watched_count = 0;
-    memset(n->accepted, 0, n->size * sizeof(double));
-    memset(n->wrenches, 0, n->size * sizeof(double));
+    for (size_t i = 0; i < n->size; i++) n->accepted[i] = n->wrenches[i] = wrenches ? wrenches[i] : 0.0;
     forget_all(&m->solver);
     if (!observe_all(m)) return 0;
     memcpy(m->energy_start, n->energies, ENERGIES * sizeof(double));
@@ -537,7 +537,7 @@ static int begin_run(Master *m, double time) {
                      m->event_name[e - m->event]);
             return 0;
         }
-    add_row(m, time, 0.0);
+    add_row(m, 0.0, 0.0);
     if (!coupling_save(n)) return 0;
     watch_all(m);
     m->error.energy = fmax(1e-3 * fabs(n->energies[KINETIC] + n->energies[POTENTIAL]),

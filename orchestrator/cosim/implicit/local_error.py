@@ -1,4 +1,4 @@
-"""The local error of a coupled step, from how far its wrenches bend; what fmus/native/coupling/prediction.h does for FMUs.
+"""The local error of a coupled step, from how far its wrenches bend; what coupling/prediction.h does for FMUs.
 
 The mean over a step of size h errs by a twelfth of h^2 u'', or of what slopes do not tell of it. The work of such
 wrenches on the motion they cause, over an energy, is the square of a relative error in velocity.

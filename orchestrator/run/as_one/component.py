@@ -21,12 +21,15 @@ from ...cosim.participant import InProcess
 from ...cosim.ports import Order
 from ...cosim.rows import recorded_layout
 from ...cosim.settings import Settings
+from .rest import rest
 from .tables import Command, tables
 
 _TOLD = (
     Quantity("stored_energy", "J", "Kinetic and potential energy of all components"),
     Quantity("dissipated_energy", "J", "Energy dissipated by all components since the start"),
-    Quantity("numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"),
+    Quantity(
+        "numerical_dissipation", "J", "Energy taken by the scheme itself since the start, not a physical loss"
+    ),
     Quantity("supplied_energy", "J", "Work put in from outside, such as by drives, since the start"),
     Quantity("energy_residual", "J", "Stored and lost less supplied energy, minus their value at the start"),
     Quantity("steps", "1", "Steps that the master has made, some of them ahead of the communication point"),
@@ -50,7 +53,8 @@ class AssembledScene(Component, registered=False):
     """A deployable structure with the master that couples its components, which steps as its tolerance asks.
 
     Parameters are those of all components, `component.parameter`; outputs what is observed of them, latch times and
-    peaks of loads. Inputs command latches of hinge lines and releases.
+    peaks of loads. Inputs command latches of hinge lines and releases. A scene with preload starts in the static
+    equilibrium of the parameters that it was made with.
     """
 
     kind = ASSEMBLY
@@ -58,6 +62,11 @@ class AssembledScene(Component, registered=False):
     tells_derivatives = False
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
+        for part in assembly.parts:
+            if REGISTRY[part.kind].__module__.partition(".")[0] != Component.__module__.partition(".")[0]:
+                raise ComponentError(
+                    f"{part.name}: a {part.kind} comes from outside and has no native kernel"
+                )
         self._made = [(part, REGISTRY[part.kind](**part.structure)) for part in assembly.parts]
         network = Network([InProcess(p.name, c, p.start) for p, c in self._made], assembly.links, order)
         self._names = [participant.name for participant in network.participants]
@@ -70,15 +79,20 @@ class AssembledScene(Component, registered=False):
         self._order = order
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
-        self._texts |= {f"event:{number}": event.name.encode() for number, event in enumerate(assembly.events)}
-        self._tables = tables(
-            network,
-            assembly,
-            lines,
-            settings,
-            [command for command, _ in commands],
-            [(peak.place, peak.quantity.size) for peak in peaks],
-        )
+        self._texts |= {
+            f"event:{number}": event.name.encode() for number, event in enumerate(assembly.events)
+        }
+        self._tables = {
+            **tables(
+                network,
+                assembly,
+                lines,
+                settings,
+                [command for command, _ in commands],
+                [(peak.place, peak.quantity.size) for peak in peaks],
+            ),
+            **rest(assembly, settings, order),
+        }
         self._declare(
             {},
             (),
@@ -97,7 +111,9 @@ class AssembledScene(Component, registered=False):
         found: dict[str, tuple[float, ...]] = {}
         for name, (part, component) in zip(self._names, self._parts, strict=True):
             for quantity in component.parameter_layout.quantities:
-                given = self._order if quantity.name == _ORDER else part.start.get(quantity.name, quantity.start)
+                given = (
+                    self._order if quantity.name == _ORDER else part.start.get(quantity.name, quantity.start)
+                )
                 found[f"{name}.{quantity.name}"] = tuple(np.broadcast_to(given, (quantity.size,)).tolist())
         return found
 
@@ -126,7 +142,9 @@ class AssembledScene(Component, registered=False):
             first += size
 
     def _only_native(self, *_: object) -> Vector:
-        raise ComponentError("a scene as one component runs in its native FMU; in Python its master couples FMUs")
+        raise ComponentError(
+            "a scene as one component runs in its native FMU; in Python its master couples FMUs"
+        )
 
     initial = step = outputs = observe = _only_native  # type: ignore[assignment]
 
@@ -140,13 +158,18 @@ def _of_parts(names: Sequence[str], layouts: Iterable[Layout]) -> Iterator[Quant
     """Quantities of all components under the names that say whose they are."""
     for name, layout in zip(names, layouts, strict=True):
         for quantity in layout.quantities:
-            yield replace(quantity, name=f"{name}.{quantity.name}", description=f"{name}: {quantity.description}")
+            yield replace(
+                quantity, name=f"{name}.{quantity.name}", description=f"{name}: {quantity.description}"
+            )
 
 
 def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:
     for number, line in enumerate(lines):
         quantity = LATCH_COMMAND.called(f"{line.name}.{LATCH_COMMAND.name}")
-        yield Command(None, number), quantity.saying(f"{line.name}: 1: all its latches engage at this communication point")
+        yield (
+            Command(None, number),
+            quantity.saying(f"{line.name}: 1: its latches engage at this communication point"),
+        )
 
 
 def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:

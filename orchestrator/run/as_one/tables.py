@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from components import ComponentError
 from components.contract.roles import (
     FAILURE_COMMAND,
     IMPULSE,
@@ -24,15 +25,18 @@ from ...cosim.energy_balance import energy_rows
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
 from ...cosim.master import ITERATED
+from ...cosim.native.fields import constant
 from ...cosim.network import Network
 from ...cosim.participant import Participant
 from ...cosim.ports import carried
 from ...cosim.rows import Rows
 from ...cosim.settings import Settings
 from ...cosim.stepping import ErrorEstimate
+from ...results.recorder import NoRecorder
 
 _NOWHERE = 10**8
 """Place of what a participant does not have."""
+_MOST_HINGES = constant("MOST_HINGES")
 _STILL = ("fixed_base", "moving_base")
 
 
@@ -53,9 +57,7 @@ def tables(
 ) -> Mapping[str, ArrayLike]:
     """All of them; lines: those that latch."""
     number = {participant.name: i for i, participant in enumerate(network.participants)}
-    still = frozenset(
-        i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL
-    )
+    still = frozenset(i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL)
     return {
         **_master(network, settings),
         **_network(network, still),
@@ -198,27 +200,18 @@ def _linear_system(network: Network, still: frozenset[int]) -> dict[str, ArrayLi
     }
 
 
-class _NoRecorder:
-    """For what `Rows` knows of places alone."""
-
-    def append(self, time: float, values: Sequence[Any]) -> None:
-        """Nothing comes."""
-
-    def extend(self, times: Any, rows: Any) -> None:  # noqa: ANN401
-        """Nothing comes."""
-
-    def event(self, time: float, component: str, text: str) -> None:
-        """Nothing comes."""
-
-
 def _recorded(network: Network) -> dict[str, ArrayLike]:
     size = sum(p.observation_layout.size for p in network.participants)
-    rows = Rows(_NoRecorder(), network.participants, np.zeros(size + 1), np.zeros(0))
+    rows = Rows(NoRecorder(), network.participants, np.zeros(size + 1), np.zeros(0))
     return {"recorded": rows.recorded, "corrected": rows.corrections}
 
 
 def _line(line: HingeLine, number: Mapping[str, int]) -> list[int]:
     """Hinges, the sensor first, as it stays while it is not released."""
+    if len(line.hinges) > _MOST_HINGES:
+        raise ComponentError(
+            f"{line.name} has {len(line.hinges)} hinges; one FMU of a scene takes {_MOST_HINGES} a line"
+        )
     hinges = [line.sensor, *(name for name in line.hinges if name != line.sensor)]
     return [len(hinges), int(line.kinematic), *(number[name] for name in hinges)]
 
