@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
@@ -63,9 +64,10 @@ def list_scenes() -> tuple[str, ...]:
 
 def find_scene(name_or_path: str) -> Path:
     """The file of a named scene or at a path; SceneError if there is neither."""
-    for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
-        if path.is_file():
-            return path
+    with suppress(OSError):  # no name that a file can have
+        for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
+            if path.is_file():
+                return path
     known = ", ".join(list_scenes())
     raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
 

@@ -152,12 +152,13 @@ static int take_snapshot(Assembly *a, size_t number) {
 /* Largest sizes of loads in a row. */
 static void note_peaks(Assembly *a, const double *row) {
     for (size_t i = 0; i < a->peak_count; i++) {
-        double square = 0.0;
-        for (size_t k = 0; k < a->peak[i].size; k++) {
-            const double value = row[2 + a->peak[i].place + k];
+        double square = 0.0, sum = 0.0;
+        for (size_t k = 0; k < a->peak[i].count; k++) {
+            const double value = row[2 + a->peak[i].place[k]];
             square += value * value;
+            sum += value;
         }
-        a->peaks[i] = fmax(a->peaks[i], sqrt(square));
+        a->peaks[i] = fmax(a->peaks[i], a->peak[i].is_sum ? fabs(sum) : sqrt(square));
     }
     a->peak_time = row[0];
 }
@@ -330,6 +331,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     if (!read_settings(a, data, why) || !create_participants(a, data, memory, why) || !create_network(a, data, memory, why) ||
         !create_jacobians(a, data, memory, why) || !create_lines(a, data, memory, why) ||
         !create_events(a, data, memory, why) || !create_commands(a, data, sizes, memory, why) ||
+        !create_peaks(a, data, sizes, memory, why) ||
         !create_loop(a, data, sizes, memory, why) ||
         !read_names(a, data, memory, why) || !read_rest(a, data, why))
         return 0;

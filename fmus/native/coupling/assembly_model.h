@@ -18,9 +18,10 @@ typedef struct {
     Place release;
 } Command;
 
-/* Of a load's peak: where it stands among what is recorded, of how many numbers. */
+/* Of a load's peak: where its numbers stand among what is recorded, and whether they add up or are components. */
 typedef struct {
-    size_t place, size;
+    size_t is_sum, count;
+    const size_t *place;
 } Peak;
 
 /* first_parameter, first_input: by participant, among those of all. Numbers of a run that a saved state holds lie in one
@@ -413,18 +414,32 @@ static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *
 /* Commands from outside, in the order of the inputs: kind (1: releases), participant and place, or line. */
 static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
     const size_t *table = counted_numbers(data, "commands", 3 * sizes->inputs, memory, why);
-    size_t peaks = 0;
-    const size_t *peak = whole_numbers(data, "peaks", &peaks, memory, why);
     a->commands = sizes->inputs;
     a->command = allocate(memory, (a->commands + 1) * sizeof *a->command);
-    if (!table || !peak || !a->command) return 0;
+    if (!table || !a->command) return 0;
     for (size_t i = 0; i < a->commands; i++, table += 3) {
         a->command[i] = (Command){table[0], table[0] ? 0 : table[1], {table[1], table[2]}};
         if (table[0] ? !place_holds(&a->master.network, a->command[i].release) : table[1] >= a->master.lines)
             return refuse(why, "the assembly's input %lu commands nothing", (unsigned long)i + 1);
     }
-    a->peak = (Peak *)peak;
-    a->peak_count = peaks / 2;
+    return 1;
+}
+
+/* Peaks: how many; then of each whether it is a sum, how many numbers, and their places. */
+static int create_peaks(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
+    Reader r = {NULL, 0};
+    r.numbers = whole_numbers(data, "peaks", &r.left, memory, why);
+    if (!r.numbers) return 0;
+    a->peak_count = next_number(&r);
+    a->peak = a->peak_count <= sizes->outputs ? allocate(memory, (a->peak_count + 1) * sizeof *a->peak) : NULL;
+    if (!a->peak) return refuse(why, "the assembly's peaks are damaged");
+    for (Peak *peak = a->peak; peak < a->peak + a->peak_count; peak++) {
+        peak->is_sum = next_number(&r);
+        peak->count = next_number(&r);
+        peak->place = next_numbers(&r, peak->count);
+        if (!peak->place || !are_below(peak->place, peak->count, 1, sizes->observations))
+            return refuse(why, "the assembly's peaks are damaged");
+    }
     return 1;
 }
 
@@ -444,8 +459,6 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
     if (!are_below(r->recorded, r->columns, 1, all) || !are_below(r->corrected, corrected, 1, all) ||
         !are_below(m->network.energy_rows, ENERGIES * m->network.participants, 1, all + 1))
         return refuse(why, "the assembly records what it has not");
-    for (size_t i = 0; i < a->peak_count; i++)
-        if (a->peak[i].place + a->peak[i].size > r->columns) return refuse(why, "the assembly's peaks are damaged");
     r->observations = all;
     r->corrections = corrected / 2;
     a->row_size = 2 + r->columns + CHANNELS;

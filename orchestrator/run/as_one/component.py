@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Self
 
 import numpy as np
@@ -22,7 +22,7 @@ from ...cosim.ports import Order
 from ...cosim.rows import recorded_layout
 from ...cosim.settings import Settings
 from .rest import rest
-from .tables import Command, tables
+from .tables import Command, Peak, tables
 
 _TOLD = (
     Quantity("stored_energy", "J", "Kinetic and potential energy of all components"),
@@ -37,16 +37,7 @@ _TOLD = (
 )
 """Outputs that come first, in the order of native/coupling/assembly.c."""
 _PEAKED = (LOAD, INTERFACE_LOAD)
-_ORDER = "order"
-
-
-@dataclass(frozen=True, slots=True)
-class _Peak:
-    """A load whose largest size is told: its name, where it stands among what is recorded, and how it is declared."""
-
-    name: str
-    place: int
-    quantity: Quantity
+_ORDER, _LATCH_TORQUE = "order", "latch_torque"
 
 
 class AssembledScene(Component, registered=False):
@@ -75,7 +66,7 @@ class AssembledScene(Component, registered=False):
         lines = tuple(line for line in assembly.hinge_lines if line.latches)
         commands = [*_latch_commands(lines), *_release_commands(network)]
         observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
-        peaks = list(_peaks(self._names, observed))
+        peaks = list(_peaks(self._names, observed, lines))
         self._order = order
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
@@ -89,7 +80,7 @@ class AssembledScene(Component, registered=False):
                 lines,
                 settings,
                 [command for command, _ in commands],
-                [(peak.place, peak.quantity.size) for peak in peaks],
+                [peak for peak, _ in peaks],
             ),
             **rest(assembly, settings, order),
         }
@@ -101,7 +92,7 @@ class AssembledScene(Component, registered=False):
             outputs=(
                 *_TOLD,
                 *(q for line in lines for q in _told_of(line)),
-                *(_told_peak(peak) for peak in peaks),
+                *(quantity for _, quantity in peaks),
             ),
             observations=_of_parts(self._names, observed),
         )
@@ -189,15 +180,24 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
     yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
 
 
-def _peaks(names: Sequence[str], layouts: Sequence[Layout]) -> Iterator[_Peak]:
-    first = 0
-    for name, layout in zip(names, layouts, strict=True):
+def _peaks(
+    names: Sequence[str], layouts: Sequence[Layout], lines: Sequence[HingeLine]
+) -> Iterator[tuple[Peak, Quantity]]:
+    """Latch torques of lines and loads of components, whose largest sizes are told."""
+    firsts = dict(zip(names, np.cumsum([0, *(layout.size for layout in layouts)]).tolist(), strict=False))
+    of_names = dict(zip(names, layouts, strict=True))
+    for line in lines:
+        torques = [
+            firsts[h] + of_names[h][_LATCH_TORQUE].start for h in line.hinges if _LATCH_TORQUE in of_names[h]
+        ]
+        text = f"{line.name}: largest sum so far of the latch torques of its hinges"
+        yield Peak(torques, True), Quantity(f"{line.name}.{_LATCH_TORQUE}_peak", "N.m", text)
+    for name, layout in of_names.items():
         for quantity in layout.quantities:
             if quantity.role in _PEAKED:
-                yield _Peak(f"{name}.{quantity.name}", first + layout[quantity.name].start, quantity)
-        first += layout.size
-
-
-def _told_peak(peak: _Peak) -> Quantity:
-    text = f"{peak.name.partition('.')[0]}: largest so far of: {peak.quantity.description}"
-    return Quantity(f"{peak.name}_peak", peak.quantity.unit, text)
+                first = firsts[name] + layout[quantity.name].start
+                text = f"{name}: largest so far of: {quantity.description}"
+                yield (
+                    Peak(range(first, first + quantity.size), False),
+                    Quantity(f"{name}.{quantity.name}_peak", quantity.unit, text),
+                )

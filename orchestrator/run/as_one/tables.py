@@ -47,13 +47,20 @@ class Command(NamedTuple):
     line: int
 
 
+class Peak(NamedTuple):
+    """A load whose largest size is told: places among what is recorded, of numbers to add up or of components."""
+
+    places: Sequence[int]
+    is_sum: bool
+
+
 def tables(
     network: Network,
     assembly: Assembly,
     lines: Sequence[HingeLine],
     settings: Settings,
     commands: Sequence[Command],
-    peaks: Sequence[tuple[int, int]],
+    peaks: Sequence[Peak],
 ) -> Mapping[str, ArrayLike]:
     """All of them; lines: those that latch."""
     number = {participant.name: i for i, participant in enumerate(network.participants)}
@@ -74,7 +81,10 @@ def tables(
         "lines": [len(lines), *(n for line in lines for n in _line(line, number))],
         **_events(network, assembly.events, [line.name for line in lines], number),
         "commands": [n for command in commands for n in _command(command)],
-        "peaks": [n for peak in peaks for n in peak],
+        "peaks": [
+            len(peaks),
+            *(n for peak in peaks for n in (int(peak.is_sum), len(peak.places), *peak.places)),
+        ],
     }
 
 

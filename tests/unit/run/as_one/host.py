@@ -1,0 +1,91 @@
+"""A host that loads a scene as one FMU and knows its variables by name."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+import orchestrator as fanfold
+
+TWO_PANELS = "tests/scenes/two_panels.toml"
+STACK = "tests/scenes/snubbed_stack.toml"
+
+
+def latching(events=None, **scene):
+    """A rigid panel that its motor opens by 30 degrees in a second, where a spring latch stops it."""
+    tree = {
+        "scene": {"name": "latching", "until": 2.0, **scene},
+        "base": {"points": {"root": [0.0, 0.0, 0.0]}},
+        "body": [
+            {
+                "name": "panel",
+                "rigid": {
+                    "mass": 8.0,
+                    "center_of_mass": [0.8, 0.0, 0.0],
+                    "inertia": [0.9, 1.8, 2.7],
+                    "points": {"root": [0.0, 0.0, 0.0]},
+                },
+            }
+        ],
+        "hinge_line": [
+            {
+                "name": "HL",
+                "inboard": "base",
+                "outboard": "panel",
+                "axis": "+y",
+                "aligned_angle": "90 deg",
+                "start_angle": "60 deg",
+                "latch": {"kind": "spring", "stiffness": "2e4 N.m/rad", "damping_ratio": 0.02},
+                "motor": {"stowed": "8 N.m", "deployed": "8 N.m"},
+                "hinges": [{"name": "root", "inboard": "root", "outboard": "root"}],
+            }
+        ],
+        **({"event": events} if events else {}),
+    }
+    return fanfold.Scene.of_tree("latching.toml", tree)
+
+
+class Host:
+    """One instance, at `time` (s)."""
+
+    def __init__(self, path):
+        self.description = fmpy.read_model_description(str(path))
+        identifier = self.description.coSimulation.modelIdentifier
+        self.references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self.outputs = [v.name for v in self.description.modelVariables if v.causality == "output"]
+        self.fmu = FMU2Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(fmpy.extract(str(path))),
+            modelIdentifier=identifier,
+            instanceName=identifier,
+        )
+        self.fmu.instantiate(loggingOn=True)
+        self.time = 0.0
+
+    def start(self, **values):
+        self.fmu.setupExperiment(startTime=0.0)
+        for name, value in values.items():
+            self[name] = value
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        return self
+
+    def to(self, time, step):
+        """In communication steps of a size, the last one cut to end at the time."""
+        while self.time < time - 1e-12:
+            h = min(step, time - self.time)
+            self.fmu.doStep(self.time, h)
+            self.time += h
+        return self
+
+    def __getitem__(self, name):
+        return self.fmu.getReal([self.references[name]])[0]
+
+    def __setitem__(self, name, value):
+        self.fmu.setReal([self.references[name]], [value])
+
+    def all(self):
+        """Every output but counts of steps, which tell how far the master is ahead."""
+        names = [name for name in self.outputs if name not in ("steps", "rejected_steps")]
+        return np.array(self.fmu.getReal([self.references[name] for name in names]))

@@ -1,0 +1,130 @@
+"""A scene as one FMU against the run of the scene: deployment at any communication step, states, commands, events."""
+
+from __future__ import annotations
+
+import fmpy
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from fmus import check_fmu, native_library
+from tests.unit.run.as_one.host import STACK, TWO_PANELS, Host, latching
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native")
+SAME = 1e-9
+"""Of numbers that both masters come to by the same steps, whose iterations end at 1e-6 of the tolerance."""
+
+
+def exported(scene, folder, **options):
+    (path,) = fanfold.export(scene, folder, as_one=True, **options)
+    return path
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return exported(latching(), tmp_path_factory.mktemp("latching"))
+
+
+@pytest.fixture(scope="module")
+def result():
+    return fanfold.simulate(latching(), estimate=False)
+
+
+def test_it_latches_when_the_scene_does_and_as_hard(path, result):
+    host = Host(path).start().to(2.0, 0.013)
+    assert host["HL.latch_time"] == pytest.approx(result.latch_times["HL"], rel=SAME)
+    torque = np.abs(result.signal("root", "latch_torque"))
+    assert host["HL.latch_torque_peak"] == pytest.approx(torque.max(), rel=1e-6)
+    assert host["HL.latched"] == 1.0
+    assert host["steps"] == pytest.approx(result.costs["steps"], abs=3)
+
+
+def test_what_is_observed_lies_between_the_rows_of_the_run(path, result):
+    """The angle turns smoothly: rows are so near to each other that a straight line is off by 1e-4 of it."""
+    host = Host(path).start()
+    for time in (0.3, 0.77, 1.4):
+        expected = np.interp(time, result.time, result.signal("root", "angle"))
+        assert host.to(time, 0.01)["root.angle"] == pytest.approx(expected, rel=1e-3)
+
+
+def test_communication_steps_change_no_bit(path):
+    hosts = [Host(path).start() for _ in range(3)]
+    for time in (0.5, 1.2, 2.0):
+        found = [host.to(time, step).all() for host, step in zip(hosts, (1e-3, 0.02, 0.5), strict=True)]
+        # communication points are sums of step sizes, which round
+        np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(found[2], found[0], rtol=1e-9, atol=1e-9)
+        assert found[0][hosts[0].outputs.index("HL.latch_time") - 2] == hosts[2]["HL.latch_time"]
+
+
+@pytest.mark.parametrize("way", ["restored", "serialised"])
+def test_a_state_leads_to_the_same_bits_across_latch_up(path, way):
+    """Saved just before latch-up: who goes on, who comes back, and who reads the bytes in another instance."""
+    going_on = Host(path).start()
+    before = Host(path).start().to(2.0, 0.01)["HL.latch_time"] - 0.004
+    going_on.to(before, 0.01)
+    state = going_on.fmu.getFMUstate()
+    data = going_on.fmu.serializeFMUstate(state)
+    going_on.to(2.0, 0.003)
+    assert going_on["HL.latched"] == 1.0
+    expected = going_on.all()
+    other = going_on if way == "restored" else Host(path).start()
+    other.fmu.setFMUstate(state if way == "restored" else other.fmu.deSerializeFMUstate(data))
+    other.time = before
+    assert other["HL.latched"] == 0.0
+    np.testing.assert_array_equal(other.to(2.0, 0.003).all(), expected)
+
+
+def test_a_parameter_that_changes_acts_at_the_communication_point(path):
+    """As the event of a scene that sets it at that time; the master was ahead, and went back."""
+    event = {"name": "faster", "time": "0.3 s", "set": {"root": {"motor_constant_torque": "4 N.m"}}}
+    expected = fanfold.simulate(latching([event]), estimate=False).latch_times["HL"]
+    host = Host(path).start().to(0.3, 0.01)
+    host["root.motor_constant_torque"] = 4.0
+    assert host.to(2.0, 0.01)["HL.latch_time"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_latch_is_commanded(path):
+    """At once, long before its angle is reached; then nothing moves on."""
+    host = Host(path).start().to(0.3, 0.01)
+    host["HL.latch_command"] = 1.0
+    host.to(0.31, 0.01)
+    assert host["HL.latch_time"] == pytest.approx(0.3, abs=1e-9)
+    angle = host["root.angle"]
+    assert host.to(1.0, 0.01)["root.angle"] == pytest.approx(angle, abs=0.05)
+
+
+def test_events_of_the_scene_happen_inside(tmp_path):
+    """Hold-downs that preload keeps closed, a release on an angle, contacts, a latch-up."""
+    result = fanfold.simulate(STACK, until=5.3, rigid="all", estimate=False)
+    host = Host(exported(STACK, tmp_path, rigid="all")).start().to(5.3, 0.1)
+    assert host["HL1.latch_time"] == pytest.approx(result.latch_times["HL1"], rel=1e-5)
+    assert host["stored_energy"] == pytest.approx(result.signal("scene", "stored_energy")[-1], rel=1e-2)
+
+
+def test_a_release_is_commanded(tmp_path):
+    """A bolt that lets go by command lets go as by the scene's own event."""
+    names = [name for name in Host(exported(STACK, tmp_path, rigid="all")).references if name.endswith("release_command")]
+    assert names == ["wall_bolt.release_command", "panel_bolt.release_command"]
+
+
+def test_parameters_before_the_start(path):
+    """A constant motor torque that is half as large again opens in the root of 2/3 of the time: nothing else works."""
+    usual = Host(path).start().to(2.0, 0.01)["HL.latch_time"]
+    fast = Host(path).start(**{"root.motor_constant_torque": 12.0}).to(2.0, 0.01)["HL.latch_time"]
+    assert fast == pytest.approx(usual * (2.0 / 3.0) ** 0.5, rel=1e-4)
+
+
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_other_tools_find_nothing_wrong(fmi, tmp_path):
+    """The checker of the project, and FMPy's plain command."""
+    found = exported(TWO_PANELS, tmp_path, fmi=fmi)
+    assert not list(check_fmu(found))
+    rows = fmpy.simulate_fmu(str(found), stop_time=0.5, output_interval=0.1, output=["middle_left.angle"])
+    expected = fanfold.simulate(TWO_PANELS, until=0.5, estimate=False).signal("middle_left", "angle")[-1]
+    assert rows["middle_left.angle"][-1] == pytest.approx(expected, rel=1e-6)
+
+
+def test_what_cannot_be_one_fmu_is_told(tmp_path):
+    with pytest.raises(fanfold.FanfoldError, match="leave ssp and backend out"):
+        fanfold.export(TWO_PANELS, tmp_path, as_one=True, backend="python")
