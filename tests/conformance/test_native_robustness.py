@@ -13,10 +13,12 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
+import orchestrator as fanfold
 from fmus import native_backend
 from tests.conformance.programs.damage import damaged_folders
 from tests.conformance.programs.driver import KINDS, built, start_of
 from tests.conformance.programs.sanitized import program, told
+from tests.unit.run.as_one.host import latching
 
 HOST = Path(__file__).with_name("programs") / "host.c"
 NATIVE = [kind for kind, component in KINDS.items() if native_backend(component.example())]
@@ -54,6 +56,37 @@ def test_damaged_resources_give_a_sentence(kind, host, tmp_path):
     resources, token, sizes = unpacked(kind, tmp_path / "sound")
     folders = damaged_folders(resources, tmp_path, DAMAGED, seed=12)
     made, messages = told(host, 1, *sizes, token, *folders, tmp_path / "nowhere")
+    assert made + messages >= DAMAGED
+    assert made < DAMAGED
+
+
+@pytest.fixture(scope="module")
+def wing(tmp_path_factory):
+    """A scene with a latch and an event as one FMU: resources, token, numbers of scalars."""
+    folder = tmp_path_factory.mktemp("wing")
+    event = {"name": "faster", "time": "2 ms", "set": {"root": {"motor_constant_torque": "9 N.m"}}}
+    (path,) = fanfold.export(latching([event]), folder, as_one=True)
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    description = read_model_description(str(path))
+    counts = dict.fromkeys(("parameter", "input", "output"), 0)
+    for variable in description.modelVariables:
+        counts[variable.causality] += 1
+    return folder / "resources", description.guid, [str(n) for n in (*counts.values(), 0)]
+
+
+def test_a_scene_as_one_fmu_is_driven_and_misused_without_a_fault(wing, host):
+    resources, token, sizes = wing
+    made, messages = told(host, 5, *sizes, token, resources.as_uri())
+    assert made == 5
+    assert messages >= 10 * made
+
+
+def test_damaged_resources_of_a_scene_give_a_sentence(wing, host, tmp_path):
+    """Tables of indices among them, of which none may lead out of its array."""
+    resources, token, sizes = wing
+    folders = damaged_folders(resources, tmp_path, DAMAGED, seed=12)
+    made, messages = told(host, 1, *sizes, token, *folders)
     assert made + messages >= DAMAGED
     assert made < DAMAGED
 

@@ -104,7 +104,8 @@ def test_events_of_the_scene_happen_inside(tmp_path):
 
 def test_a_release_is_commanded(tmp_path):
     """A bolt that lets go by command lets go as by the scene's own event."""
-    names = [name for name in Host(exported(STACK, tmp_path, rigid="all")).references if name.endswith("release_command")]
+    host = Host(exported(STACK, tmp_path, rigid="all"))
+    names = [name for name in host.references if name.endswith("release_command")]
     assert names == ["wall_bolt.release_command", "panel_bolt.release_command"]
 
 
