@@ -89,6 +89,7 @@ typedef struct {
        depends on the state alone; and what `create` has made is no longer needed. */
     void (*settle)(void *self);
     void (*destroy)(void *self);
+    int checks_itself; /* whether a state that is not finite never comes out of `step` */
     const char *layout; /* digest of the declared layout that the kernel was written for */
 } Kernel;
 

@@ -18,10 +18,14 @@ double *evaluate_inputs(const Instance *instance) { return instance->values + in
 
 /* Their sum is finite then, but for absurdly large ones, which are looked at singly. */
 int evaluate_all_finite(const double *numbers, size_t count, size_t *bad) {
-    double sum = 0.0;
-    for (size_t i = 0; i < count; i++)
-        sum += numbers[i] * 0.0;
-    if (sum == 0.0)
+    double sums[4] = {0.0, 0.0, 0.0, 0.0}; /* at a time, which the processor overlaps */
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4)
+        for (size_t k = 0; k < 4; k++)
+            sums[k] += numbers[i + k] * 0.0;
+    for (; i < count; i++)
+        sums[0] += numbers[i] * 0.0;
+    if (sums[0] + sums[1] + sums[2] + sums[3] == 0.0)
         return 1;
     for (*bad = 0; *bad < count && isfinite(numbers[*bad]);)
         ++*bad;
@@ -68,7 +72,7 @@ static int values_finite(const Instance *instance, size_t first, size_t end, Rea
 
 int evaluate_state_finite(const Instance *instance, const double *x, Reason *why) {
     size_t bad = 0;
-    if (evaluate_all_finite(x, instance->states, &bad))
+    if (instance->kernel->checks_itself || evaluate_all_finite(x, instance->states, &bad))
         return 1;
     if (!orientations_given(instance, why))
         return 0;

@@ -83,16 +83,22 @@ static size_t arrange_standing(Assembly *a, double *first) {
     return used;
 }
 
-/* One that is in a snapshot. */
-static const double *snapshot_time(const Assembly *a, size_t number) { return a->snapshot + number * a->snapshot_size; }
+/* The slot of a snapshot, 0 for the newest. */
+static size_t slot_of(const Assembly *a, size_t number) { return (a->newest + SNAPSHOTS - number) % SNAPSHOTS; }
 
-/* Keep where the run stands, the newest first. */
+static double *snapshot_of(const Assembly *a, size_t number) {
+    return a->snapshot + slot_of(a, number) * a->snapshot_size;
+}
+
+static double time_of(const Assembly *a, size_t number) { return snapshot_of(a, number)[1]; }
+
+/* Keep where the run stands, in place of the oldest. */
 static void keep_snapshot(Assembly *a) {
-    memmove(a->snapshot + a->snapshot_size, a->snapshot, (SNAPSHOTS - 1) * a->snapshot_size * sizeof(double));
-    double *place = a->snapshot;
-    a->run_serial = ++a->last_run;
+    a->newest = (a->newest + 1) % SNAPSHOTS;
+    double *place = snapshot_of(a, 0);
     exchange_scalars(a, 1);
     exchange_watched(a, a->scalars + SCALARS, 1);
+    *place++ = a->run_serial = ++a->last_run;
     *place++ = a->master.loop.time;
     memcpy(place, a->standing, a->standing_size * sizeof(double));
     place += a->standing_size;
@@ -119,7 +125,7 @@ static void take_parameters(Assembly *a, size_t i) {
 /* Stand where the run stood in a snapshot, those after it being forgotten; 0 where a participant cannot. */
 static int take_snapshot(Assembly *a, size_t number) {
     Master *m = &a->master;
-    const double *place = snapshot_time(a, number) + 1;
+    const double *place = snapshot_of(a, number) + 2;
     memcpy(a->standing, place, a->standing_size * sizeof(double));
     exchange_scalars(a, 0);
     exchange_watched(a, a->scalars + SCALARS, 0);
@@ -140,8 +146,7 @@ static int take_snapshot(Assembly *a, size_t number) {
     memcpy(m->network.wrenches, m->network.accepted, m->network.size * sizeof(double));
     forget_all(&m->solver);
     m->loop.rows.count = m->loop.made = 0;
-    if (number)
-        memmove(a->snapshot, snapshot_time(a, number), (a->snapshots - number) * a->snapshot_size * sizeof(double));
+    a->newest = slot_of(a, number);
     a->snapshots -= number;
     while (a->rows && a->ring[(a->rows - 1) * a->row_size] > a->last_row_time) a->rows--;
     if (!coupling_save(&m->network) || !restore_all(&m->network) || !observe_all(m)) return 0;
@@ -149,18 +154,54 @@ static int take_snapshot(Assembly *a, size_t number) {
     return 1;
 }
 
-/* Largest sizes of loads in a row. */
-static void note_peaks(Assembly *a, const double *row) {
-    for (size_t i = 0; i < a->peak_count; i++) {
-        double square = 0.0, sum = 0.0;
-        for (size_t k = 0; k < a->peak[i].count; k++) {
-            const double value = row[2 + a->peak[i].place[k]];
-            square += value * value;
-            sum += value;
-        }
-        a->peaks[i] = fmax(a->peaks[i], a->peak[i].is_sum ? fabs(sum) : sqrt(square));
+/* What a peak is the largest of, in a row of the ring. */
+static double load_of(const Assembly *a, const Peak *peak, size_t row) {
+    const double *values = a->ring + row * a->row_size + 2;
+    double square = 0.0, sum = 0.0;
+    for (size_t k = 0; k < peak->count; k++) {
+        const double value = values[peak->place[k]];
+        square += value * value;
+        sum += value;
     }
-    a->peak_time = row[0];
+    return peak->is_sum ? fabs(sum) : sqrt(square);
+}
+
+/* Crest of the cubic through four values, or of the parabola through the last three, where the last but one is highest;
+   otherwise that one. */
+static double crest(const double *times, const double *values, size_t count) {
+    const double *t = times + count - 3, *v = values + count - 3;
+    if (!(v[1] > v[0] && v[1] >= v[2])) return v[1];
+    const double first = (v[1] - v[0]) / (t[1] - t[0]), last = (v[2] - v[1]) / (t[2] - t[1]);
+    const double second = (last - first) / (t[2] - t[0]);
+    double third = 0.0;
+    if (count > 3) {
+        const double before = (v[0] - values[0]) / (t[0] - times[0]);
+        third = (second - (first - before) / (t[1] - times[0])) / (t[2] - times[0]);
+    }
+    /* v = v1 + slope s + bend s^2 + third s^3, s from the middle one */
+    const double a = t[0] - t[1], b = t[2] - t[1];
+    const double bend = second - third * (a + b), slope = first - second * a + third * a * b;
+    const double root = bend * bend - 3.0 * third * slope;
+    const double s = root < 0.0 ? 0.0 : -slope / (bend - sqrt(root));
+    if (!(s >= a && s <= b)) return v[1];
+    return fmax(v[1], v[1] + s * (slope + s * (bend + s * third)));
+}
+
+/* Largest sizes of loads up to a row of the ring, between rows as well where they are smooth. */
+static void note_peaks(Assembly *a, size_t row) {
+    const double *ring = a->ring, segment = ring[row * a->row_size + 1];
+    size_t count = 1;
+    while (count <= row && ring[(row - count) * a->row_size + 1] == segment) count++;
+    for (size_t i = 0; i < a->peak_count; i++) {
+        double times[RING], values[RING];
+        for (size_t k = 0; k < count; k++) {
+            times[k] = ring[(row + 1 + k - count) * a->row_size];
+            values[k] = load_of(a, a->peak + i, row + 1 + k - count);
+        }
+        a->peaks[i] = fmax(a->peaks[i], values[count - 1]);
+        if (count > 2) a->peaks[i] = fmax(a->peaks[i], crest(times, values, count));
+    }
+    a->peak_time = ring[row * a->row_size];
 }
 
 /* Take a row into the ring; peaks are those up to the communication point. */
@@ -174,7 +215,7 @@ static void take_row(void *taker, double time, double segment, const double *val
     row[0] = a->last_row_time = time;
     row[1] = segment;
     memcpy(row + 2, values, (a->row_size - 2) * sizeof(double));
-    if (time <= a->target) note_peaks(a, row);
+    if (time <= a->target) note_peaks(a, a->rows - 1);
 }
 
 static int set_parameter(void *taker, size_t participant, size_t place, double value) {
@@ -258,20 +299,19 @@ static size_t state_size(const Assembly *a) {
     return OUTER + a->parameter_count + a->commands + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
 }
 
-/* Arrays of a component's state, in their order after the numbers that come first. */
+/* Arrays of a component's state, in their order after the numbers that come first and before the snapshots. */
 typedef struct {
     double *own;
     size_t count;
 } Section;
 
-enum { SECTIONS = 5 };
+enum { SECTIONS = 4 };
 
 static void sections_of(const Assembly *a, Section *sections) {
     const Section all[SECTIONS] = {{a->applied, a->parameter_count},
                                    {a->inputs, a->commands},
                                    {a->peaks, a->peak_count},
-                                   {a->ring, RING * a->row_size},
-                                   {a->snapshot, SNAPSHOTS * a->snapshot_size}};
+                                   {a->ring, RING * a->row_size}};
     memcpy(sections, all, sizeof all);
 }
 
@@ -286,6 +326,7 @@ static void store(Assembly *a, double *x) {
                                  a->serial,
                                  a->run_serial,
                                  (double)a->snapshots,
+                                 (double)a->newest,
                                  (double)a->rows,
                                  a->peak_time,
                                  (double)a->master.steps,
@@ -294,6 +335,10 @@ static void store(Assembly *a, double *x) {
     x += OUTER;
     for (size_t i = 0; i < SECTIONS; x += section[i++].count)
         if (!has_run || section[i].own == a->peaks) memcpy(x, section[i].own, section[i].count * sizeof(double));
+    for (size_t i = 0; i < SNAPSHOTS; i++, x += a->snapshot_size) {
+        const double *own = a->snapshot + i * a->snapshot_size;
+        if (*x != *own) memcpy(x, own, a->snapshot_size * sizeof(double));
+    }
     a->stands = 1;
 }
 
@@ -305,7 +350,9 @@ static int stand(Assembly *a, const double *x) {
     const double *place = x + OUTER;
     for (size_t i = 0; i < SECTIONS; place += section[i++].count)
         memcpy(section[i].own, place, section[i].count * sizeof(double));
+    memcpy(a->snapshot, place, SNAPSHOTS * a->snapshot_size * sizeof(double));
     a->time = x[AT_TIME];
+    a->newest = (size_t)x[AT_NEWEST];
     a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
     a->snapshots = (size_t)x[AT_SNAPSHOTS];
     a->rows = (size_t)x[AT_ROWS];
@@ -341,7 +388,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
         return refuse(why, "the assembly declares %lu parameters, its components have %lu",
                       (unsigned long)sizes->parameters, (unsigned long)a->parameter_count);
     a->standing_size = arrange_standing(a, NULL);
-    a->snapshot_size = 1 + a->standing_size + a->states + a->input_count;
+    a->snapshot_size = 2 + a->standing_size + a->states + a->input_count;
     a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
     a->wanted = allocate(memory, (a->parameter_count + 1) * sizeof(double));
     a->applied = allocate(memory, (a->parameter_count + 1) * sizeof(double));
@@ -413,7 +460,7 @@ static int change(Assembly *a, const double *u) {
     size_t number = 0, latches = 0;
     size_t latch[64];
     double before = 0.0;
-    while (number + 1 < a->snapshots && *snapshot_time(a, number) > a->time + m->rules.time_rounding) number++;
+    while (number + 1 < a->snapshots && time_of(a, number) > a->time + m->rules.time_rounding) number++;
     if (!take_snapshot(a, number) || !run_to(a, a->time)) return 0;
     if (!balance_before(m, &before)) return 0;
     for (size_t i = 0; i < a->participants; i++)
@@ -440,7 +487,7 @@ static void catch_up_peaks(Assembly *a, double time) {
     a->target = time;
     for (size_t i = 0; i < a->rows; i++) {
         const double *row = a->ring + i * a->row_size;
-        if (row[0] > a->peak_time && row[0] <= time) note_peaks(a, row);
+        if (row[0] > a->peak_time && row[0] <= time) note_peaks(a, i);
     }
 }
 
@@ -462,6 +509,10 @@ static int step(void *self, const double *x, const double *u, double h, double *
 /* Where the sections of a state begin. */
 static const double *ring_of(const Assembly *a, const double *x) {
     return x + OUTER + a->parameter_count + a->commands + a->peak_count;
+}
+
+static const double *newest_of(const Assembly *a, const double *x) {
+    return ring_of(a, x) + RING * a->row_size + (size_t)x[AT_NEWEST] * a->snapshot_size;
 }
 
 /* Weights of up to four rows at the time of a state, and the first of them: a polynomial through those of one segment. */
@@ -502,7 +553,7 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
     const double *first;
     double weights[RING];
     const size_t count = weigh_rows(a, x, weights, &first), channels = 2 + a->master.loop.rows.columns + 2;
-    const double *peaks = ring_of(a, x) - a->peak_count, *standing = ring_of(a, x) + RING * a->row_size + 1;
+    const double *peaks = ring_of(a, x) - a->peak_count, *standing = newest_of(a, x) + 2;
     (void)u;
     memset(y, 0, TOLD * sizeof(double));
     for (size_t i = 0; i < count; i++, first += a->row_size)
@@ -533,4 +584,5 @@ const Kernel assembly_kernel = {.kind = "assembly",
                                 .outputs = outputs,
                                 .observe = observe,
                                 .settle = settle,
-                                .destroy = destroy};
+                                .destroy = destroy,
+                                .checks_itself = 1};

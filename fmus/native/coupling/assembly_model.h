@@ -30,7 +30,7 @@ typedef struct {
    preload; otherwise these are NULL.
 
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
-   recorded, channels), and snapshots, the newest first: time, standing, states, inputs. `stands` tells whether all
+   recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. `stands` tells whether all
    this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. */
 typedef struct {
     Master master;
@@ -43,14 +43,14 @@ typedef struct {
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
     size_t participants, commands, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
-    size_t rows, snapshots, states;
+    size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target;
     int stands;
     char said[512];
 } Assembly;
 
 /* Numbers that come first in a state. */
-enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_ROWS, AT_PEAK_TIME, AT_STEPS, AT_REJECTED, OUTER };
+enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_STEPS, AT_REJECTED, OUTER };
 
 /* Numbers of the master that are in no array. */
 enum { SCALARS = 40 };
