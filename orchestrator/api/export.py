@@ -41,6 +41,7 @@ def export(
     ssp: str | Path | None = None,
     platforms: Names = (),
     as_one: bool = False,
+    driven_base: bool = False,
     watch: Callable[[str], object] = lambda name: None,
 ) -> list[Path]:
     """Write every component of a scene as an FMU into a folder, and return the paths.
@@ -53,7 +54,8 @@ def export(
     libraries of these in place of the one of here, compiled by Zig (the extra `platforms`); `watch` is told of each
     before, as the first time takes half a minute. as_one: one native FMU of the whole scene, events included, with the
     master that couples its components: inside it steps as the scene's tolerance asks, whatever the communication step.
-    ssp: a file that takes all FMUs of FMI 2.0 with
+    driven_base: of one FMU, the fixed base moves by inputs, rates and accelerations in the world's axes, between
+    communication points as smoothly as their rates can. ssp: a file that takes all FMUs of FMI 2.0 with
     end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
     """
     checked = load(scene).check_one_run()
@@ -71,13 +73,24 @@ def export(
             ["a scene as one FMU is a native one and has no system structure; leave ssp and backend out"]
         )
 
+    if driven_base and not as_one:
+        raise SceneError(["a driven base is part of a scene as one FMU; ask for that (as_one) as well"])
+
     def assembled(mode: WrenchMode) -> Assembly:
         return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
 
     assembly = assembled("mean" if as_one else wrench_mode)
     _tell_of_absent(checked, with_events=as_one)
     if as_one:
-        one = export_as_one(assembly, Path(folder), fmi, with_sources=sources, platforms=wanted, watch=watch)
+        one = export_as_one(
+            assembly,
+            Path(folder),
+            fmi,
+            driven_base=driven_base,
+            with_sources=sources,
+            platforms=wanted,
+            watch=watch,
+        )
         return [one]
     if assembly.preload and assembly.large_deformation:
         names = ", ".join(assembly.large_deformation)

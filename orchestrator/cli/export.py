@@ -62,6 +62,11 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
 @click.option(
     "--as-one", is_flag=True, help="One FMU of the whole scene, with the master that couples its components."
 )
+@click.option(
+    "--driven-base",
+    is_flag=True,
+    help="With --as-one: the base moves by inputs, its rates and accelerations.",
+)
 @backend_option
 def command(
     choice: SceneChoice,
@@ -73,6 +78,7 @@ def command(
     sources: bool,
     platforms: tuple[str, ...],
     as_one: bool,
+    driven_base: bool,
     backend: Backend | None,
 ) -> None:
     """Write every component of SCENE as an FMU, or SCENE as one."""
@@ -91,6 +97,7 @@ def command(
             ssp=ssp,
             platforms="all" if platforms == ("all",) else platforms,
             as_one=as_one,
+            driven_base=driven_base,
             watch=lambda name: status.update(f"library for {name}, which is compiled once"),
         )
     for path in paths:

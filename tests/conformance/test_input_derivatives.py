@@ -14,7 +14,7 @@ from tests.conformance.test_fmus import BACKENDS, path_of
 
 pytestmark = pytest.mark.skipif(native_library() is None, reason="no native library was built")
 H = 2e-3
-BODIES = ("body", "fixed_base", "moving_base")
+BODIES = ("body", "driven_base", "fixed_base", "moving_base")
 NAMES = ("force", "torque")
 
 

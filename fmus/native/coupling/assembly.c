@@ -296,7 +296,7 @@ static int initialize_participants(Assembly *a) {
 }
 
 static size_t state_size(const Assembly *a) {
-    return OUTER + a->parameter_count + a->commands + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
+    return OUTER + a->parameter_count + a->inputs_count + a->peak_count + RING * a->row_size + SNAPSHOTS * a->snapshot_size;
 }
 
 /* Arrays of a component's state, in their order after the numbers that come first and before the snapshots. */
@@ -309,7 +309,7 @@ enum { SECTIONS = 4 };
 
 static void sections_of(const Assembly *a, Section *sections) {
     const Section all[SECTIONS] = {{a->applied, a->parameter_count},
-                                   {a->inputs, a->commands},
+                                   {a->inputs, a->inputs_count},
                                    {a->peaks, a->peak_count},
                                    {a->ring, RING * a->row_size}};
     memcpy(sections, all, sizeof all);
@@ -329,6 +329,7 @@ static void store(Assembly *a, double *x) {
                                  (double)a->newest,
                                  (double)a->rows,
                                  a->peak_time,
+                                 (double)a->has_driven,
                                  (double)a->master.steps,
                                  (double)a->master.rejected};
     memcpy(x, first, sizeof first);
@@ -352,6 +353,7 @@ static int stand(Assembly *a, const double *x) {
         memcpy(section[i].own, place, section[i].count * sizeof(double));
     memcpy(a->snapshot, place, SNAPSHOTS * a->snapshot_size * sizeof(double));
     a->time = x[AT_TIME];
+    a->has_driven = x[AT_DRIVEN] != 0.0;
     a->newest = (size_t)x[AT_NEWEST];
     a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
     a->snapshots = (size_t)x[AT_SNAPSHOTS];
@@ -392,7 +394,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
     a->wanted = allocate(memory, (a->parameter_count + 1) * sizeof(double));
     a->applied = allocate(memory, (a->parameter_count + 1) * sizeof(double));
-    a->inputs = allocate(memory, (a->commands + 1) * sizeof(double));
+    a->inputs = allocate(memory, (a->inputs_count + 1) * sizeof(double));
     a->peaks = allocate(memory, (a->peak_count + 1) * sizeof(double));
     a->ring = allocate(memory, RING * a->row_size * sizeof(double));
     a->snapshot = allocate(memory, (SNAPSHOTS * a->snapshot_size + 1) * sizeof(double));
@@ -441,7 +443,8 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memset(a->standing, 0, a->standing_size * sizeof(double));
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
-    memcpy(a->inputs, u, a->commands * sizeof(double));
+    memcpy(a->inputs, u, a->inputs_count * sizeof(double));
+    a->has_driven = 0;
     a->run_serial = ++a->last_run;
     for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
         *line->pending = 1.0;
@@ -454,14 +457,21 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
+/* Stand at the communication point itself. */
+static int go_back(Assembly *a) {
+    const double rounding = a->master.rules.time_rounding;
+    size_t number = 0;
+    while (number + 1 < a->snapshots && time_of(a, number) > a->time + rounding) number++;
+    return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time);
+}
+
 /* Go back to the communication point and let what the host has changed act there. */
 static int change(Assembly *a, const double *u) {
     Master *m = &a->master;
-    size_t number = 0, latches = 0;
+    size_t latches = 0;
     size_t latch[64];
     double before = 0.0;
-    while (number + 1 < a->snapshots && time_of(a, number) > a->time + m->rules.time_rounding) number++;
-    if (!take_snapshot(a, number) || !run_to(a, a->time)) return 0;
+    if (!go_back(a)) return 0;
     if (!balance_before(m, &before)) return 0;
     for (size_t i = 0; i < a->participants; i++)
         for (size_t k = 0; k < a->instance[i]->sizes.parameters; k++) {
@@ -476,7 +486,7 @@ static int change(Assembly *a, const double *u) {
         if (c->is_release) release_one(m, &c->release);
         else if (latches < sizeof latch / sizeof *latch) latch[latches++] = c->line;
     }
-    memcpy(a->inputs, u, a->commands * sizeof(double));
+    memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     if (!go_on(m, latch, latches)) return 0;
     keep_snapshot(a);
     return 1;
@@ -491,6 +501,41 @@ static void catch_up_peaks(Assembly *a, double time) {
     }
 }
 
+static int is_driven(const Assembly *a, const double *u) {
+    if (!a->driven.is_there || a->has_driven) return a->driven.is_there;
+    for (size_t i = 0; i < DRIVES; i++)
+        if (u[a->driven.first + i] != 0.0) return 1;
+    return 0;
+}
+
+/* Accelerations under which a driven base comes to the rates that it shall have after a step h (s): those of now and what
+   accelerations add. */
+static void drive(Assembly *a, const double *u, double h) {
+    const DrivenFrame *d = &a->driven;
+    const SavedState *saved = a->saved[d->participant];
+    const double *state = saved->numbers + saved->known, *rates = u + d->first, *accelerations = rates + 6;
+    double *input = a->input[d->participant] + d->acceleration;
+    for (size_t k = 0; k < 6; k++) {
+        const double now = k < 3 ? state[d->velocity + k] : state[d->angular_velocity + k - 3];
+        input[k] = (rates[k] + accelerations[k] * h - now) / h;
+    }
+}
+
+/* Step to the next communication point exactly, with the base driven to it; rows end there. */
+static int run_driven(Assembly *a, const double *u, double h) {
+    RowBlock *r = &a->master.loop.rows;
+    if (!go_back(a)) return 0;
+    drive(a, u, h);
+    coupling_restart(&a->master.network); /* loads of other accelerations tell nothing of those to come */
+    begin_segment(&a->master);
+    if (!run_to(a, a->time + h)) return 0;
+    if (r->held) hand_on_held(r);
+    r->held = 0;
+    hand_on_rows(&a->master);
+    keep_snapshot(a);
+    return a->has_driven = 1;
+}
+
 static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
     Assembly *a = self;
     a->said[0] = a->master.said[0] = '\0';
@@ -500,7 +545,7 @@ static int step(void *self, const double *x, const double *u, double h, double *
                             memcmp(u, a->inputs, a->commands * sizeof(double)) != 0;
     if (has_changed && !change(a, u)) return refuse_run(a, why);
     catch_up_peaks(a, a->time + h);
-    if (!run_past(a, a->time + h)) return refuse_run(a, why);
+    if (!(is_driven(a, u) ? run_driven(a, u, h) : run_past(a, a->time + h))) return refuse_run(a, why);
     a->time += h;
     store(a, x_next);
     return 1;
@@ -508,7 +553,7 @@ static int step(void *self, const double *x, const double *u, double h, double *
 
 /* Where the sections of a state begin. */
 static const double *ring_of(const Assembly *a, const double *x) {
-    return x + OUTER + a->parameter_count + a->commands + a->peak_count;
+    return x + OUTER + a->parameter_count + a->inputs_count + a->peak_count;
 }
 
 static const double *newest_of(const Assembly *a, const double *x) {

@@ -18,6 +18,14 @@ typedef struct {
     Place release;
 } Command;
 
+/* Rates and accelerations of a driven base: its participant, the place of its accelerations among the inputs of that and
+   of its rates in the state, and of the DRIVES numbers among the assembly's inputs. */
+typedef struct {
+    size_t is_there, participant, acceleration, velocity, angular_velocity, first;
+} DrivenFrame;
+
+enum { DRIVES = 12 };
+
 /* Of a load's peak: where its numbers stand among what is recorded, and whether they add up or are components. */
 typedef struct {
     size_t is_sum, count;
@@ -40,17 +48,18 @@ typedef struct {
     size_t *first_parameter, *first_input;
     Command *command;
     Peak *peak;
+    DrivenFrame driven;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
-    size_t participants, commands, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
+    size_t participants, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target;
-    int stands;
+    int stands, has_driven;
     char said[512];
 } Assembly;
 
 /* Numbers that come first in a state. */
-enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_STEPS, AT_REJECTED, OUTER };
+enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_STEPS, AT_REJECTED, OUTER };
 
 /* Numbers of the master that are in no array. */
 enum { SCALARS = 40 };
@@ -411,10 +420,25 @@ static int create_events(Assembly *a, const Data *data, Memory *memory, Reason *
     return 1;
 }
 
+/* Whether a driven frame has all its places; its inputs come behind the commands. */
+static int drives(const Assembly *a, const Sizes *sizes) {
+    const DrivenFrame *d = &a->driven;
+    if (d->participant >= a->participants || sizes->inputs < DRIVES || d->first != sizes->inputs - DRIVES) return 0;
+    const Instance *instance = a->instance[d->participant];
+    return d->acceleration + 6 <= instance->sizes.inputs && d->velocity + 3 <= instance->states &&
+           d->angular_velocity + 3 <= instance->states;
+}
+
 /* Commands from outside, in the order of the inputs: kind (1: releases), participant and place, or line. */
 static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
-    const size_t *table = counted_numbers(data, "commands", 3 * sizes->inputs, memory, why);
-    a->commands = sizes->inputs;
+    const size_t *driven = counted_numbers(data, "driven", 6, memory, why);
+    if (!driven) return 0;
+    a->driven = (DrivenFrame){driven[0], driven[1], driven[2], driven[3], driven[4], driven[5]};
+    if (a->driven.is_there && !drives(a, sizes)) return refuse(why, "the assembly drives what it has not");
+    const size_t drives = a->driven.is_there ? DRIVES : 0;
+    const size_t *table = counted_numbers(data, "commands", 3 * (sizes->inputs - drives), memory, why);
+    a->inputs_count = sizes->inputs;
+    a->commands = sizes->inputs - drives;
     a->command = allocate(memory, (a->commands + 1) * sizeof *a->command);
     if (!table || !a->command) return 0;
     for (size_t i = 0; i < a->commands; i++, table += 3) {

@@ -22,7 +22,7 @@ from ...cosim.ports import Order
 from ...cosim.rows import recorded_layout
 from ...cosim.settings import Settings
 from .rest import rest
-from .tables import Command, Peak, tables
+from .tables import DRIVEN, Command, Peak, tables
 
 _TOLD = (
     Quantity("stored_energy", "J", "Kinetic and potential energy of all components"),
@@ -36,6 +36,12 @@ _TOLD = (
     Quantity("rejected_steps", "1", "Steps that it has made again with a smaller size"),
 )
 """Outputs that come first, in the order of native/coupling/assembly.c."""
+_DRIVES = (
+    ("velocity", "m/s", "velocity of the frame"),
+    ("angular_velocity", "rad/s", "angular velocity of the frame"),
+    ("acceleration", "m/s2", "acceleration of the frame"),
+    ("angular_acceleration", "rad/s2", "angular acceleration of the frame"),
+)
 _PEAKED = (LOAD, INTERFACE_LOAD)
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
 
@@ -44,8 +50,8 @@ class AssembledScene(Component, registered=False):
     """A deployable structure with the master that couples its components, which steps as its tolerance asks.
 
     Parameters are those of all components, `component.parameter`; outputs what is observed of them, latch times and
-    peaks of loads. Inputs command latches of hinge lines and releases. A scene with preload starts in the static
-    equilibrium of the parameters that it was made with.
+    peaks of loads. Inputs command latches of hinge lines and releases, and drive the base where it is a driven one. A
+    scene with preload starts in the static equilibrium of the parameters that it was made with.
     """
 
     kind = ASSEMBLY
@@ -88,7 +94,7 @@ class AssembledScene(Component, registered=False):
             {},
             (),
             parameters=_of_parts(self._names, [c.parameter_layout for _, c in self._parts]),
-            inputs=[quantity for _, quantity in commands],
+            inputs=[*(quantity for _, quantity in commands), *_drives(assembly)],
             outputs=(
                 *_TOLD,
                 *(q for line in lines for q in _told_of(line)),
@@ -173,6 +179,15 @@ def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
                     Command((number, place), 0),
                     quantity.saying(f"{participant.name}: 1: lets go at this communication point, for good"),
                 )
+
+
+def _drives(assembly: Assembly) -> Iterator[Quantity]:
+    """Rates of a driven base at a communication point, and their rates."""
+    for name in (part.name for part in assembly.parts if part.kind == DRIVEN):
+        for variable, unit, text in _DRIVES:
+            yield Quantity(
+                f"{name}.{variable}", unit, f"{name}: {text} at the communication point, world axes", 3
+            )
 
 
 def _told_of(line: HingeLine) -> Iterator[Quantity]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from components import ComponentError
@@ -15,6 +16,7 @@ from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
 from ..errors import RunError
 from .component import AssembledScene
+from .tables import DRIVEN
 
 
 def export_as_one(
@@ -22,14 +24,18 @@ def export_as_one(
     folder: Path,
     fmi: FmiVersion = "2.0",
     *,
+    driven_base: bool = False,
     with_sources: bool = False,
     platforms: Sequence[str] = (),
     watch: Callable[[str], object] = lambda name: None,
 ) -> Path:
     """Write a scene with mean wrenches as one native FMU into a folder; return its path.
 
-    It has the scene's name, as an identifier. RunError where that cannot be.
+    It has the scene's name, as an identifier. driven_base: the fixed base of the scene moves by inputs. RunError where
+    that cannot be.
     """
+    if driven_base:
+        assembly = _with_driven_base(assembly)
     settings = Settings(assembly.tolerance, assembly.largest_step, driving_energy=assembly.driving_energy)
     name = re.sub(r"\W|^(?=\d)", "_", assembly.name, flags=re.ASCII)
     experiment = Experiment(assembly.until, assembly.largest_step)
@@ -51,3 +57,18 @@ def export_as_one(
         )
     except (ComponentError, CompileError, ParticipantError, StepError) as error:
         raise RunError(f"{assembly.name}: {error}") from None
+
+
+def _with_driven_base(assembly: Assembly) -> Assembly:
+    """The same on a base that is driven in place of the fixed one."""
+    parts = [
+        replace(part, kind=DRIVEN, structure={"ports": part.structure["ports"]})
+        if part.kind == "fixed_base"
+        else part
+        for part in assembly.parts
+    ]
+    if not any(part.kind == DRIVEN for part in parts):
+        raise RunError(
+            f"{assembly.name}: only a fixed base can be driven from outside; this one moves by itself"
+        )
+    return replace(assembly, parts=tuple(parts))

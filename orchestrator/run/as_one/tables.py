@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from components import ComponentError
+from components import REGISTRY, ComponentError
 from components.contract.roles import (
     FAILURE_COMMAND,
     IMPULSE,
@@ -19,7 +19,7 @@ from components.contract.roles import (
     TIME_TO_BREAK,
 )
 
-from ...assembly import Assembly, Event, HingeLine
+from ...assembly import Assembly, Event, HingeLine, Part
 from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
 from ...cosim.implicit import convergence
@@ -36,8 +36,9 @@ from ...results.recorder import NoRecorder
 
 _NOWHERE = 10**8
 """Place of what a participant does not have."""
+DRIVEN = "driven_base"
 _MOST_HINGES = constant("MOST_HINGES")
-_STILL = ("fixed_base", "moving_base")
+_STILL = ("fixed_base", "moving_base", DRIVEN)
 
 
 class Command(NamedTuple):
@@ -80,6 +81,7 @@ def tables(
         ],
         "lines": [len(lines), *(n for line in lines for n in _line(line, number))],
         **_events(network, assembly.events, [line.name for line in lines], number),
+        "driven": _driven(network, assembly, len(commands)),
         "commands": [n for command in commands for n in _command(command)],
         "peaks": [
             len(peaks),
@@ -88,8 +90,22 @@ def tables(
     }
 
 
+def _driven(network: Network, assembly: Assembly, first: int) -> list[int]:
+    """Whether the base is driven, and where its accelerations and rates are; first: of its inputs among all."""
+    for number, body in enumerate(network.bodies):
+        if _kind(assembly, body.name) == DRIVEN:
+            states = REGISTRY[DRIVEN](**_part(assembly, body.name).structure).state_layout
+            rates = (states[name].start for name in ("velocity", "angular_velocity"))
+            return [1, number, body.input_layout["acceleration"].start, *rates, first]
+    return [0] * 6
+
+
+def _part(assembly: Assembly, name: str) -> Part:
+    return next(part for part in assembly.parts if part.name == name)
+
+
 def _kind(assembly: Assembly, name: str) -> str:
-    return next(part.kind for part in assembly.parts if part.name == name)
+    return _part(assembly, name).kind
 
 
 def _place(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout

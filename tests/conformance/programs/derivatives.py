@@ -17,7 +17,19 @@ from tests.conformance.programs.driver import KINDS, OK, Fmu, Reference
 from tests.conformance.programs.trial import begin, set_order, tune
 
 H = 2e-3
-AMOUNTS = {"N": 1.0, "N.m": 1.0, "m": 1e-5, "rad": 1e-5, "m/s": 1e-3, "rad/s": 1e-3, "1": 1e-4}
+AMOUNTS = {
+    "N": 1.0,
+    "N.m": 1.0,
+    "m": 1e-5,
+    "rad": 1e-5,
+    "m/s": 1e-3,
+    "rad/s": 1e-3,
+    "m/s2": 1.0,
+    "rad/s2": 1.0,
+    "m/s3": 1e3,
+    "rad/s3": 1e3,
+    "1": 1e-4,
+}
 """Differences by unit: motions beyond round-off, without leaving what cubic terms describe."""
 ROUND_OFF = 1e-14
 """Relative rounding of an output; what is left of larger numbers cancelled may be a few digits worse."""

@@ -72,7 +72,18 @@ def check_commands(subject, path):
             same(pair, "under commands")
 
 
-AMOUNTS = {"N": 1.0, "N.m": 1.0, "m": 1e-5, "m/s": 1e-3, "rad/s": 1e-3, "1": 1e-4}
+AMOUNTS = {
+    "N": 1.0,
+    "N.m": 1.0,
+    "m": 1e-5,
+    "m/s": 1e-3,
+    "rad/s": 1e-3,
+    "m/s2": 1.0,
+    "rad/s2": 1.0,
+    "m/s3": 1e3,
+    "rad/s3": 1e3,
+    "1": 1e-4,
+}
 
 
 def check_parameters(subject, path):

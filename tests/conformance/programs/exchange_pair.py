@@ -15,6 +15,7 @@ from components import REGISTRY
 from components.body import Body
 from components.ccl import CableLoop
 from components.damper import EddyCurrentDamper
+from components.driven_base import DrivenBase
 from components.fixed_base import FixedBase
 from components.hinge import Hinge
 from components.moving_base import MovingBase
@@ -56,6 +57,7 @@ SUBJECTS = {
     "drive": lambda: endpoint("drive"),
     "hold_down": lambda: endpoint("hold_down"),
     "load": lambda: endpoint("load"),
+    "driven_base": DrivenBase.example,
     "moving_base": MovingBase.example,
     "point_motion": lambda: endpoint("point_motion"),
     "rail": lambda: endpoint("rail"),
