@@ -1,4 +1,4 @@
-"""Driven base: ports of a frame whose accelerations are inputs, and the loads that its motion takes."""
+"""Driven base: ports of a frame whose accelerations change at rates that are inputs, and what this motion takes."""
 
 from __future__ import annotations
 
@@ -44,20 +44,26 @@ class _Frame(NamedTuple):
     angular_velocity: Annotated[
         Vector3, integrated("rad/s", "rad/s2", "Angular velocity of the frame, world axes", False)
     ]
+    acceleration: Annotated[
+        Vector3, integrated("m/s2", "m/s3", "Acceleration of the frame, world axes", False)
+    ]
+    angular_acceleration: Annotated[
+        Vector3, integrated("rad/s2", "rad/s3", "Angular acceleration of the frame, world axes", False)
+    ]
     work: Annotated[float, integrated("J", "W", "Work of the motion since the start")]
     middle: Annotated[Quaternion, kept("1", "Quaternion of the frame in the middle of the last step")]
-    last_acceleration: Annotated[Vector3, kept("m/s2", "Acceleration in the last step")]
-    last_angular_acceleration: Annotated[Vector3, kept("rad/s2", "Angular acceleration in the last step")]
+    last_rate: Annotated[Vector3, kept("m/s3", "Rate of the acceleration in the last step")]
+    last_angular_rate: Annotated[Vector3, kept("rad/s3", "Rate of the angular acceleration in the last step")]
     passed: Annotated[float, kept("s", "Size of the last step, 0 while held")]
 
 
 _FRAME = Record(_Frame)
 _ZERO, _UPRIGHT = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-_REST = _Frame(_ZERO, _UPRIGHT, _ZERO, _ZERO, 0.0, _UPRIGHT, _ZERO, _ZERO, 0.0)
+_REST = _Frame(_ZERO, _UPRIGHT, _ZERO, _ZERO, _ZERO, _ZERO, 0.0, _UPRIGHT, _ZERO, _ZERO, 0.0)
 
 
 class _Step(NamedTuple):
-    """Motion over a step about its middle: velocity, angular velocity and orientation there, constant accelerations."""
+    """Motion over a step about its middle: rates, orientation and accelerations there, and how fast these change."""
 
     h: float
     velocity: Vector3
@@ -65,14 +71,18 @@ class _Step(NamedTuple):
     orientation: Quaternion
     acceleration: Vector3
     angular_acceleration: Vector3
+    change: Vector3
+    angular_change: Vector3
 
     def turned(self, t: float) -> Quaternion:
         """Rotation from the middle to a time t (s) after it."""
-        return exponential(_rotation(self.angular_velocity, self.angular_acceleration, t))
+        return exponential(
+            _rotation(self.angular_velocity, self.angular_acceleration, self.angular_change, t)
+        )
 
     def moved(self, arms: Vector, t: float) -> Vector:
         """Displacements (ports, 3) from the middle to a time t (s) after it, free of the cancellation of positions."""
-        shift = np.array(add(scaled(t, self.velocity), scaled(0.5 * t * t, self.acceleration)))
+        shift = np.array(_way(self.velocity, self.acceleration, self.change, t))
         w, *vector = self.turned(t)
         turn = np.array(vector)
         chord = np.cross(turn, arms @ rotation_matrix(self.orientation).T)
@@ -88,14 +98,24 @@ class _Step(NamedTuple):
         return found
 
 
-def _rotation(rate: Vector3, change: Vector3, t: float) -> Vector3:
-    """Rotation vector after a time under an angular velocity that changes linearly (Magnus, to t^4)."""
-    turn = add(scaled(t, rate), scaled(0.5 * t * t, change))
-    return add(turn, scaled(t**3 / 12.0, cross(change, rate)))
+def _way(rate: Vector3, acceleration: Vector3, change: Vector3, t: float) -> Vector3:
+    """What a rate, whose acceleration changes linearly, adds up to in a time."""
+    found = add(scaled(t, rate), scaled(0.5 * t * t, acceleration))
+    return add(found, scaled(t**3 / 6.0, change))
+
+
+def _rate_after(rate: Vector3, acceleration: Vector3, change: Vector3, t: float) -> Vector3:
+    return add(rate, add(scaled(t, acceleration), scaled(0.5 * t * t, change)))
+
+
+def _rotation(rate: Vector3, acceleration: Vector3, change: Vector3, t: float) -> Vector3:
+    """Rotation vector after a time under an angular velocity like that (Magnus, to t^4)."""
+    lean = add(scaled(t**3 / 12.0, acceleration), scaled(t**4 / 24.0, change))
+    return add(_way(rate, acceleration, change, t), cross(lean, rate))
 
 
 class DrivenBase(Component):
-    """Spacecraft as ports of one rigid frame whose accelerations are inputs, held over a step.
+    """Spacecraft as ports of one rigid frame whose accelerations change at rates that are inputs, held over a step.
 
     The frame starts at rest at the world's origin, upright. ports: one mapping per port with `name`, `position` (3, m)
     and optional `orientation` (quaternion), in the axes of the frame. Interface loads are in these axes, in sum about
@@ -115,9 +135,9 @@ class DrivenBase(Component):
         self._loads = PortLoads([port["name"] for port in ports], self._arms)
         self._wrenches = WRENCH_SIZE * len(ports)
         drive = [
-            Quantity("acceleration", "m/s2", "Acceleration of the frame in the next step, world axes", 3),
+            Quantity("acceleration_rate", "m/s3", "Rate of the frame's acceleration, world axes", 3),
             Quantity(
-                "angular_acceleration", "rad/s2", "Angular acceleration in the next step, world axes", 3
+                "angular_acceleration_rate", "rad/s3", "Rate of the angular acceleration, world axes", 3
             ),
         ]
         told = [
@@ -148,7 +168,7 @@ class DrivenBase(Component):
         return np.concatenate((_FRAME.write(_REST), np.zeros(self._loads.size)))
 
     def step(self, c: None, x: Vector, u: Vector, h: float) -> Vector:
-        """Move under the accelerations; remember the wrenches of the step and their work."""
+        """Move on; remember the wrenches of the step and their work."""
         before, n = _FRAME.read(x[: _FRAME.size]), self._wrenches
         wrenches, own, slopes = u[:n], u[n : n + 8], u[n + 8 :]
         loads = self._loads.after(x[_FRAME.size :], wrenches, slopes, h, bool(own[0] > 0.5))
@@ -159,16 +179,19 @@ class DrivenBase(Component):
         return np.concatenate((_FRAME.write(after), loads))
 
     def _moved(self, before: _Frame, own: Vector, h: float, wrenches: Vector, slopes: Vector) -> _Frame:
-        ax, ay, az, bx, by, bz = own[2:].tolist()
-        acceleration, change = (ax, ay, az), (bx, by, bz)
-        to_middle = _rotation(before.angular_velocity, change, 0.5 * h)
+        jx, jy, jz, kx, ky, kz = own[2:].tolist()
+        change, angular_change = (jx, jy, jz), (kx, ky, kz)
+        turning = before.angular_velocity, before.angular_acceleration, angular_change
+        moving = before.velocity, before.acceleration, change
         made = _Step(
             h,
-            add(before.velocity, scaled(0.5 * h, acceleration)),
-            add(before.angular_velocity, scaled(0.5 * h, change)),
-            multiply(exponential(to_middle), before.orientation),
-            acceleration,
+            _rate_after(*moving, 0.5 * h),
+            _rate_after(*turning, 0.5 * h),
+            multiply(exponential(_rotation(*turning, 0.5 * h)), before.orientation),
+            add(before.acceleration, scaled(0.5 * h, change)),
+            add(before.angular_acceleration, scaled(0.5 * h, angular_change)),
             change,
+            angular_change,
         )
         orientation = multiply(made.turned(0.5 * h), made.orientation)
         # what mean torques of connections do their work on, see `turn_between`
@@ -178,14 +201,16 @@ class DrivenBase(Component):
         travel[:, 3:] = 2.0 * np.array(turn) / w
         work = wrenches @ travel.ravel() + slopes @ made.moments(self._arms).ravel()
         return _Frame(
-            add(before.position, scaled(h, made.velocity)),
+            add(before.position, _way(*moving, h)),
             orientation,
-            add(before.velocity, scaled(h, acceleration)),
-            add(before.angular_velocity, scaled(h, change)),
+            _rate_after(*moving, h),
+            _rate_after(*turning, h),
+            add(before.acceleration, scaled(h, change)),
+            add(before.angular_acceleration, scaled(h, angular_change)),
             before.work - float(work),
             made.orientation,
-            acceleration,
             change,
+            angular_change,
             h,
         )
 
@@ -198,14 +223,16 @@ class DrivenBase(Component):
         ports[:, 3:7] = np.array([multiply(now.orientation, q) for q in self._orientations]).reshape(-1, 4)
         ports[:, 7:10] = np.array(now.velocity) + np.cross(np.array(now.angular_velocity), reach)
         ports[:, 10:] = now.angular_velocity
-        h, change = now.passed, now.last_angular_acceleration
+        h, change, angular_change = now.passed, now.last_rate, now.last_angular_rate
         made = _Step(
             h,
-            add(now.velocity, scaled(-0.5 * h, now.last_acceleration)),
-            add(now.angular_velocity, scaled(-0.5 * h, change)),
+            _rate_after(now.velocity, now.acceleration, change, -0.5 * h),
+            _rate_after(now.angular_velocity, now.angular_acceleration, angular_change, -0.5 * h),
             now.middle,
-            now.last_acceleration,
+            add(now.acceleration, scaled(-0.5 * h, change)),
+            add(now.angular_acceleration, scaled(-0.5 * h, angular_change)),
             change,
+            angular_change,
         )
         moments = made.moments(self._arms) if h else np.zeros((count, WRENCH_SIZE))
         return np.concatenate((ports.ravel(), moments.ravel()))
@@ -213,22 +240,24 @@ class DrivenBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Frame and work; loads now and one step earlier, see `PortLoads.observe`."""
         now = _FRAME.read(x[: _FRAME.size])
-        back = exponential(_rotation(now.angular_velocity, now.last_angular_acceleration, -now.passed))
+        turning = now.angular_velocity, now.angular_acceleration, now.last_angular_rate
+        back = exponential(_rotation(*turning, -now.passed))
         axes_before = rotation_matrix(multiply(back, now.orientation))
         axes = rotation_matrix(now.orientation)
         loads = self._loads.observe(x[_FRAME.size :], u[: self._wrenches], axes, axes_before)
         return np.concatenate((now.position, now.orientation, (now.work,), loads))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Rates of the frame's motion under its accelerations, and power of the motion (W)."""
+        """Rates of the frame's motion and of its accelerations, and power of the motion (W)."""
         n = self._wrenches
         if u[n + 1] > 0.5:
-            return np.zeros(14)
+            return np.zeros(20)
         now = _FRAME.read(x[: _FRAME.size])
         turning = multiply((0.0, *scaled(0.5, now.angular_velocity)), now.orientation)
         speeds = self.outputs(c, x, u)[: 13 * len(self._arms)].reshape(-1, 13)[:, 7:]
         power = -float(u[:n] @ speeds.ravel())
-        return np.concatenate((now.velocity, turning, u[n + 2 : n + 8], (power,)))
+        accelerations = now.acceleration, now.angular_acceleration
+        return np.concatenate((now.velocity, turning, *accelerations, u[n + 2 : n + 8], (power,)))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/driven_base.c` reads."""

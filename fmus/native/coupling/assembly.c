@@ -508,16 +508,23 @@ static int is_driven(const Assembly *a, const double *u) {
     return 0;
 }
 
-/* Accelerations under which a driven base comes to the rates that it shall have after a step h (s): those of now and what
-   accelerations add. */
+/* How fast a driven base changes its accelerations over a step h (s): to those that the host's lead to expect at its end,
+   from now and the step before, and a part of what the rates lack, which then dies out by half in every step. A host
+   that gives no accelerations has them taken from its rates. */
 static void drive(Assembly *a, const double *u, double h) {
     const DrivenFrame *d = &a->driven;
     const SavedState *saved = a->saved[d->participant];
-    const double *state = saved->numbers + saved->known, *rates = u + d->first, *accelerations = rates + 6;
-    double *input = a->input[d->participant] + d->acceleration;
+    const double *state = saved->numbers + saved->known, *rates = u + d->first, *given = rates + 6;
+    const double *rates_before = a->inputs + d->first, *given_before = rates_before + 6;
+    double *change = a->input[d->participant] + d->change;
+    int gives = 0;
+    for (size_t k = 0; k < 6; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
     for (size_t k = 0; k < 6; k++) {
-        const double now = k < 3 ? state[d->velocity + k] : state[d->angular_velocity + k - 3];
-        input[k] = (rates[k] + accelerations[k] * h - now) / h;
+        const double rate = state[d->rate[k / 3] + k % 3], acceleration = state[d->acceleration[k / 3] + k % 3];
+        const double expected = !gives          ? (rates[k] - rates_before[k]) / h
+                                : a->has_driven ? 2.0 * given[k] - given_before[k]
+                                                : given[k];
+        change[k] = (expected + 0.5 * (rates[k] - rate) / h - acceleration) / h;
     }
 }
 
@@ -532,6 +539,7 @@ static int run_driven(Assembly *a, const double *u, double h) {
     if (r->held) hand_on_held(r);
     r->held = 0;
     hand_on_rows(&a->master);
+    memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     keep_snapshot(a);
     return a->has_driven = 1;
 }

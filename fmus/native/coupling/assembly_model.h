@@ -18,10 +18,10 @@ typedef struct {
     Place release;
 } Command;
 
-/* Rates and accelerations of a driven base: its participant, the place of its accelerations among the inputs of that and
-   of its rates in the state, and of the DRIVES numbers among the assembly's inputs. */
+/* Rates and accelerations of a driven base: its participant, the place of the rates of its accelerations among the inputs
+   of that and of the others in the state, and of the DRIVES numbers among the assembly's inputs. */
 typedef struct {
-    size_t is_there, participant, acceleration, velocity, angular_velocity, first;
+    size_t is_there, participant, change, rate[2], acceleration[2], first;
 } DrivenFrame;
 
 enum { DRIVES = 12 };
@@ -425,15 +425,17 @@ static int drives(const Assembly *a, const Sizes *sizes) {
     const DrivenFrame *d = &a->driven;
     if (d->participant >= a->participants || sizes->inputs < DRIVES || d->first != sizes->inputs - DRIVES) return 0;
     const Instance *instance = a->instance[d->participant];
-    return d->acceleration + 6 <= instance->sizes.inputs && d->velocity + 3 <= instance->states &&
-           d->angular_velocity + 3 <= instance->states;
+    int fit = d->change + 6 <= instance->sizes.inputs;
+    for (size_t i = 0; i < 2; i++)
+        fit &= d->rate[i] + 3 <= instance->states && d->acceleration[i] + 3 <= instance->states;
+    return fit;
 }
 
 /* Commands from outside, in the order of the inputs: kind (1: releases), participant and place, or line. */
 static int create_commands(Assembly *a, const Data *data, const Sizes *sizes, Memory *memory, Reason *why) {
-    const size_t *driven = counted_numbers(data, "driven", 6, memory, why);
+    const size_t *driven = counted_numbers(data, "driven", 8, memory, why);
     if (!driven) return 0;
-    a->driven = (DrivenFrame){driven[0], driven[1], driven[2], driven[3], driven[4], driven[5]};
+    a->driven = (DrivenFrame){driven[0], driven[1], driven[2], {driven[3], driven[4]}, {driven[5], driven[6]}, driven[7]};
     if (a->driven.is_there && !drives(a, sizes)) return refuse(why, "the assembly drives what it has not");
     const size_t drives = a->driven.is_there ? DRIVES : 0;
     const size_t *table = counted_numbers(data, "commands", 3 * (sizes->inputs - drives), memory, why);

@@ -1,5 +1,5 @@
-/* Driven base: ports of a frame whose accelerations are inputs, and the loads that its motion takes; the twin of
-   components/driven_base.py. */
+/* Driven base: ports of a frame whose accelerations change at rates that are inputs, and what this motion takes; the
+   twin of components/driven_base.py. */
 
 #include "driven_base_layout.h"
 #include "base_ports.h"
@@ -12,10 +12,15 @@ typedef struct {
     const double *arms, *orientations; /* 3 and 4 a port, in the frame */
 } DrivenBase;
 
-/* Motion over a step about its middle, under constant accelerations. */
+/* Rates, accelerations and how fast these change, of the frame or of its rotation. */
+typedef struct {
+    Vector3 rate, acceleration, change;
+} Course;
+
+/* Motion over a step about its middle. */
 typedef struct {
     double h;
-    Vector3 velocity, rate, acceleration, change;
+    Course shift, turn;
     Quaternion orientation;
 } DrivenStep;
 
@@ -26,23 +31,35 @@ static inline Vector3 arm_of(const DrivenBase *base, size_t port) {
     return (Vector3){arm[0], arm[1], arm[2]};
 }
 
-/* Rotation vector after a time under an angular velocity that changes linearly (Magnus, to t^4). */
-static inline Vector3 rotation_after(Vector3 rate, Vector3 change, double t) {
-    const Vector3 turn = vector_add(vector_scaled(t, rate), vector_scaled(0.5 * t * t, change));
-    return vector_add(turn, vector_scaled(t * t * t / 12.0, vector_cross(change, rate)));
+/* What a rate adds up to in a time. */
+static inline Vector3 way_of(Course c, double t) {
+    const Vector3 found = vector_add(vector_scaled(t, c.rate), vector_scaled(0.5 * t * t, c.acceleration));
+    return vector_add(found, vector_scaled(t * t * t / 6.0, c.change));
 }
 
-static inline Quaternion turned_after(const DrivenStep *s, double t) {
-    return quaternion_exponential(rotation_after(s->rate, s->change, t));
+static inline Vector3 acceleration_after(Course c, double t) {
+    return vector_add(c.acceleration, vector_scaled(t, c.change));
+}
+
+/* The same course from a time on. */
+static inline Course course_after(Course c, double t) {
+    const Vector3 gain = vector_add(vector_scaled(t, c.acceleration), vector_scaled(0.5 * t * t, c.change));
+    return (Course){vector_add(c.rate, gain), acceleration_after(c, t), c.change};
+}
+
+/* Rotation after a time under an angular velocity like that (Magnus, to t^4). */
+static inline Quaternion turned_after(Course c, double t) {
+    const Vector3 lean = vector_add(vector_scaled(t * t * t / 12.0, c.acceleration),
+                                    vector_scaled(t * t * t * t / 24.0, c.change));
+    return quaternion_exponential(vector_add(way_of(c, t), vector_cross(lean, c.rate)));
 }
 
 /* Displacement of a port from the middle to a time after it, free of the cancellation of positions. */
 static inline Vector3 moved_after(const DrivenBase *base, size_t port, const DrivenStep *s, double t) {
-    const Quaternion q = turned_after(s, t);
+    const Quaternion q = turned_after(s->turn, t);
     const Vector3 turn = {q.x, q.y, q.z};
     const Vector3 chord = vector_cross(turn, quaternion_rotate(s->orientation, arm_of(base, port)));
-    const Vector3 shift = vector_add(vector_scaled(t, s->velocity), vector_scaled(0.5 * t * t, s->acceleration));
-    return vector_add(vector_add(shift, vector_scaled(2.0 * q.w, chord)), vector_scaled(2.0, vector_cross(turn, chord)));
+    return vector_add(vector_add(way_of(s->shift, t), vector_scaled(2.0 * q.w, chord)), vector_scaled(2.0, vector_cross(turn, chord)));
 }
 
 /* First moments of a port's velocity and angular velocity over a step. */
@@ -52,7 +69,7 @@ static inline void driven_moments(const DrivenBase *base, size_t port, const Dri
     moments[0] = (Vector3){0.0, 0.0, 0.0};
     for (int i = 0; i < 4; i++)
         moments[0] = vector_add(moments[0], vector_scaled(weights[i], moved_after(base, port, s, times[i])));
-    moments[1] = vector_scaled(s->h * s->h / 6.0, s->change);
+    moments[1] = vector_scaled(s->h * s->h / 6.0, s->turn.acceleration);
 }
 
 /* Work of the wrenches on the ports over a step that turns the frame by q. */
@@ -81,7 +98,11 @@ static inline void stay(const double *x, real *x_next) {
     x_next[X_PASSED] = 0.0;
 }
 
-/* Move under the accelerations; remember the wrenches of the step and their work. */
+static inline Course course_of(const double *rate, const double *acceleration, const real *change) {
+    return (Course){{rate[0], rate[1], rate[2]}, {acceleration[0], acceleration[1], acceleration[2]}, vector_of(change)};
+}
+
+/* Move on; remember the wrenches of the step and their work. */
 int NAME(driven_base_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const DrivenBase *base = self;
     const real *own = own_inputs(base, u), *slopes = own + OWN_INPUTS;
@@ -89,25 +110,25 @@ int NAME(driven_base_step)(void *self, const double *x, const real *u, double h,
     store_port_loads(base->ports, x + STATES, u, slopes, h, value_of(own[U_IMPULSE]) > 0.5, x_next + STATES);
     stay(x, x_next);
     if (value_of(own[U_HOLD]) > 0.5) return 1;
-    const Vector3 acceleration = vector_of(own + U_ACCELERATION), change = vector_of(own + U_ANGULAR_ACCELERATION);
-    const Vector3 velocity = {x[X_VELOCITY], x[X_VELOCITY + 1], x[X_VELOCITY + 2]};
-    const Vector3 rate = {x[X_ANGULAR_VELOCITY], x[X_ANGULAR_VELOCITY + 1], x[X_ANGULAR_VELOCITY + 2]};
+    const Course shift = course_of(x + X_VELOCITY, x + X_ACCELERATION, own + U_ACCELERATION_RATE);
+    const Course turn = course_of(x + X_ANGULAR_VELOCITY, x + X_ANGULAR_ACCELERATION, own + U_ANGULAR_ACCELERATION_RATE);
     const double *q = x + X_ORIENTATION, *p = x + X_POSITION;
     const Quaternion before = {q[0], q[1], q[2], q[3]};
-    const Vector3 position = {p[0], p[1], p[2]};
-    DrivenStep s = {h, vector_add(velocity, vector_scaled(0.5 * h, acceleration)),
-                    vector_add(rate, vector_scaled(0.5 * h, change)), acceleration, change, before};
-    s.orientation = quaternion_multiply(quaternion_exponential(rotation_after(rate, change, 0.5 * h)), before);
-    const Quaternion after = quaternion_multiply(turned_after(&s, 0.5 * h), s.orientation);
-    const Quaternion turn = quaternion_multiply(after, quaternion_conjugate(before));
-    x_next[X_WORK] = x[X_WORK] - work_of_ports(base, &s, turn, u, slopes);
-    vector_store(vector_add(position, vector_scaled(h, s.velocity)), x_next + X_POSITION);
+    const DrivenStep s = {h, course_after(shift, 0.5 * h), course_after(turn, 0.5 * h),
+                          quaternion_multiply(turned_after(turn, 0.5 * h), before)};
+    const Quaternion after = quaternion_multiply(turned_after(s.turn, 0.5 * h), s.orientation);
+    const Quaternion between = quaternion_multiply(after, quaternion_conjugate(before));
+    const Course shift_after = course_after(shift, h), turn_after = course_after(turn, h);
+    x_next[X_WORK] = x[X_WORK] - work_of_ports(base, &s, between, u, slopes);
+    vector_store(vector_add((Vector3){p[0], p[1], p[2]}, way_of(shift, h)), x_next + X_POSITION);
     quaternion_store(after, x_next + X_ORIENTATION);
-    vector_store(vector_add(velocity, vector_scaled(h, acceleration)), x_next + X_VELOCITY);
-    vector_store(vector_add(rate, vector_scaled(h, change)), x_next + X_ANGULAR_VELOCITY);
+    vector_store(shift_after.rate, x_next + X_VELOCITY);
+    vector_store(turn_after.rate, x_next + X_ANGULAR_VELOCITY);
+    vector_store(shift_after.acceleration, x_next + X_ACCELERATION);
+    vector_store(turn_after.acceleration, x_next + X_ANGULAR_ACCELERATION);
     quaternion_store(s.orientation, x_next + X_MIDDLE);
-    vector_store(acceleration, x_next + X_LAST_ACCELERATION);
-    vector_store(change, x_next + X_LAST_ANGULAR_ACCELERATION);
+    vector_store(shift.change, x_next + X_LAST_RATE);
+    vector_store(turn.change, x_next + X_LAST_ANGULAR_RATE);
     x_next[X_PASSED] = h;
     return 1;
 }
@@ -118,11 +139,11 @@ void NAME(driven_base_outputs)(void *self, const real *x, const real *u, real *y
     (void)u;
     const Quaternion frame = quaternion_of(x + X_ORIENTATION);
     const Vector3 position = vector_of(x + X_POSITION), velocity = vector_of(x + X_VELOCITY);
-    const Vector3 rate = vector_of(x + X_ANGULAR_VELOCITY), change = vector_of(x + X_LAST_ANGULAR_ACCELERATION);
-    const Vector3 acceleration = vector_of(x + X_LAST_ACCELERATION);
+    const Vector3 rate = vector_of(x + X_ANGULAR_VELOCITY);
     const double h = value_of(x[X_PASSED]);
-    const DrivenStep s = {h, vector_add(velocity, vector_scaled(-0.5 * h, acceleration)),
-                          vector_add(rate, vector_scaled(-0.5 * h, change)), acceleration, change,
+    const Course shift = {velocity, vector_of(x + X_ACCELERATION), vector_of(x + X_LAST_RATE)};
+    const Course turn = {rate, vector_of(x + X_ANGULAR_ACCELERATION), vector_of(x + X_LAST_ANGULAR_RATE)};
+    const DrivenStep s = {h, course_after(shift, -0.5 * h), course_after(turn, -0.5 * h),
                           quaternion_of(x + X_MIDDLE)};
     real *slopes = y + MOTION_SIZE * base->ports;
     for (size_t k = 0; k < base->ports; k++, y += MOTION_SIZE, slopes += WRENCH_SIZE) {
@@ -139,7 +160,7 @@ void NAME(driven_base_outputs)(void *self, const real *x, const real *u, real *y
     }
 }
 
-/* Rates of the frame's motion under its accelerations, and power of the motion. */
+/* Rates of the frame's motion and of its accelerations, and power of the motion. */
 int NAME(driven_base_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const DrivenBase *base = self;
     const real *own = own_inputs(base, u);
@@ -156,8 +177,11 @@ int NAME(driven_base_rates)(void *self, const real *raw, const real *x, const re
     }
     vector_store(velocity, rates);
     quaternion_store(quaternion_multiply((Quaternion){0.0, 0.5 * rate.x, 0.5 * rate.y, 0.5 * rate.z}, frame), rates + 3);
-    for (size_t i = 0; i < 6; i++) rates[7 + i] = own[U_ACCELERATION + i];
-    rates[13] = -power;
+    for (size_t i = 0; i < 6; i++) {
+        rates[7 + i] = x[X_ACCELERATION + i]; /* both accelerations, one behind the other */
+        rates[13 + i] = own[U_ACCELERATION_RATE + i];
+    }
+    rates[19] = -power;
     return 1;
 }
 
@@ -203,8 +227,9 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     const DrivenBase *base = self;
     double axes[9], axes_before[9];
     const Quaternion frame = quaternion_of(x + X_ORIENTATION);
-    const Vector3 rate = vector_of(x + X_ANGULAR_VELOCITY), change = vector_of(x + X_LAST_ANGULAR_ACCELERATION);
-    const Quaternion back = quaternion_exponential(rotation_after(rate, change, -x[X_PASSED]));
+    const Course turn = {vector_of(x + X_ANGULAR_VELOCITY), vector_of(x + X_ANGULAR_ACCELERATION),
+                         vector_of(x + X_LAST_ANGULAR_RATE)};
+    const Quaternion back = turned_after(turn, -x[X_PASSED]);
     vector_store(vector_of(x + X_POSITION), z + Z_FRAME_POSITION);
     quaternion_store(frame, z + Z_FRAME_ORIENTATION);
     z[Z_SUPPLIED_ENERGY] = x[X_WORK];

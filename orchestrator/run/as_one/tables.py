@@ -91,13 +91,16 @@ def tables(
 
 
 def _driven(network: Network, assembly: Assembly, first: int) -> list[int]:
-    """Whether the base is driven, and where its accelerations and rates are; first: of its inputs among all."""
+    """Whether the base is driven, and where its inputs, rates and accelerations are; first: of its inputs among all."""
     for number, body in enumerate(network.bodies):
         if _kind(assembly, body.name) == DRIVEN:
             states = REGISTRY[DRIVEN](**_part(assembly, body.name).structure).state_layout
-            rates = (states[name].start for name in ("velocity", "angular_velocity"))
-            return [1, number, body.input_layout["acceleration"].start, *rates, first]
-    return [0] * 6
+            rates = (
+                states[name].start
+                for name in ("velocity", "angular_velocity", "acceleration", "angular_acceleration")
+            )
+            return [1, number, body.input_layout["acceleration_rate"].start, *rates, first]
+    return [0] * 8
 
 
 def _part(assembly: Assembly, name: str) -> Part:

@@ -25,8 +25,8 @@ from tests.conformance.programs.toy import Toy
 KINDS = {**REGISTRY, Toy.kind: Toy}
 TYPICAL = {"N/m": 2e6, "N.s/m": 170.0, "N.m/rad": 2e3, "N.m.s/rad": 1.5, "m": 0.02, "m/s2": 1.6, "rad": 0.3}
 """Values of a hinge or loop by unit, for parameters that are zero by default."""
-LOADS = {"N": 20.0, "N.m": 5.0}
-"""Random forces and torques, means and slopes."""
+LOADS = {"N": 20.0, "N.m": 5.0, "m/s3": 1e3, "rad/s3": 1e3}
+"""Random forces and torques, means and slopes, and rates of accelerations."""
 OK, DISCARD, ERROR, FATAL = 0, 2, 3, 4
 POSE_ROUNDING = 4.0 * np.finfo(float).eps
 """Of a relative pose of order one, whose coordinates are sums of four products."""

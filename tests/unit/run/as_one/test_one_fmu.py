@@ -129,3 +129,57 @@ def test_other_tools_find_nothing_wrong(fmi, tmp_path):
 def test_what_cannot_be_one_fmu_is_told(tmp_path):
     with pytest.raises(fanfold.FanfoldError, match="leave ssp and backend out"):
         fanfold.export(TWO_PANELS, tmp_path, as_one=True, backend="python")
+
+
+def shaken(until, amplitude=0.02, frequency=1.5, duration=0.8, turn=0.5):
+    """The two panels on a base that follows laws, and these laws as rates and accelerations."""
+    motion = {
+        "translation": [
+            {"profile": "harmonic", "amplitude": amplitude, "frequency": frequency, "phase": np.pi / 2}
+        ],
+        "translation_axis": [1, 0, 0],
+        "rotation": [{"profile": "step5", "duration": duration, "change": turn}],
+        "rotation_axis": [0, 1, 0],
+    }
+    scene = fanfold.load(TWO_PANELS, settings={"base.motion": motion})
+    w = 2.0 * np.pi * frequency
+
+    def rates(t):
+        s = min(t / duration, 1.0)
+        yield "base.velocity[1]", -amplitude * w * np.sin(w * t)
+        yield "base.acceleration[1]", -amplitude * w**2 * np.cos(w * t)
+        yield "base.angular_velocity[2]", turn * (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
+        yield "base.angular_acceleration[2]", turn * (60 * s - 180 * s**2 + 120 * s**3) / duration**2
+
+    return fanfold.simulate(scene, until=until, estimate=False), rates
+
+
+def test_a_driven_base_takes_the_wing_along(tmp_path):
+    """Against the scene whose base follows the same laws; the error goes with the square of the communication step."""
+    result, rates = shaken(0.6)
+    expected = result.signal("middle_left", "angle")[-1]
+    path = exported(TWO_PANELS, tmp_path, driven_base=True)
+    errors = []
+    for step in (0.02, 0.01):
+        host = Host(path).start()
+        while host.time < 0.6 - 1e-9:
+            for name, value in rates(host.time):
+                host[name] = value
+            host.to(host.time + step, step)
+        errors.append(abs(host["middle_left.angle"] - expected))
+        assert abs(host["energy_residual"]) < 1e-5 * host["supplied_energy"]
+    assert errors[0] < 1e-3
+    assert errors[1] < errors[0] / 3.0
+
+
+def test_a_driven_base_that_rests_is_a_fixed_one(tmp_path):
+    moving = Host(exported(TWO_PANELS, tmp_path / "driven", driven_base=True)).start().to(0.5, 0.1)
+    fixed = Host(exported(TWO_PANELS, tmp_path / "fixed")).start().to(0.5, 0.1)
+    assert moving["middle_left.angle"] == pytest.approx(fixed["middle_left.angle"], rel=1e-12)
+
+
+def test_only_a_fixed_base_can_be_driven(tmp_path):
+    with pytest.raises(fanfold.FanfoldError, match="only a fixed base"):
+        fanfold.export("tests/scenes/two_panels_free.toml", tmp_path, as_one=True, driven_base=True)
+    with pytest.raises(fanfold.FanfoldError, match="as_one"):
+        fanfold.export(TWO_PANELS, tmp_path, driven_base=True)
