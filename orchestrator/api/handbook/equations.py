@@ -59,6 +59,16 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         (r"T = -\frac{c\, \omega}{1 + (\omega / \omega_\mathrm{peak})^2}",),
         r"at the rate $\omega$, largest at $\omega_\mathrm{peak}$; without a peak rate it is linear.",
     ),
+    "driven_base": (
+        (
+            r"\mathbf v(t) = \mathbf v_0 + \mathbf a_0\, t + \tfrac{1}{2}\, \mathbf j\, t^2,\qquad "
+            r"\boldsymbol\varphi(t) = \boldsymbol\omega_0\, t + \tfrac{1}{2}\, \boldsymbol\alpha_0\, t^2 + "
+            r"\tfrac{1}{6}\, \mathbf k\, t^3 + \left(\tfrac{1}{12}\, t^3\, \boldsymbol\alpha_0 + "
+            r"\tfrac{1}{24}\, t^4\, \mathbf k\right) \times \boldsymbol\omega_0",
+        ),
+        r"over a step, with the velocity and the rotation vector of the frame, whose accelerations change at the rates "
+        r"$\mathbf j$ and $\mathbf k$ that the inputs hold.",
+    ),
     "fixed_base": (
         (
             r"\mathbf F = \sum_k \mathbf F_k,\qquad "
