@@ -18,9 +18,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture
 def kept_registry():
-    """Leaves the kinds of components and the plugins that there were before."""
-    kinds, loaded = dict(REGISTRY), dict(plugins._loaded)
+    """Leaves the kinds of components, the plugins and the figures that there were before."""
+    from orchestrator.views import plots  # which most tests do without
+
+    registers = REGISTRY, plugins._loaded, plots._added
+    kept = [dict(known) for known in registers]
     yield
-    for known, before in ((REGISTRY, kinds), (plugins._loaded, loaded)):
+    for known, before in zip(registers, kept, strict=True):
         known.clear()
         known.update(before)

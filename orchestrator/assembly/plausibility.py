@@ -14,6 +14,7 @@ from components.flexible.plate import Panel
 from ..scene.bodies import body_definition, scene_points
 from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
+from ..scene.locked_groups import joined
 from ..scene.schema import CheckedScene
 
 _ANGLES = 181
@@ -43,6 +44,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_held_by_friction(scene),
         *_through_one_another(scene),
         *_unlike_travels(scene),
+        *_struck_by_preload(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
         *_unlikely_beams(scene),
@@ -167,6 +169,19 @@ def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
     """Turn (rad) of a body about an axis from the start until all lines are deployed."""
     lines = [line for line in scene.lines_inward(body) if not line.held]
     return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
+
+
+def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
+    """Loops whose preload acts all at once when the run begins, where nothing says that this is meant."""
+    if scene.header.preload or "preload" in scene.header.model_fields_set:
+        return
+    roots = joined(scene)
+    for loop in scene.loops:
+        if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
+            yield (
+                f"ccl.{loop.name}: its preload of {loop.preload:g} N strikes the wing at the start; scene.preload = "
+                "true starts in the equilibrium under it, false says that the blow is meant"
+            )
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:

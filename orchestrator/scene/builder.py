@@ -328,9 +328,14 @@ def _plain_setting(file: str, setting: Setting) -> Any:  # noqa: ANN401 - a sett
 
 
 def _plain(key: str, value: object) -> Any:  # noqa: ANN401 - whatever a TOML file gives
-    """A value as a TOML file gives it: tables, lists, texts, numbers; SceneError where it is none of them."""
+    """A value as a TOML file gives it: tables, lists, texts, numbers; SceneError where it is none of them.
+
+    What is None in a table is not given.
+    """
     if isinstance(value, Mapping):
-        return {str(name): _plain(f"{key}.{name}", entry) for name, entry in value.items()}
+        return {
+            str(name): _plain(f"{key}.{name}", entry) for name, entry in value.items() if entry is not None
+        }
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):

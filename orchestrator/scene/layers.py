@@ -7,6 +7,7 @@ name away. Everything else replaces what was there. A merge that cannot be is a 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import deepcopy
@@ -108,8 +109,18 @@ def _read(path: Path) -> Tree:
         ) from None
     except RecursionError:
         raise SceneError([f"{path.name}: its values are nested too deeply to be those of a scene"]) from None
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError([f"{path.name}: {error}{_bare_text(text, str(error))}"]) from None
     except (OSError, ValueError) as error:
         raise SceneError([f"{path.name}: {error}"]) from None
+
+
+def _bare_text(text: str, problem: str) -> str:
+    """What to add to a problem of TOML in a line whose value is a text without quotes; empty for others."""
+    place = re.search(r"\(at line (\d+)", problem)
+    line = text.splitlines()[int(place[1]) - 1] if place else ""
+    found = re.search(r"=\s*([A-Za-z_][^\"'=#,\]}]*?)\s*(?:#.*)?$", line)
+    return f'; a text stands in quotes: {line[: found.start(1)].strip()} "{found[1]}"' if found else ""
 
 
 def with_absolute_files(tree: Tree, folder: Path) -> Tree:

@@ -52,6 +52,15 @@ def test_radii_that_do_not_fit_their_travels_are_told():
     assert "as 180 to 90" in sentence
 
 
+def test_a_preload_that_strikes_is_told():
+    """Of scenes that do not say whether they start in its equilibrium; a scene that says false means the blow."""
+    tree = Scene.load("amos3").tree
+    for given, count in (({}, 2), ({"preload": False}, 0), ({"preload": True}, 0)):
+        header = {key: value for key, value in tree["scene"].items() if key != "preload"} | given
+        told = doubts(Scene.of_tree("wing.toml", {**tree, "scene": header}).check())
+        assert len([one for one in told if "strikes the wing" in one]) == count
+
+
 def test_lines_that_nothing_keeps_are_told(tmp_path):
     sentences = doubts(load_text(tmp_path, TWO_PANELS))
     assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]

@@ -221,3 +221,13 @@ def test_hinges_may_be_the_tables_of_a_scene_file():
     assert listed.tree["hinge_line"][0]["hinges"] == by_name.tree["hinge_line"][0]["hinges"]
     with pytest.raises(SceneError, match=r"hinge_line\.other\.hinges"):
         listed.hinge_line("other", hinges=["root_hinge"], **keys)
+
+
+def test_none_is_not_given():
+    """A panel with a damper or without, by one argument."""
+    scenes = []
+    for keys in ({}, {"tolerance": None}):
+        scene = fanfold.Scene("wing", until=1.0, **keys)
+        scene.base(points={"root": (0, 0, 0)}, free=None)
+        scenes.append(scene.tree)
+    assert scenes[0] == scenes[1]

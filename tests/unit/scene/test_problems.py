@@ -186,6 +186,7 @@ BAD = {
         "root_line.outboard: there is no body 'iner'",
     ),
     "no TOML": ("[base]", "[base", "wing.toml: "),
+    "a text without quotes": ('name = "two_panels"', "name = two panels", 'in quotes: name = "two panels"'),
 }
 
 
