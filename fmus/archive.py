@@ -8,6 +8,7 @@ import re
 import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path, PurePosixPath
 
 LARGEST_BYTES = 256_000_000
@@ -58,12 +59,18 @@ def archive_problems(path: Path) -> Iterator[str]:
 
 
 def digest_of(files: Mapping[str, bytes]) -> str:
-    """SHA-256 of files by their path, in hexadecimal digits."""
+    """SHA-256 of the digests of files by their path, in hexadecimal digits."""
     digest = hashlib.sha256()
     for name, data in sorted(files.items()):
         digest.update(f"{name}\0{len(data)}\0".encode())
-        digest.update(data)
+        digest.update(_digest(data) if len(data) >= _LARGE else hashlib.sha256(data).digest())
     return digest.hexdigest()
+
+
+@lru_cache(maxsize=8)
+def _digest(data: bytes) -> bytes:
+    """Of a large file, such as the library that all FMUs of a process have."""
+    return hashlib.sha256(data).digest()
 
 
 def content_digest(path: Path) -> str:

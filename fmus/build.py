@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import os
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,8 @@ from .python.bundle import python_code, python_data
 
 _NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 _NO_TIME = datetime.fromtimestamp(0, UTC)
+_MOST_DESCRIPTIONS = 256
+_descriptions: dict[Hashable, bytes] = {}
 
 
 def native_backend(component: Component) -> bool:
@@ -90,20 +93,33 @@ def build_fmu(
         data = {"resources/component.bin": component_bytes(component, starts, _NO_GUID)}
     else:
         code, data = python_code(component, name), python_data(component, starts)
-    if fmi == "3.0":
-        description = model_description3(component, name, starts, _NO_GUID, _NO_TIME, experiment)
-    else:
-        description = model_description(
-            component, name, starts, _NO_GUID, _NO_TIME, backend, listed, experiment
-        )
+
+    def described() -> bytes:
+        if fmi == "3.0":
+            return model_description3(component, name, starts, _NO_GUID, _NO_TIME, experiment)
+        return model_description(component, name, starts, _NO_GUID, _NO_TIME, backend, listed, experiment)
+
+    asked = (type(component), name, fmi, backend, tuple(listed), experiment, starts, digest_of(data))
     component.prepare(np.array(starts[: component.parameter_layout.size]))
     key = digest_of(code)
-    archive = kept("fmu", key, lambda: zip_bytes(code)) if compressed else zip_bytes(code, compressed=False)
+    files = _dated(key, {**data, "modelDescription.xml": _kept_description(asked, described)})
     target = Path(directory) / f"{name}.fmu"
     target.parent.mkdir(parents=True, exist_ok=True)
-    files = _dated(key, {**data, "modelDescription.xml": description})
-    replace_file(target, zip_bytes(files, archive, compressed=compressed))
+    if compressed:
+        archive = kept("fmu", key, lambda: zip_bytes(code))
+        replace_file(target, zip_bytes(files, archive))
+    else:
+        replace_file(target, zip_bytes({**code, **files}, compressed=False))
     return target
+
+
+def _kept_description(asked: Hashable, describe: Callable[[], bytes]) -> bytes:
+    """The model description of what was asked for, made once in a process while it is among the last."""
+    if asked not in _descriptions:
+        if len(_descriptions) >= _MOST_DESCRIPTIONS:
+            del _descriptions[next(iter(_descriptions))]
+        _descriptions[asked] = describe()
+    return _descriptions[asked]
 
 
 def _dated(key: str, files: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -145,7 +161,16 @@ def _library_of_here(fmi: FmiVersion) -> dict[str, bytes]:
     """By folder and suffix; nothing where the package was installed without a C compiler."""
     binary = library()
     folder = platform_tuple if fmi == "3.0" else platform
-    return {} if binary is None else {f"{folder}/*{binary.suffix}": binary.read_bytes()}
+    if binary is None:
+        return {}
+    status = binary.stat()
+    return {f"{folder}/*{binary.suffix}": _content(binary, status.st_mtime_ns, status.st_size)}
+
+
+@lru_cache(maxsize=2)
+def _content(path: Path, changed: int, size: int) -> bytes:
+    """Of a file that was changed then and has that size."""
+    return path.read_bytes()
 
 
 def _now() -> datetime:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections import deque
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from ctypes import (
     POINTER,
     addressof,
@@ -18,15 +17,12 @@ from ctypes import (
     create_string_buffer,
     pointer,
 )
-from dataclasses import replace
-from itertools import groupby
+from inspect import getmembers, isfunction, signature
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
-from xml.etree import ElementTree
 
 import numpy as np
-from fmpy import read_model_description
 from fmpy.fmi2 import (
     FMU2Slave,
     calloc,
@@ -39,22 +35,18 @@ from fmpy.fmi2 import (
 from fmpy.fmi2 import fmi2CallbackAllocateMemoryTYPE as Allocate
 from fmpy.fmi2 import fmi2CallbackFreeMemoryTYPE as Free
 
-from components import Layout, Quantity
+from components import Layout
 from components.cache.temporary import process_folder
-from components.contract.roles import LATCH_DISTANCE, LATCHED, TIME_TO_BREAK
-from fmus.archive import undated
 from fmus.binary import cut_short
 
 from .isolation.process import LONGEST_CALL, IsolatedFmu
 from .isolation.process import library as isolation_library
+from .native.described import described_in, said_of, says
 from .native.library import Calls, library
 from .native.shared_library import library_of, unpack
 from .participant import Matrix, ParticipantError, Vector, refuse_not_finite
-from .ports import MOMENTS, MOTION, SLOPES, WIDTHS, WRENCH, PortPlaces, Width
+from .ports import WIDTHS, PortPlaces, Width
 
-_INDEX = re.compile(r"\[(\d+)\]$")
-EVENT_OUTPUTS = (LATCH_DISTANCE.name, LATCHED.name, TIME_TO_BREAK.name)
-"""Outputs that the master reads beside the ports: of latches in every iteration, of motion laws after a step."""
 FAILURES = (
     "restore its state",
     "set inputs",
@@ -69,9 +61,16 @@ FAILURES = (
 _FINITE, _OBSERVED = 4, 7
 _PYTHON = "PythonFMU"
 """Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
-_ANNOTATION = "VendorAnnotations/Tool[@name='Fanfold']"
-_MOST_DESCRIPTIONS = 64
-_descriptions: dict[bytes, tuple[Any, ElementTree.Element | None]] = {}
+
+
+def _keep_signatures() -> None:
+    """FMPy asks for the signatures of its functions with every instance; they are always the same."""
+    for name, function in getmembers(FMU2Slave, isfunction):
+        if name.startswith("fmi2"):
+            setattr(function, "__signature__", signature(function))  # noqa: B010 - unknown to type checkers
+
+
+_keep_signatures()
 
 
 class FmuParticipant:
@@ -114,26 +113,22 @@ class FmuParticipant:
 
     def _load(self, start: Mapping[str, float | Sequence[float]], own: Collection[Path]) -> None:
         """own: binaries that were compiled here."""
-        description, annotation = _described(self._folder)
+        described = described_in(self._folder)
+        description, annotation = described.description, described.annotation
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise ParticipantError(f"{self.name}: {self.path.name} is not an FMI 2.0 co-simulation FMU")
         self.can_restore = bool(description.coSimulation.canGetAndSetFMUstate)
         self._serializes = bool(description.coSimulation.canSerializeFMUstate)
-        self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and _says(
+        self.directional_derivatives = bool(description.coSimulation.providesDirectionalDerivative) and says(
             annotation, "DirectionalDerivative", "afterStep"
         )
-        self.constant_mobility = _says(annotation, "Mobility", "constant")
-        self.noun = "" if (said := _said(annotation, "Component")) is None else said.get("noun", "")
+        self.constant_mobility = says(annotation, "Mobility", "constant")
+        self.noun = "" if (said := said_of(annotation, "Component")) is None else said.get("noun", "")
         self._is_python = _PYTHON in (description.generationTool or "")
-        reals = [v for v in description.modelVariables if v.type == "Real"]
-        self.parameter_layout, self._parameter_references = _group(
-            v for v in reals if v.causality == "parameter"
-        )
-        self.input_layout, inputs = _group(v for v in reals if v.causality == "input")
-        outputs = [v for v in reals if v.causality == "output"]
-        self.output_layout, coupled = _group(v for v in outputs if _is_coupled(v.name))
-        layout, observed = _group(v for v in outputs if not _is_coupled(v.name))
-        self.observation_layout = _with_roles(layout, annotation)
+        self.parameter_layout, self._parameter_references = described.parameters
+        self.input_layout, inputs = described.inputs
+        self.output_layout, coupled = described.outputs
+        self.observation_layout, observed = described.observations
         self.inputs = self.input_layout.start_values()
         self.outputs = self.output_layout.start_values()
         self._observations = self.observation_layout.start_values()
@@ -146,7 +141,7 @@ class FmuParticipant:
         apart = binary not in own if self._isolate is None else self._isolate
         self.lacks_isolation = apart and self._isolate is None and isolation_library() is None
         if apart and not self.lacks_isolation:
-            self._fmu: FMU2Slave | IsolatedFmu = self._instance_apart(description, binary, len(reals))
+            self._fmu: FMU2Slave | IsolatedFmu = self._instance_apart(description, binary, described.numbers)
         else:
             self._fmu = self._instance_here(description)
         self._component = self._fmu.component
@@ -415,57 +410,7 @@ class FmuParticipant:
         shutil.rmtree(self._folder, ignore_errors=True)
 
 
-def _described(folder: Path) -> tuple[Any, ElementTree.Element | None]:
-    """The model description of an unpacked FMU and Fanfold's annotation in it, those of equal ones read once."""
-    file = folder / "modelDescription.xml"
-    key = undated(file.read_bytes())
-    if key not in _descriptions:
-        if len(_descriptions) >= _MOST_DESCRIPTIONS:
-            _descriptions.clear()
-        _descriptions[key] = (
-            read_model_description(str(folder), validate=False),
-            ElementTree.parse(file).find(_ANNOTATION),
-        )
-    return _descriptions[key]
-
-
 def _arguments(references: Sequence[int], values: Vector) -> tuple[Any, int, Any]:
     """Value references, their number and the values' memory, ready for a call."""
     array = (c_uint32 * len(references))(*references)
     return array, len(references), values.ctypes.data_as(POINTER(c_double))
-
-
-def _with_roles(layout: Layout, annotation: ElementTree.Element | None) -> Layout:
-    """The observations with the roles that the annotation tells of."""
-    said = [] if annotation is None else annotation.findall(".//Observation")
-    roles = {one.get("name", ""): one.get("role", "") for one in said}
-    return Layout(replace(q, role=roles.get(q.name, "")) for q in layout.quantities)
-
-
-def _said(annotation: ElementTree.Element | None, element: str) -> ElementTree.Element | None:
-    return None if annotation is None else annotation.find(f".//{element}")
-
-
-def _says(annotation: ElementTree.Element | None, element: str, attribute: str) -> bool:
-    """Whether the annotation of Fanfold's own FMUs is there and makes a statement that the standard cannot."""
-    return annotation is not None and annotation.find(f".//{element}[@{attribute}]") is not None
-
-
-def _is_coupled(name: str) -> bool:
-    base = _INDEX.sub("", name)
-    return base in EVENT_OUTPUTS or (
-        base.rpartition(".")[2] in (*MOTION, *WRENCH, *SLOPES, *MOMENTS) and "." in base
-    )
-
-
-def _group(variables: Iterable[Any]) -> tuple[Layout, list[int]]:
-    """Scalars `name[1]`, `name[2]`, ... as one quantity each, and all value references in order."""
-    quantities, references = [], []
-    for name, members in groupby(variables, key=lambda v: _INDEX.sub("", v.name)):
-        found = list(members)
-        references += [v.valueReference for v in found]
-        starts = tuple(float(v.start) if v.start is not None else 0.0 for v in found)
-        quantities.append(
-            Quantity(name, found[0].unit or "1", found[0].description or "", len(found), starts)
-        )
-    return Layout(quantities), references
