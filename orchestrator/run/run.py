@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -390,12 +391,18 @@ def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict
         "large_deformation": json.dumps(assembly.large_deformation),
         "python": platform.python_version(),
     }
-    found.update({name: version(name) for name in _PACKAGES})
+    found.update(_versions())
     for participant in participants:
         if isinstance(participant, FmuParticipant):
             found[f"fmu.{participant.name}"] = content_digest(participant.path)
     found.update({f"fmu.{fmu.name}": content_digest(fmu.path) for fmu in assembly.signal_fmus})
     return found
+
+
+@cache
+def _versions() -> Mapping[str, str]:
+    """Of the packages that a result depends on."""
+    return {name: version(name) for name in _PACKAGES}
 
 
 def _settings(settings: Settings, end: float, kind: MasterKind, order: Order) -> dict[str, str]:

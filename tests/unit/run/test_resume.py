@@ -157,7 +157,7 @@ def test_damaged_checkpoint(cut, part):
 
 def test_other_fmus_or_versions(cut, monkeypatch):
     """Bad input: another FMU or library would go on to another result."""
-    monkeypatch.setattr("orchestrator.run.run.version", lambda name: "0" if name == "numpy" else "1")
+    monkeypatch.setattr("orchestrator.run.run._versions", lambda: {"numpy": "0", "scipy": "1"})
     sentence = refused(cut)
     assert "the run cannot go on as it began" in sentence
     assert "numpy" in sentence
