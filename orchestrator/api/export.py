@@ -60,11 +60,7 @@ def export(
     """
     checked = load(scene).check_one_run()
     if ssp is not None:
-        if fmi != "2.0" or wrench_mode != "endpoint":
-            raise SceneError(
-                ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
-            )
-        check_ssp(Path(ssp))
+        _check_ssp(Path(ssp), fmi, wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
     if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
         warn(sentence)
@@ -72,7 +68,6 @@ def export(
         raise SceneError(
             ["a scene as one FMU is a native one and has no system structure; leave ssp and backend out"]
         )
-
     if driven_base and not as_one:
         raise SceneError(["a driven base is part of a scene as one FMU; ask for that (as_one) as well"])
 
@@ -82,29 +77,33 @@ def export(
     assembly = assembled("mean" if as_one else wrench_mode)
     _tell_of_absent(checked, with_events=as_one)
     if as_one:
-        one = export_as_one(
-            assembly,
-            Path(folder),
-            fmi,
-            driven_base=driven_base,
-            with_sources=sources,
-            platforms=wanted,
-            watch=watch,
-        )
-        return [one]
-    if assembly.preload and assembly.large_deformation:
-        names = ", ".join(assembly.large_deformation)
-        warn(
-            f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}"
-        )
+        return [export_as_one(assembly, Path(folder), driven_base, fmi, sources, wanted, watch)]
     if assembly.preload:
-        assembly = started_at_rest(assembly, assembled("mean"))
+        assembly = _at_rest(assembly, assembled("mean"))
     step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
     experiment = Experiment(assembly.until, step)
     paths = run.export(
         assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
     )
     return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+
+
+def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:
+    if fmi != "2.0" or wrench_mode != "endpoint":
+        raise SceneError(
+            ["an SSP file takes FMUs of FMI 2.0 with end-point wrenches, as other tools couple them"]
+        )
+    check_ssp(path)
+
+
+def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
+    """The assembly in the static equilibrium that the coupled one finds."""
+    if assembly.large_deformation:
+        names = ", ".join(assembly.large_deformation)
+        warn(
+            f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}"
+        )
+    return started_at_rest(assembly, coupled)
 
 
 def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:

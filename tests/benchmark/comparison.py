@@ -28,7 +28,7 @@ from orchestrator.run.run import as_fmus
 from tests.benchmark import exudyn_panel
 from tests.benchmark.error_plot import Point, plot
 from tests.benchmark.exudyn_panel import tight_steps
-from tests.benchmark.libcosim_wing import Attempt, Lines, co_simulate, cost_of_step, largest_step
+from tests.benchmark.hosts.libcosim_wing import Attempt, Lines, co_simulate, cost_of_step, largest_step
 from tests.benchmark.models.exudyn_model import Steps
 from tests.benchmark.models.one_panel import UNTIL, Subject, Trial, couple, subjects
 from tests.benchmark.stability import MasterName

@@ -219,7 +219,8 @@ def test_few_arrows_between_rooms():
     assert not {(b, a) for a, b in arrows} & arrows
 
 
-KINDS = "components"  # one file a kind, and one analysis a file, however many there are
+KINDS = ("components", "fmus/native/kernels", "fmus/native/kernels/layouts")
+"""One file a kind, and one analysis a file, however many there are."""
 ANALYSES = ("orchestrator/analysis", "orchestrator/cli/analyse", "tests/unit/analysis")
 
 
@@ -230,7 +231,7 @@ def test_folders_stay_small(top):
     for folder in (ROOT / top, *(path for path in (ROOT / top).rglob("*") if path.is_dir())):
         name = folder.relative_to(ROOT).as_posix()
         count = max(len(list(folder.glob(pattern))) for pattern in ("*.py", "*.c", "*.h"))
-        if count > 16 and name not in (KINDS, *ANALYSES):
+        if count > 16 and name not in (*KINDS, *ANALYSES):
             crowded[name] = count
     assert crowded == {}
 

@@ -22,9 +22,8 @@ from .tables import DRIVEN
 def export_as_one(
     assembly: Assembly,
     folder: Path,
-    fmi: FmiVersion = "2.0",
-    *,
     driven_base: bool = False,
+    fmi: FmiVersion = "2.0",
     with_sources: bool = False,
     platforms: Sequence[str] = (),
     watch: Callable[[str], object] = lambda name: None,

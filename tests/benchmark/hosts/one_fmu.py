@@ -1,6 +1,6 @@
 """A scene as one FMU in hosts that know nothing of it: FMPy's calls and, where it is installed, libcosim.
 
-    python -m tests.benchmark.one_fmu [SCENE] [--rigid] [--until SECONDS] [--rounds N]
+    python -m tests.benchmark.hosts.one_fmu [SCENE] [--rigid] [--until SECONDS] [--rounds N]
 
 Beside runs of the scene by its own master, in turn; prints the largest difference of a latch time, of a peak of the
 latch torque, and processor time over that of a run (the least of all rounds), at several communication steps.

@@ -1,6 +1,6 @@
 """The FMUs of a scene under libcosim: exported for other tools (end-point wrenches), fixed-step algorithm.
 
-    python -m tests.benchmark.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python] [--plot PLOT.png]
+    python -m tests.benchmark.hosts.libcosim_wing [SCENE] [--until SECONDS] [--backend native|python] [--plot PLOT.png]
 
 Beside our master's runs of the same scene on the same kind of FMUs. With rigid bodies libcosim runs the whole
 deployment. With flexible ones that takes hours: there the largest step of 1, 2, 5 times a power of ten that
