@@ -4,7 +4,7 @@
    between them. Inputs and parameters that change have it go back to the communication point first. So results do not
    depend on the communication step size, and small ones cost nothing. */
 
-#define _POSIX_C_SOURCE 199309L
+#define _POSIX_C_SOURCE 200112L
 #define EXPORT static
 
 #include "assembly_model.h"

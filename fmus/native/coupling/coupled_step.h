@@ -10,7 +10,9 @@
 #include "loop.h"
 
 #ifdef _WIN32
-#include <windows.h>
+/* windows.h has names of its own for much that is here */
+__declspec(dllimport) int __stdcall QueryPerformanceCounter(long long *count);
+__declspec(dllimport) int __stdcall QueryPerformanceFrequency(long long *frequency);
 #else
 #include <time.h>
 #endif
@@ -22,10 +24,10 @@ enum { CONVERGED, NOT_CONVERGED, REFUSED, NOT_FINITE, WANTS_MATRICES, WANTS_EVAL
 
 static double seconds_now(void) {
 #ifdef _WIN32
-    LARGE_INTEGER count, frequency;
+    long long count, frequency;
     QueryPerformanceCounter(&count);
     QueryPerformanceFrequency(&frequency);
-    return (double)count.QuadPart / (double)frequency.QuadPart;
+    return (double)count / (double)frequency;
 #else
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);

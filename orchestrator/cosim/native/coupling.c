@@ -1,6 +1,6 @@
 /* The coupled step, fmus/native/coupling/coupled_step.h, as the library that orchestrator/cosim/native/library.py loads. */
 
-#define _POSIX_C_SOURCE 199309L
+#define _POSIX_C_SOURCE 200112L
 
 #ifdef _WIN32
 #define EXPORT __declspec(dllexport)
