@@ -28,21 +28,26 @@ from components.contract.component import Vector
 from fmus import PLATFORMS
 from fmus.native.compile import compile_files
 from tests.benchmark.platforms import wasm
+from tests.unit.run.as_one.host import latching
 
 STEPS, STEP = 2000, 1e-3
 """Communication steps and their size (s)."""
-FMUS = {"panel": "body", "hinge_left": "hinge"}
+FMUS = {"panel": "body", "hinge_left": "hinge", "latching": "scene"}
 SYSROOT = Path("/usr/aarch64-linux-gnu")
 HOST = Path(__file__).with_name("host.c")
 HERE = "here"
 
 
 class Case(NamedTuple):
-    """An FMU that was extracted, and what it is to do: names of its outputs, inputs by step."""
+    """An FMU that was extracted, and what it is to do: names of its outputs, inputs by step.
+
+    alike: of each output, those that it is of one size with: its vector, or in a scene what has its unit.
+    """
 
     folder: Path
     guid: str
     outputs: tuple[str, ...]
+    alike: tuple[str, ...]
     task: bytes
 
 
@@ -65,6 +70,8 @@ def inputs(kind: str, names: Sequence[str], start: Vector) -> Vector:
     """By step: loads that swing at the ports of a body, and bodies that turn about the hinge line."""
     time = STEP * np.arange(1, STEPS + 1)[:, None]
     rows = np.tile(start, (STEPS, 1))
+    if kind == "scene":
+        return rows
     if kind == "body":
         swinging = np.array(["slope" not in name for name in names])
         rows[:, swinging] += np.sin(time * (3.0 + np.arange(swinging.sum())))
@@ -92,7 +99,9 @@ def case(path: Path, kind: str) -> Case:
     sizes = struct.pack("<3i", len(read), len(written), STEPS)
     references = np.array([one.valueReference for one in [*read, *written]], dtype="<u4").tobytes()
     task = sizes + references + struct.pack("<d", STEP) + rows.astype("<f8").tobytes()
-    return Case(Path(extract(str(path))), description.guid, tuple(one.name for one in written), task)
+    names = tuple(one.name for one in written)
+    alike = [one.unit or "" if kind == "scene" else one.name.partition("[")[0] for one in written]
+    return Case(Path(extract(str(path))), description.guid, names, tuple(alike), task)
 
 
 def command(platform: str, folder: Path) -> list[str]:
@@ -127,21 +136,22 @@ def stepped(platform: str, one: Case, folder: Path, host: Sequence[str]) -> Vect
 
 
 def sizes(one: Case, values: Vector) -> Vector:
-    """Largest magnitude of each output (outputs,), of a vector that of any of its components."""
+    """Largest magnitude of each output (outputs,) and of those alike."""
     largest: dict[str, float] = {}
-    vectors = [name.partition("[")[0] for name in one.outputs]
-    for vector, size in zip(vectors, np.abs(values).max(axis=0), strict=True):
-        largest[vector] = max(largest.get(vector, 1e-300), size)
-    return np.array([largest[vector] for vector in vectors])
+    for group, size in zip(one.alike, np.abs(values).max(axis=0), strict=True):
+        largest[group] = max(largest.get(group, 1e-300), size)
+    return np.array([largest[group] for group in one.alike])
 
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
         fanfold.export("workbench", folder / HERE)
+        fanfold.export(latching(), folder / HERE, as_one=True)
         fanfold.export(
             "workbench", folder / "all", platforms="all", watch=lambda name: print(f"library: {name}")
         )
+        fanfold.export(latching(), folder / "all", as_one=True, platforms="all")
         here = {name: case(folder / HERE / f"{name}.fmu", kind) for name, kind in FMUS.items()}
         reference = {name: stepped(HERE, one, folder, command(HERE, folder)) for name, one in here.items()}
         print(f"{'platform':16}{'FMU':12}{'largest difference':>20}  in")
