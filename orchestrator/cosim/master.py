@@ -16,6 +16,7 @@ from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .implicit.convergence import Solution, Tolerance
 from .implicit.local_error import WatchedTorque
+from .implicit.native_solver import NativeSolver
 from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
 from .latch_up import (
@@ -49,6 +50,9 @@ _LONGEST_SWING = 0.02
 class Master(CoSimulation):
     """Couples the participants of a network implicitly and follows them through time."""
 
+    native_solver = NativeSolver
+    """What solves its steps where all participants can be called."""
+
     def __init__(
         self,
         network: Network,
@@ -59,7 +63,8 @@ class Master(CoSimulation):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         tolerance = Tolerance(min(ITERATED[network.order] * settings.tolerance, 1e-6))
-        super().__init__(network, hinge_lines, recorder, solver_for(network, tolerance), events, signals)
+        solver = solver_for(network, tolerance, self.native_solver)
+        super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
         self.solver.persistent = not self._controlled

@@ -172,7 +172,7 @@ def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Itera
         @contextmanager
         def load(assembly: Assembly) -> Iterator[Sequence[Participant]]:
             nonlocal made
-            if _alike(made, assembly.parts):
+            if alike(made, assembly.parts):
                 for participant, part in zip(kept, assembly.parts, strict=True):
                     participant.reset(part.start)
             else:
@@ -184,7 +184,7 @@ def kept_fmus(backend: Backend | None = None, *, isolate: bool = False) -> Itera
         yield load
 
 
-def _alike(parts: Sequence[Part], others: Sequence[Part]) -> bool:
+def alike(parts: Sequence[Part], others: Sequence[Part]) -> bool:
     """Whether parts are the same but for the start values of what both are given."""
     return len(parts) == len(others) and all(
         (a.name, a.kind, a.start.keys()) == (b.name, b.kind, b.start.keys())
@@ -270,8 +270,7 @@ def _follow(
 ) -> Outcome:
     """Step a network through time into a result."""
     participants: list[Participant] = [*network.bodies, *network.connections]
-    groups = [SignalGroup.of(p.name, recorded_layout(p.observation_layout), p.noun) for p in participants]
-    groups.append(_scene_group())
+    groups = signal_groups(network)
     groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
     provenance = _provenance(assembly, participants) | _settings(settings, end, kind, network.order)
     same = {name: text for name, text in provenance.items() if name in _PACKAGES or name.startswith("fmu.")}
@@ -377,9 +376,13 @@ def _timed(participant: Participant) -> Iterator[list[float]]:
         participant.do_step = step  # type: ignore[method-assign]
 
 
-def _scene_group() -> SignalGroup:
+def signal_groups(network: Network) -> list[SignalGroup]:
+    """Of all participants in the order of the network, then of the scene."""
+    groups = [
+        SignalGroup.of(p.name, recorded_layout(p.observation_layout), p.noun) for p in network.participants
+    ]
     names, units, descriptions = zip(*SCENE_CHANNELS, strict=True)
-    return SignalGroup("scene", names, units, (1,) * len(names), descriptions)
+    return [*groups, SignalGroup("scene", names, units, (1,) * len(names), descriptions)]
 
 
 def _provenance(assembly: Assembly, participants: Sequence[Participant]) -> dict[str, str]:

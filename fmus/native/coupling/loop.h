@@ -5,11 +5,10 @@
 #ifndef FANFOLD_LOOP_H
 #define FANFOLD_LOOP_H
 
+#include "neighbours.h"
 #include "prediction.h"
 
-enum { ENERGIES = 5, TRIALS = 4 };
-/* The order of `Energies` in orchestrator/cosim/energy_balance.py. */
-enum { KINETIC, POTENTIAL, DISSIPATED, NUMERICAL, SUPPLIED };
+enum { TRIALS = 4 };
 
 /* See orchestrator/cosim/stepping.py. */
 typedef struct {
@@ -43,20 +42,10 @@ typedef struct {
     double value, scale, before;
 } Crossing;
 
-/* Rows of orchestrator/cosim/rows.py: the one held back, and those that may be handed on, (capacity, columns + channels)
-   with their times. recorded (columns,): places of what is recorded among the observations. Of corrected (corrections,
-   2) a held observation takes the value of the other now. */
-typedef struct {
-    double *held_observations, *held_scene, held_time;
-    double *times, *values;
-    const size_t *recorded, *corrected;
-    size_t held, observations, columns, channels, corrections, count;
-} RowBlock;
-
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
    then those of conditions; laws: places of times to breaks; steps (capacity,): sizes made; position: steps of the
-   segment; status: of the coupled step at hand. */
+   segment; status: of the coupled step at hand; neighbours: runs beside this one or NULL, guess (size,): room for them. */
 typedef struct {
     Network *network;
     StepSizes *sizes;
@@ -66,7 +55,8 @@ typedef struct {
     Crossing *crossing;
     const double *const *law;
     const double *plan, *energy_start;
-    double *steps;
+    double *steps, *guess;
+    Neighbours *neighbours;
     RowBlock rows;
     double time, until, stop, break_time, event_time, fixed_step, ready_step, h;
     size_t lines, crossings, laws, planned, capacity, made, position, parts, rejected, wanted, status;
@@ -122,10 +112,6 @@ static int judge(const Loop *l, double error) {
         }
     }
     return 1;
-}
-
-static double balance_of(const double *e) {
-    return e[KINETIC] + e[POTENTIAL] + e[DISSIPATED] + e[NUMERICAL] - e[SUPPLIED];
 }
 
 static double jump_of(const Loop *l) { return fabs(balance_of(l->network->energies) - balance_of(l->guard->last)); }
@@ -199,42 +185,13 @@ static double next_step(const Loop *l) {
     return controlled && remaining < l->rules->shared * h ? 0.5 * remaining : h;
 }
 
-static void hand_on_held(RowBlock *r) {
-    double *row = r->values + r->count * (r->columns + r->channels);
-    for (size_t i = 0; i < r->columns; i++) row[i] = r->held_observations[r->recorded[i]];
-    memcpy(row + r->columns, r->held_scene, r->channels * sizeof(double));
-    r->times[r->count++] = r->held_time;
-}
-
-/* Hold back the row of the step just accepted; the one before takes what is known better now. */
-static void hold_row(Loop *l, double h) {
-    RowBlock *r = &l->rows;
-    const Network *n = l->network;
-    const double *found = n->energies, *start = l->energy_start;
-    if (l->sizes->order == 4 && l->position > 1)
-        for (size_t i = 0; i < r->corrections; i++)
-            r->held_observations[r->corrected[2 * i + 1]] = n->observations[r->corrected[2 * i]];
-    if (r->held) hand_on_held(r);
-    memcpy(r->held_observations, n->observations, r->observations * sizeof(double));
-    const double channels[] = {h,
-                               (double)n->iteration,
-                               found[KINETIC] + found[POTENTIAL],
-                               found[DISSIPATED] - start[DISSIPATED],
-                               found[NUMERICAL] - start[NUMERICAL],
-                               found[SUPPLIED] - start[SUPPLIED],
-                               balance_of(found) - balance_of(start)};
-    memcpy(r->held_scene, channels, sizeof channels); /* signals stay as they are held */
-    r->held_time = l->time;
-    r->held = 1;
-}
-
 static void count_step(Loop *l, double h) {
     l->time += h;
     l->steps[l->made++] = h;
     l->position++;
     watch(l);
     note_energies(l);
-    hold_row(l, h);
+    hold_row(&l->rows, l->network, l->energy_start, l->time, h, l->sizes->order == 4 && l->position > 1);
     l->error->energy = fmax(l->error->energy, l->network->energies[KINETIC]);
 }
 

@@ -238,8 +238,13 @@ class NativeSolver(Solver):
             return Stop.UNSOLVED, solution._replace(converged=False, correction=inf, failure=error)
         if not isnan(loop.ready_step):
             self._in_use = (self.mode, loop.ready_step)
-        self._check(stop != Stop.FAILED, loop.time + loop.h)
+        if stop == Stop.FAILED:
+            self._refuse(loop)
         return stop, solution
+
+    def _refuse(self, loop: LoopData) -> None:
+        """ParticipantError for a loop that failed."""
+        self._check(False, loop.time + loop.h)
 
     def _allow(self) -> None:
         allowed = self.tolerance

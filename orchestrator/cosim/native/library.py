@@ -90,6 +90,24 @@ class LoopData(Structure):
     _fields_ = fields("Loop", RowBlock=RowBlock)
 
 
+class Led(Structure):
+    """A step that a leader has solved, for its neighbours."""
+
+    _fields_ = fields("Led")
+
+
+class NeighbourData(Structure):
+    """A run beside another one."""
+
+    _fields_ = fields("Neighbour", RowBlock=RowBlock)
+
+
+class NeighboursData(Structure):
+    """All runs beside one."""
+
+    _fields_ = fields("Neighbours")
+
+
 _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "sweep": ((c_void_p, c_double, c_double), c_int),
     "iterate": ((c_void_p, c_double, c_double, c_int), c_int),
@@ -103,10 +121,12 @@ _FUNCTIONS: dict[str, tuple[tuple[Any, ...], Any]] = {
     "restart": ((c_void_p,), None),
     "observe": ((c_void_p,), c_int),
     "follow": ((c_void_p,), c_int),
+    "beside": ((c_void_p, c_void_p, c_double, c_double), c_int),
     "mobility": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
     "stiffness": ((POINTER(Calls), c_void_p, c_void_p, c_int), c_int),
     "stiffness_at_once": ((POINTER(Calls), c_void_p, c_int), c_int),
 }
+_STRUCTURES = (Calls, NetworkData, LoopData, NeighbourData, NeighboursData)
 
 
 @cache
@@ -114,14 +134,14 @@ def library() -> CDLL | None:
     """The compiled library; None where it was not built, or was built from another version of its source."""
     try:
         found = CDLL(str(LIBRARY))
-        sizes = (c_size_t * 3)()
+        sizes = (c_size_t * len(_STRUCTURES))()
         found.coupling_sizes(sizes)
         for name, (arguments, result) in _FUNCTIONS.items():
             function = getattr(found, f"coupling_{name}")
             function.argtypes, function.restype = arguments, result
     except (OSError, AttributeError):
         return None
-    return found if list(sizes) == [sizeof(Calls), sizeof(NetworkData), sizeof(LoopData)] else None
+    return found if list(sizes) == [sizeof(one) for one in _STRUCTURES] else None
 
 
 def absence_sentence() -> str:

@@ -1,0 +1,86 @@
+"""Runs of a scene and of its neighbours, whose parameters differ a little, side by side in one pass."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+
+from components import FanfoldError
+
+from ...assembly import Assembly
+from ...cosim.fmu import FmuParticipant
+from ...cosim.implicit.native_solver import NativeSolver
+from ...cosim.implicit.solvers import solver_for
+from ...cosim.implicit.convergence import Tolerance
+from ...cosim.neighbours.leader import Leader
+from ...cosim.neighbours.neighbour import Neighbour
+from ...cosim.network import Network
+from ...cosim.participant import Participant, ParticipantError
+from ...cosim.settings import Settings
+from ...cosim.stepping import StepError
+from ...results.recorder import MemoryRecorder
+from ...results.result import Result
+from ...run.run import as_fmus, alike, signal_groups
+
+_ORDER = 4
+_CHOOSES_NOTHING = ((1.0,),)
+"""A step plan, as a neighbour makes the steps of its leader."""
+
+
+def run_beside(
+    assembly: Assembly,
+    others: Mapping[str, Assembly],
+    settings: Settings,
+    until: float,
+    watch: Callable[[float, float], None] = lambda time, h: None,
+) -> tuple[Result, list[Result]]:
+    """Results of an assembly, and of others whose parameters differ a little, by what differs, along its steps.
+
+    FanfoldError where one of them does not reach the end (s), or does not meet the events that the assembly meets.
+    """
+    settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
+    beside = replace(settings, step_plan=_CHOOSES_NOTHING, progress=lambda time, h: None)
+    with ExitStack() as stack:
+        try:
+            own = stack.enter_context(as_fmus(assembly))
+            neighbours: list[Neighbour] = []
+            recorders: list[MemoryRecorder] = []
+            for name, other in others.items():
+                participants = stack.enter_context(_instances(own, assembly, other))
+                network, recorder = _with_recorder(other, participants)
+                neighbours.append(
+                    Neighbour(name, network, other.hinge_lines, recorder, beside, other.events)
+                )
+                recorders.append(recorder)
+            network, recorder = _with_recorder(assembly, own)
+            leader = Leader(
+                neighbours, network, assembly.hinge_lines, recorder, settings, assembly.events
+            )
+            leader.initialize(preload=assembly.preload)
+            leader.run(until)
+        except (ParticipantError, StepError) as error:
+            raise FanfoldError(f"{assembly.name}: {error}") from None
+        return recorder.result(), [one.result() for one in recorders]
+
+
+@contextmanager
+def _instances(
+    own: Sequence[FmuParticipant], assembly: Assembly, other: Assembly
+) -> Iterator[Sequence[Participant]]:
+    """Participants of another assembly: of the same files, where they differ by start values alone."""
+    if not alike(assembly.parts, other.parts):
+        with as_fmus(other) as participants:
+            yield participants
+        return
+    with ExitStack() as stack:
+        found = []
+        for participant, part in zip(own, other.parts, strict=True):
+            found.append(participant.another(part.start))
+            stack.callback(found[-1].close)
+        yield found
+
+
+def _with_recorder(assembly: Assembly, participants: Sequence[Participant]) -> tuple[Network, MemoryRecorder]:
+    network = Network(participants, assembly.links, _ORDER)
+    return network, MemoryRecorder(signal_groups(network), {}, assembly.geometry, assembly.hinge_lines)

@@ -1,0 +1,104 @@
+"""The master that takes neighbours along: they make every step that it accepts, and meet every event that it meets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from ...assembly import Event, HingeLine
+from ..compiled_master import CompiledMaster
+from ..implicit.convergence import Solution, Tolerance
+from ..implicit.native_solver import NativeSolver, Stop
+from .. import stepping
+from .neighbour import Neighbour
+from .solvers import Beside, LeadingSolver, Solved
+
+_ITERATED = 1e-9
+"""Tolerance of its iteration: what it leaves is another path, if a near one, than that of a run without neighbours."""
+
+
+class Leader(CompiledMaster):
+    """A run whose neighbours follow it. Its numbers are those of a run without, but for rounding and iteration errors."""
+
+    native_solver = LeadingSolver
+
+    def __init__(self, neighbours: Sequence[Neighbour], *arguments: Any, **options: Any) -> None:  # noqa: ANN401
+        super().__init__(*arguments, **options)
+        assert isinstance(self.solver, LeadingSolver)
+        self.solver.tolerance = Tolerance(_ITERATED)
+        self._leading = self.solver
+        self._neighbours = neighbours
+        self._beside = self._leading.neighbours = Beside([one.own_solver for one in neighbours])
+        self._loop.neighbours = self._beside.address
+        self._guess_there = np.zeros(self.network.size)
+        self._loop.guess = self._guess_there.ctypes.data
+        self._ends_at: HingeLine | Event | None = None
+        self._in_event, self._until = False, inf
+
+    def initialize(self, *, preload: bool) -> None:
+        """All of them."""
+        super().initialize(preload=preload)
+        for one in self._neighbours:
+            one.initialize(preload=preload)
+
+    def run(self, until: float) -> None:
+        """To the given time, as the neighbours do by their own."""
+        self._until = until
+        super().run(until)
+        for one in self._neighbours:
+            one.release_rows()
+
+    def _follow(self, solver: NativeSolver, until: float) -> tuple[Stop, Solution]:
+        before = len(self.segments[-1])
+        for one, data in zip(self._neighbours, self._beside.each, strict=True):
+            one.tell(data)
+        found = super()._follow(solver, until)
+        steps = self.segments[-1][before:]
+        for one, data in zip(self._neighbours, self._beside.each, strict=True):
+            one.take(data, steps)
+        return found
+
+    def _step_to(
+        self, crossed: HingeLine | Event, h: float, solution: Solution
+    ) -> tuple[float, Solution] | None:
+        found = super()._step_to(crossed, h, solution)
+        self._ends_at = crossed if found else None
+        return found
+
+    def _accept(self, h: float, solution: Solution) -> None:
+        crossed, self._ends_at = self._ends_at, None
+        meets = None if crossed is None else (crossed, self._left(crossed))
+        guess = self._leading.predicted(self.time, h).copy()
+        solved = self._leading.at_hand(h, solution, guess)
+        end = self.time + h
+        to_break = end >= self._break - stepping.BREAK_REACHED
+        until = self._until if end >= self._until - stepping.TIME_ROUNDING else None
+        for one in self._neighbours:
+            one.follow(solved, meets, until, to_break=to_break)
+        super()._accept(h, solution)
+
+    def _happen(self, event: Event) -> None:
+        self._all(lambda: super(Leader, self)._happen(event), lambda one, solved: one.happen(event, solved))
+
+    def _latch(self, line: HingeLine) -> None:
+        self._all(lambda: super(Leader, self)._latch(line), lambda one, solved: one.latch(line, solved))
+
+    def _renew(self, known: float = 0.0) -> None:
+        super()._renew(known)
+        if not self._in_event:
+            for one in self._neighbours:
+                one.renew()
+
+    def _all(self, act: Callable[[], None], follow: Callable[[Neighbour, list[Solved]], None]) -> None:
+        """An event of the leader, then of its neighbours, beside the steps that it solved meanwhile."""
+        if self._in_event:
+            act()
+            return
+        self._in_event, self._leading.solved = True, []
+        act()
+        solved, self._leading.solved, self._in_event = self._leading.solved, None, False
+        for one in self._neighbours:
+            follow(one, solved)

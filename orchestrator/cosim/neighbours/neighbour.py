@@ -1,0 +1,125 @@
+"""A run beside another one: it makes the other's steps, and meets its own events where they come for it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...assembly import Event, HingeLine
+from ..compiled_master import Block
+from ..energy_balance import Energies
+from ..master import Master
+from ..native.library import NeighbourData
+from ..participant import ParticipantError
+from .solvers import NeighbourSolver, Solved
+
+_REACHED = 1e-14
+_SECANTS = 8
+_SHORTER = 1e-4
+_ASTRAY = 0.5
+"""Of a step: what a neighbour's may differ by, beyond which it does not meet what its leader meets."""
+
+
+class Neighbour(Master):
+    """Has the network of its leader with other parameters. Its settings have a step plan, as it chooses no steps.
+
+    name: what is different in it, for messages.
+    """
+
+    native_solver = NeighbourSolver
+
+    def __init__(self, name: str, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - those of Master
+        super().__init__(*arguments, **options)
+        self.name = name
+        assert isinstance(self.solver, NeighbourSolver)
+        self.own_solver = self.solver
+        self._block = Block(self._rows)
+        self._start = np.zeros(len(Energies._fields))
+
+    def tell(self, data: NeighbourData) -> None:
+        """Where it stands, for the loop."""
+        self._start[:] = self._energy_start
+        data.time = self.time
+        data.energy_start = self._start.ctypes.data
+        data.rows = self._block.data
+        self._block.begin(data.rows)
+
+    def take(self, data: NeighbourData, steps: list[float]) -> None:
+        """Stand where the loop stopped, so many steps later."""
+        self._block.end(data.rows)
+        self.time = data.time
+        self.segments[-1].extend(steps)
+        self._energies = self.own_solver.energies
+
+    def follow(
+        self, solved: Solved, meets: tuple[HingeLine | Event, float] | None, until: float | None, *, to_break: bool
+    ) -> None:
+        """Accept the step that the leader accepts: to where it meets the same event, its next break, or the end (s).
+
+        meets: the event, and how far from it the leader's search has ended.
+        """
+        h = solved.h
+        if meets is not None:
+            h = self._step_to_own(solved, self._own(meets[0]), meets[1])
+        else:
+            if until is not None:
+                h = until - self.time
+            elif to_break:
+                self._watch()
+                h = self._break - self.time
+                self._refuse_astray(h, solved.h, "the next break of a law")
+            self._beside(solved, h)
+        self._observe(h)
+        self._accept(h, solved.solution)
+
+    def latch(self, line: HingeLine, solved: list[Solved]) -> None:
+        """As the leader, which solved these steps for it."""
+        self.own_solver.led.extend(solved)
+        self._latch(next(one for one in self._pending if one.name == line.name))
+
+    def happen(self, event: Event, solved: list[Solved]) -> None:
+        """As the leader, which solved these steps for it."""
+        self.own_solver.led.extend(solved)
+        self._happen(self._events[event.name])
+
+    def renew(self) -> None:
+        """As the leader after a break."""
+        self._renew()
+
+    def release_rows(self) -> None:
+        """Hand on the last row."""
+        self._rows.release()
+
+    def _beside(self, solved: Solved, h: float) -> None:
+        solver = self.own_solver
+        solver.beside(solved, self.time, h, solver.predicted(self.time, h))
+
+    def _own(self, one: HingeLine | Event) -> HingeLine | Event:
+        return next(own for own in self._awaited() if own.name == one.name)
+
+    def _step_to_own(self, solved: Solved, one: HingeLine | Event, goal: float) -> float:
+        """The step (s) to where a distance is what is wanted, found by secants; participants end there."""
+
+        def distance(h: float) -> float:
+            self._beside(solved, h)
+            if isinstance(one, Event):
+                self._observe(h)
+            return self._left(one) - goal
+
+        before, h = solved.h, (1.0 - _SHORTER) * solved.h
+        left_before, left = distance(before), distance(h)
+        for _ in range(_SECANTS):
+            if abs(left) < _REACHED or left == left_before:
+                break
+            before, h, left_before = h, h - left * (h - before) / (left - left_before), left
+            self._refuse_astray(h, solved.h, one.name)
+            left = distance(h)
+        return h
+
+    def _refuse_astray(self, h: float, expected: float, what: str) -> None:
+        if not abs(h - expected) < _ASTRAY * expected:
+            raise ParticipantError(
+                f"with {self.name} a little different, {what} does not come near t = {self.time + expected:.6g} s, where "
+                "it comes without; numbers have no derivative there"
+            )
