@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from .api.documents import report as report
     from .api.export import export as export
     from .api.export import export_body as export_body
+    from .api.gradients import gradients as gradients
     from .api.handbook.face import docs as docs
     from .api.handbook.face import json_schema as json_schema
     from .api.pictures import plot as plot
@@ -97,6 +98,7 @@ _HOMES = {
     "Study": "orchestrator.api.study",
     "resume_study": "orchestrator.api.study",
     "study": "orchestrator.api.study",
+    "gradients": "orchestrator.api.gradients",
     "tune": "orchestrator.api.tune",
     "Scene": "orchestrator.scene.builder",
 }

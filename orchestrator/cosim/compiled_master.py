@@ -62,6 +62,7 @@ class CompiledMaster(Master):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         super().__init__(network, hinge_lines, recorder, settings, events, signals)
+        self._rates: dict[str, float] = {}
         if isinstance(self.solver, NativeSolver):
             self._steps, self._planned_steps = np.zeros(_MOST_STEPS), np.zeros(_MOST_STEPS)
             self._start = np.zeros(len(Energies._fields))
@@ -99,7 +100,7 @@ class CompiledMaster(Master):
         try:
             stop, solution = solver.follow(self._loop)
         finally:
-            self._take(solver, [crossing.before for crossing in crossings])
+            self._take(solver, [(crossing.before, crossing.rate) for crossing in crossings])
         if stop == Stop.PAUSED and self._loop.made:
             h = self.segments[-1][-1]
             self._keep_snapshot(h)
@@ -122,7 +123,7 @@ class CompiledMaster(Master):
     def _tell_plan(self) -> None:
         """Step sizes to follow, if there are any."""
         loop = self._loop
-        plan, position = self._planned() if self._plan else ([], 0)
+        plan, position = self._plan.now(self.segments) if self._plan else ([], 0)
         sizes = plan[position : position + _MOST_STEPS]
         self._planned_steps[: len(sizes)] = sizes
         loop.plan, loop.planned = (_address(self._planned_steps) if sizes else None), len(sizes)
@@ -138,9 +139,11 @@ class CompiledMaster(Master):
         array, place, value, scale = (
             self._scheduled.where(one) if isinstance(one, Event) else (*self._sensors[one.name], 0.0, -1.0)
         )
-        return Crossing(_address(array, place), value, scale, self._before[one.name])
+        return Crossing(
+            _address(array, place), value, scale, self._before[one.name], self._rates.get(one.name, 0.0)
+        )
 
-    def _take(self, solver: NativeSolver, before: Sequence[float]) -> None:
+    def _take(self, solver: NativeSolver, distances: Sequence[tuple[float, float]]) -> None:
         """Stand where the loop stopped."""
         loop = self._loop
         self._block.end(loop.rows)
@@ -148,7 +151,9 @@ class CompiledMaster(Master):
         self.statistics.steps += loop.made
         self.statistics.rejected += loop.rejected
         self.segments[-1].extend(self._steps[: loop.made].tolist())
-        self._before = {one.name: last for one, last in zip(self._awaited(), before, strict=True)}
+        names = [one.name for one in self._awaited()]
+        self._before = {name: last for name, (last, _) in zip(names, distances, strict=True)}
+        self._rates = {name: rate for name, (_, rate) in zip(names, distances, strict=True)}
         self._energies = solver.energies
 
 

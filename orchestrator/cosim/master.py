@@ -33,13 +33,13 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
+from .step_plan import StepPlan
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_STEP = 1e-7
 _IMPULSE_TOLERANCE = 1e-10
-_PLAN_TAIL = 8
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
@@ -74,7 +74,7 @@ class Master(CoSimulation):
         self._sizes.restart(min(settings.start_step, largest))
         self._guard = EnergyGuard(self._energies)
         self._parts = 1
-        self._plan = [list(segment) for segment in settings.step_plan or ()]
+        self._plan = StepPlan(settings.step_plan or ())
         self._latched: list[StiffenedLine] = []
         self._laws = [
             (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)
@@ -215,7 +215,7 @@ class Master(CoSimulation):
     def _next_step(self, until: float) -> float:
         remaining = min(until, self._break) - self.time
         if self._plan:
-            plan, position = self._planned()
+            plan, position = self._plan.now(self.segments)
             h = plan[position]
         elif self.settings.fixed_step is not None:
             h = self.settings.fixed_step / self._parts
@@ -225,14 +225,6 @@ class Master(CoSimulation):
         if remaining < stepping.STRETCHED * h:
             return remaining
         return 0.5 * remaining if remaining < stepping.SHARED * h and self._controlled else h
-
-    def _planned(self) -> tuple[list[float], int]:
-        """The plan of the present segment, and where in it we are."""
-        segment, position = len(self.segments) - 1, len(self.segments[-1])
-        plan = self._plan[min(segment, len(self._plan) - 1)]
-        # beyond its end, not the last step's size: that one only ended at an event and may be tiny
-        plan.extend([max(plan[-_PLAN_TAIL:])] * (position + 1 - len(plan)))
-        return plan, position
 
     @property
     def _controlled(self) -> bool:
@@ -272,8 +264,7 @@ class Master(CoSimulation):
             return self._sizes.shrink(2, to_converge=to_converge)
         self._parts *= 4
         if self._plan:
-            plan, position = self._planned()
-            plan[position : position + 1] = [0.25 * plan[position]] * 4
+            self._plan.divide(self.segments)
         return self._parts <= _MOST_PARTS
 
     def _crossed(self, h: float) -> HingeLine | Event | None:

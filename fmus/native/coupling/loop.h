@@ -36,10 +36,11 @@ typedef struct {
     double time_rounding, break_reached, stretched, shared; /* of the master */
 } Rules;
 
-/* A distance that falls through zero where a line latches or a condition holds: (value - *place) / scale. */
+/* A distance that falls through zero where a line latches or a condition holds: (value - *place) / scale; rate: at
+   which it fell over the last step, where there are neighbours. */
 typedef struct {
     const double *place;
-    double value, scale, before;
+    double value, scale, before, rate;
 } Crossing;
 
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
@@ -175,6 +176,16 @@ static int is_due(const Loop *l) {
     return 0;
 }
 
+/* A step towards a distance that would be zero soon after it, such that the one that meets it is no tiny one: with
+   neighbours, which meet it a little earlier or later in the same step. */
+static double before_crossing(const Loop *l, double h) {
+    for (const Crossing *c = l->crossing; l->neighbours && c < l->crossing + l->crossings; c++) {
+        const double left = c->before / c->rate;
+        if (left > h && left < l->rules->shared * h) return 0.5 * left;
+    }
+    return h;
+}
+
 static double next_step(const Loop *l) {
     const double remaining = fmin(l->until, l->break_time) - l->time;
     const int controlled = !l->plan && l->fixed_step == 0.0;
@@ -182,13 +193,15 @@ static double next_step(const Loop *l) {
                      : l->fixed_step > 0 ? l->fixed_step / (double)l->parts
                                          : size_now(l);
     if (remaining < l->rules->stretched * h) return remaining;
-    return controlled && remaining < l->rules->shared * h ? 0.5 * remaining : h;
+    if (!controlled) return h;
+    return remaining < l->rules->shared * h ? 0.5 * remaining : before_crossing(l, h);
 }
 
 static void count_step(Loop *l, double h) {
     l->time += h;
     l->steps[l->made++] = h;
     l->position++;
+    for (Crossing *c = l->crossing; c < l->crossing + l->crossings; c++) c->rate = (c->before - distance(c)) / h;
     watch(l);
     note_energies(l);
     hold_row(&l->rows, l->network, l->energy_start, l->time, h, l->sizes->order == 4 && l->position > 1);

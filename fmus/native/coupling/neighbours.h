@@ -10,15 +10,15 @@
 #include "rows.h"
 #include "system.h"
 
-/* Correction of the difference from the leader, over its largest, that is small; sweeps at most; what a sweep makes of
-   a correction at the least, beyond which it is rounding; sweeps beyond two, over the neighbours, from which new factors
-   pay. */
+/* Correction over the largest difference from the leader that is small; over the largest wrench, what may be rounding
+   of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
+   sweeps at the most; sweeps beyond two, over the neighbours, from which new factors pay. */
 #define NEIGHBOUR_SMALL 3e-5
-#define NEIGHBOUR_SWEEPS 12
-#define NEIGHBOUR_ROUNDED 0.7
+#define NEIGHBOUR_ROUNDING 1e-8
+#define NEIGHBOUR_RATIO 0.7
+#define NEIGHBOUR_FADES 0.98
+#define NEIGHBOUR_SWEEPS 40
 #define NEIGHBOUR_SLUGGISH 1
-#define NEIGHBOUR_ROUGH 1e-3
-#define NEIGHBOUR_FADES 0.99
 
 /* A step that the leader has solved: factors, and the wrenches it came to, from which guess, with which residual. */
 typedef struct {
@@ -26,13 +26,14 @@ typedef struct {
     const double *guess, *wrenches, *residual;
 } Led;
 
-/* See Loop; time, h (s): of the neighbour, whose events come earlier or later than the leader's; last: size of its last
-   correction, rounding: of those that further sweeps made no smaller; iterates: whether it goes on. */
+/* See Loop; time, h (s): of the neighbour, whose events come earlier or later than the leader's; of forces and
+   torques: last: largest of the last correction, rounding: of those that further sweeps made no smaller; iterates:
+   whether it goes on. */
 typedef struct {
     Network *network;
     const double *energy_start;
     RowBlock rows;
-    double time, h, last, rounding;
+    double time, h, last[2], rounding[2];
     size_t iterates;
 } Neighbour;
 
@@ -48,28 +49,42 @@ static void note_residual(const Network *n, const Led *led, double *column, size
     for (size_t i = 0; i < n->size; i++) column[i * columns] = n->law[i] - n->wrenches[i] - led->residual[i];
 }
 
-/* Size of a correction over the largest difference from the leader, of forces and of torques; infinite where one is not
-   finite. */
-static double correction_size(const Network *n, const Led *led, const double *column, size_t columns) {
-    double largest[2] = {0.0, 0.0}, size = 0.0;
-    for (size_t i = 0; i < n->size; i++)
-        largest[i / 3 % 2] = fmax(largest[i / 3 % 2], fabs(n->wrenches[i] - led->wrenches[i]));
+/* Largest of a correction, of a neighbour's difference from its leader, and of its wrenches: of forces and of torques. */
+typedef struct {
+    double change[2], difference[2], wrench[2];
+} Sizes2;
+
+static Sizes2 sizes_of(const Network *n, const Led *led, const double *column, size_t columns) {
+    Sizes2 s = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
     for (size_t i = 0; i < n->size; i++) {
+        const size_t kind = i / 3 % 2;
         const double change = fabs(column[i * columns]);
-        if (!isfinite(change)) return INFINITY;
-        if (change != 0.0) size = fmax(size, change / largest[i / 3 % 2]);
+        s.change[kind] = isfinite(change) ? fmax(s.change[kind], change) : INFINITY;
+        s.difference[kind] = fmax(s.difference[kind], fabs(n->wrenches[i] - led->wrenches[i]));
+        s.wrench[kind] = fmax(s.wrench[kind], fabs(n->wrenches[i]));
     }
-    return size;
+    return s;
 }
 
-/* Take a correction, where it is not small and more than rounding. */
+/* Whether a correction need not be taken: small, or rounding. */
+static int is_done(Neighbour *b, const Sizes2 *s, size_t kind) {
+    if (s->change[kind] <= fmax(NEIGHBOUR_SMALL * s->difference[kind], b->rounding[kind])) return 1;
+    if (b->network->iteration <= 2 || s->change[kind] < NEIGHBOUR_RATIO * b->last[kind]) return 0;
+    if (!(s->change[kind] <= NEIGHBOUR_ROUNDING * s->wrench[kind])) return 0;
+    b->rounding[kind] = s->change[kind];
+    return 1;
+}
+
+/* Take a correction, unless it need not be. */
 static void take_correction(Neighbour *b, const Led *led, const double *column, size_t columns) {
     Network *n = b->network;
-    n->correction = correction_size(n, led, column, columns);
-    const int rounded = n->iteration > 2 && !(n->correction < NEIGHBOUR_ROUNDED * b->last);
-    b->rounding = rounded && n->correction < NEIGHBOUR_ROUGH ? fmax(b->rounding, n->correction) : NEIGHBOUR_FADES * b->rounding;
-    b->iterates = n->correction > fmax(NEIGHBOUR_SMALL, b->rounding) && !rounded && n->iteration < NEIGHBOUR_SWEEPS;
-    b->last = n->correction;
+    const Sizes2 s = sizes_of(n, led, column, columns);
+    const int forces = is_done(b, &s, 0), torques = is_done(b, &s, 1);
+    b->iterates = !(forces && torques) && n->iteration < NEIGHBOUR_SWEEPS;
+    for (size_t kind = 0; kind < 2; kind++) {
+        b->last[kind] = s.change[kind];
+        if (!b->iterates) b->rounding[kind] *= NEIGHBOUR_FADES;
+    }
     for (size_t i = 0; b->iterates && i < n->size; i++) n->wrenches[i] += column[i * columns];
 }
 
@@ -78,7 +93,7 @@ static void start_beside(Neighbour *b, const Led *led, double h) {
     Network *n = b->network;
     for (size_t i = 0; i < n->size; i++) n->wrenches[i] += led->wrenches[i] - led->guess[i];
     b->h = h;
-    b->last = INFINITY;
+    b->last[0] = b->last[1] = INFINITY;
     b->iterates = 1;
     n->iteration = 0;
 }

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from typing import Literal
 
 from components import FanfoldError
 
 from ...assembly import Assembly
 from ...cosim.fmu import FmuParticipant
-from ...cosim.implicit.native_solver import NativeSolver
-from ...cosim.implicit.solvers import solver_for
-from ...cosim.implicit.convergence import Tolerance
 from ...cosim.neighbours.leader import Leader
 from ...cosim.neighbours.neighbour import Neighbour
 from ...cosim.network import Network
@@ -21,9 +19,9 @@ from ...cosim.settings import Settings
 from ...cosim.stepping import StepError
 from ...results.recorder import MemoryRecorder
 from ...results.result import Result
-from ...run.run import as_fmus, alike, signal_groups
+from ...run.run import alike, as_fmus, signal_groups
 
-_ORDER = 4
+_ORDER: Literal[4] = 4
 _CHOOSES_NOTHING = ((1.0,),)
 """A step plan, as a neighbour makes the steps of its leader."""
 
@@ -49,14 +47,10 @@ def run_beside(
             for name, other in others.items():
                 participants = stack.enter_context(_instances(own, assembly, other))
                 network, recorder = _with_recorder(other, participants)
-                neighbours.append(
-                    Neighbour(name, network, other.hinge_lines, recorder, beside, other.events)
-                )
+                neighbours.append(Neighbour(name, network, other.hinge_lines, recorder, beside, other.events))
                 recorders.append(recorder)
             network, recorder = _with_recorder(assembly, own)
-            leader = Leader(
-                neighbours, network, assembly.hinge_lines, recorder, settings, assembly.events
-            )
+            leader = Leader(neighbours, network, assembly.hinge_lines, recorder, settings, assembly.events)
             leader.initialize(preload=assembly.preload)
             leader.run(until)
         except (ParticipantError, StepError) as error:

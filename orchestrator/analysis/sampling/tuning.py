@@ -17,11 +17,11 @@ from scipy.optimize import least_squares
 from components import FanfoldError
 from components.contract.component import Vector
 
-from ...scene.units import QUANTITY, UNITS
+from ...scene.units import UNITS
 from .distributions import StudyError
 from .sample import Sample, Task, run_sample
 from .targets import Curve, Target, refuse_unknown
-from .varied import Settings, Varied, value_at
+from .varied import Settings, Varied, own_value, value_at
 from .workers import local
 
 _STEP = 2e-3
@@ -295,12 +295,10 @@ def _start(task: Task, one: Varied) -> float:
 
 def _own(value: object, unit: str) -> float | None:
     """A value of a scene in a unit; None where it is none, or cannot be told."""
-    if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return None
-    found = QUANTITY.fullmatch(str(value))
+    found = own_value(value)
     if found is None:
         return None
-    number, own = float(found[1]), found[2]
+    number, own = found
     factors = next((one for one in UNITS.values() if (own or unit) in one), {})
     if own == unit or not factors:
         return number if own == unit else None

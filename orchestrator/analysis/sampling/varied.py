@@ -33,8 +33,8 @@ class Varied:
     def settings(self, tree: Tree, value: float) -> Settings:
         """The settings that a drawn value means; tree: the scene without them. StudyError where it cannot be scaled."""
         if not self.factor:
-            return dict.fromkeys(self.keys, _written(value, self.distribution.unit))
-        return {key: _scaled(key, _to_scale(tree, key), value) for key in self.keys}
+            return dict.fromkeys(self.keys, written(value, self.distribution.unit))
+        return {key: scaled(key, _to_scale(tree, key), value) for key in self.keys}
 
 
 def varied(text: str) -> Varied:
@@ -50,7 +50,15 @@ def varied(text: str) -> Varied:
     return Varied(keys, found, factor)
 
 
-def _written(value: float, unit: str) -> float | str:
+def own_value(value: object) -> tuple[float, str] | None:
+    """What a scene has as a number, with its unit where it has one; None for what is none."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    found = QUANTITY.fullmatch(str(value))
+    return None if found is None else (float(found[1]), found[2])
+
+
+def written(value: float, unit: str) -> float | str:
     """As scenes take it; whole numbers stay whole, as counts must be."""
     if unit:
         return f"{value!r} {unit}"
@@ -81,14 +89,14 @@ def value_at(tree: Tree, key: str) -> object:
     return found
 
 
-def _scaled(key: str, value: object, factor: float) -> object:
-    """A number, a text with a unit, or a list of them, times a factor."""
+def scaled(key: str, value: object, factor: float) -> object:
+    """Times a factor: a number, a text with a unit, or a list of them; StudyError for anything else."""
     if isinstance(value, bool):
         raise StudyError(f"{key}: {value} cannot be multiplied")
     if isinstance(value, int | float):
         return factor * value
     if isinstance(value, list):
-        return [_scaled(key, one, factor) for one in value]
+        return [scaled(key, one, factor) for one in value]
     parts = QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if parts is None:
         raise StudyError(

@@ -2,33 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from math import inf
 from typing import Any
 
 import numpy as np
 
 from ...assembly import Event, HingeLine
+from .. import stepping
 from ..compiled_master import CompiledMaster
 from ..implicit.convergence import Solution, Tolerance
 from ..implicit.native_solver import NativeSolver, Stop
-from .. import stepping
-from .neighbour import Neighbour
-from .solvers import Beside, LeadingSolver, Solved
-
-_ITERATED = 1e-9
-"""Tolerance of its iteration: what it leaves is another path, if a near one, than that of a run without neighbours."""
+from .neighbour import ITERATED, Neighbour
+from .solvers import Beside, LeadingSolver
 
 
 class Leader(CompiledMaster):
-    """A run whose neighbours follow it. Its numbers are those of a run without, but for rounding and iteration errors."""
+    """A run whose neighbours follow it; its numbers are those of a run without, but for rounding and iterations."""
 
-    native_solver = LeadingSolver
+    native_solver: type[NativeSolver] = LeadingSolver
 
     def __init__(self, neighbours: Sequence[Neighbour], *arguments: Any, **options: Any) -> None:  # noqa: ANN401
         super().__init__(*arguments, **options)
         assert isinstance(self.solver, LeadingSolver)
-        self.solver.tolerance = Tolerance(_ITERATED)
+        self.solver.tolerance = Tolerance(ITERATED)
         self._leading = self.solver
         self._neighbours = neighbours
         self._beside = self._leading.neighbours = Beside([one.own_solver for one in neighbours])
@@ -71,8 +69,7 @@ class Leader(CompiledMaster):
     def _accept(self, h: float, solution: Solution) -> None:
         crossed, self._ends_at = self._ends_at, None
         meets = None if crossed is None else (crossed, self._left(crossed))
-        guess = self._leading.predicted(self.time, h).copy()
-        solved = self._leading.at_hand(h, solution, guess)
+        solved = self._leading.at_hand(self.time, h, solution)
         end = self.time + h
         to_break = end >= self._break - stepping.BREAK_REACHED
         until = self._until if end >= self._until - stepping.TIME_ROUNDING else None
@@ -81,10 +78,18 @@ class Leader(CompiledMaster):
         super()._accept(h, solution)
 
     def _happen(self, event: Event) -> None:
-        self._all(lambda: super(Leader, self)._happen(event), lambda one, solved: one.happen(event, solved))
+        with self._one_event() as is_whole:
+            super()._happen(event)
+        if is_whole:
+            for one in self._neighbours:
+                one.happen(event)
 
     def _latch(self, line: HingeLine) -> None:
-        self._all(lambda: super(Leader, self)._latch(line), lambda one, solved: one.latch(line, solved))
+        with self._one_event() as is_whole:
+            super()._latch(line)
+        if is_whole:
+            for one in self._neighbours:
+                one.latch(line)
 
     def _renew(self, known: float = 0.0) -> None:
         super()._renew(known)
@@ -92,13 +97,10 @@ class Leader(CompiledMaster):
             for one in self._neighbours:
                 one.renew()
 
-    def _all(self, act: Callable[[], None], follow: Callable[[Neighbour, list[Solved]], None]) -> None:
-        """An event of the leader, then of its neighbours, beside the steps that it solved meanwhile."""
-        if self._in_event:
-            act()
-            return
-        self._in_event, self._leading.solved = True, []
-        act()
-        solved, self._leading.solved, self._in_event = self._leading.solved, None, False
-        for one in self._neighbours:
-            follow(one, solved)
+    @contextmanager
+    def _one_event(self) -> Iterator[bool]:
+        """Whether it is no part of another one, which neighbours make of themselves."""
+        is_whole = not self._in_event
+        self._in_event = True
+        yield is_whole
+        self._in_event = not is_whole

@@ -9,11 +9,15 @@ import numpy as np
 from ...assembly import Event, HingeLine
 from ..compiled_master import Block
 from ..energy_balance import Energies
+from ..implicit.convergence import Tolerance
+from ..implicit.native_solver import NativeSolver
 from ..master import Master
 from ..native.library import NeighbourData
 from ..participant import ParticipantError
 from .solvers import NeighbourSolver, Solved
 
+ITERATED = 1e-10
+"""Tolerance of iterations of leaders, and of neighbours at events: what they leave is in the difference."""
 _REACHED = 1e-14
 _SECANTS = 8
 _SHORTER = 1e-4
@@ -27,13 +31,14 @@ class Neighbour(Master):
     name: what is different in it, for messages.
     """
 
-    native_solver = NeighbourSolver
+    native_solver: type[NativeSolver] = NeighbourSolver
 
     def __init__(self, name: str, *arguments: Any, **options: Any) -> None:  # noqa: ANN401 - those of Master
         super().__init__(*arguments, **options)
         self.name = name
         assert isinstance(self.solver, NeighbourSolver)
         self.own_solver = self.solver
+        self.solver.tolerance = Tolerance(ITERATED)
         self._block = Block(self._rows)
         self._start = np.zeros(len(Energies._fields))
 
@@ -53,7 +58,12 @@ class Neighbour(Master):
         self._energies = self.own_solver.energies
 
     def follow(
-        self, solved: Solved, meets: tuple[HingeLine | Event, float] | None, until: float | None, *, to_break: bool
+        self,
+        solved: Solved,
+        meets: tuple[HingeLine | Event, float] | None,
+        until: float | None,
+        *,
+        to_break: bool,
     ) -> None:
         """Accept the step that the leader accepts: to where it meets the same event, its next break, or the end (s).
 
@@ -73,14 +83,12 @@ class Neighbour(Master):
         self._observe(h)
         self._accept(h, solved.solution)
 
-    def latch(self, line: HingeLine, solved: list[Solved]) -> None:
-        """As the leader, which solved these steps for it."""
-        self.own_solver.led.extend(solved)
+    def latch(self, line: HingeLine) -> None:
+        """As the leader."""
         self._latch(next(one for one in self._pending if one.name == line.name))
 
-    def happen(self, event: Event, solved: list[Solved]) -> None:
-        """As the leader, which solved these steps for it."""
-        self.own_solver.led.extend(solved)
+    def happen(self, event: Event) -> None:
+        """As the leader."""
         self._happen(self._events[event.name])
 
     def renew(self) -> None:
@@ -92,8 +100,7 @@ class Neighbour(Master):
         self._rows.release()
 
     def _beside(self, solved: Solved, h: float) -> None:
-        solver = self.own_solver
-        solver.beside(solved, self.time, h, solver.predicted(self.time, h))
+        self.own_solver.beside(solved, self.time, h)
 
     def _own(self, one: HingeLine | Event) -> HingeLine | Event:
         return next(own for own in self._awaited() if own.name == one.name)
@@ -107,19 +114,22 @@ class Neighbour(Master):
                 self._observe(h)
             return self._left(one) - goal
 
-        before, h = solved.h, (1.0 - _SHORTER) * solved.h
-        left_before, left = distance(before), distance(h)
-        for _ in range(_SECANTS):
-            if abs(left) < _REACHED or left == left_before:
+        h, left = solved.h, distance(solved.h)
+        other, left_there = (1.0 - _SHORTER) * h, 0.0
+        for k in range(_SECANTS):
+            if abs(left) < _REACHED or (k > 1 and left == left_there):
                 break
-            before, h, left_before = h, h - left * (h - before) / (left - left_before), left
+            if k == 0:
+                h, other = other, h
+            else:
+                h, other = h - left * (h - other) / (left - left_there), h
             self._refuse_astray(h, solved.h, one.name)
-            left = distance(h)
+            left_there, left = left, distance(h)
         return h
 
     def _refuse_astray(self, h: float, expected: float, what: str) -> None:
         if not abs(h - expected) < _ASTRAY * expected:
             raise ParticipantError(
-                f"with {self.name} a little different, {what} does not come near t = {self.time + expected:.6g} s, where "
-                "it comes without; numbers have no derivative there"
+                f"with {self.name} a little different, {what} does not come near t = {self.time + expected:.6g} s, "
+                "where it comes without; numbers have no derivative there"
             )

@@ -5,9 +5,8 @@ A neighbour takes the leader's factors, and the residual that its iteration left
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
-from ctypes import addressof, string_at
+from ctypes import addressof
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,61 +14,32 @@ import numpy as np
 
 from ..implicit.convergence import Solution
 from ..implicit.native_solver import NativeSolver
-from ..native.library import Led, LoopData, NeighbourData, NeighboursData, NetworkData
+from ..native.library import Led, LoopData, NeighbourData, NeighboursData
 from ..participant import Vector
 
 
 @dataclass(frozen=True)
 class Solved:
-    """A step that a leader has solved.
-
-    guess, wrenches, residual (size,): what its iteration started from, came to and left. memory: what `led` points to.
-    """
+    """The step h (s) that a leader has solved and not accepted yet; arrays: memory of `led`."""
 
     h: float
     solution: Solution
-    guess: Vector
-    wrenches: Vector
     led: Led
-    memory: tuple[Any, ...]
+    arrays: tuple[Vector, ...]
 
 
 class LeadingSolver(NativeSolver):
-    """Tells its neighbours of the steps that it solves.
-
-    solved: while this is a list, steps are added to it, each with factors of its own.
-    """
+    """Tells its neighbours of the steps that it solves."""
 
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)
         self.neighbours: Beside | None = None
-        self.solved: list[Solved] | None = None
 
-    def solve(self, time: float, h: float, guess: Vector) -> Solution:
-        """As any; and note it, where that is asked for."""
-        guess = guess.copy()
-        solution = super().solve(time, h, guess)
-        if self.solved is not None:
-            self.solved.append(self.at_hand(h, solution, guess, lasts=True))
-        return solution
-
-    def at_hand(self, h: float, solution: Solution, guess: Vector, *, lasts: bool = False) -> Solved:
-        """The step just solved; lasts: beyond the next one, for which its factors are copied."""
-        data, kept = self._data, []
-        wrenches = self.wrenches.copy()
-        residual = self._response - wrenches
-        if lasts:
-            data = NetworkData.from_buffer_copy(self._data)
-            for name, count, kind in (
-                ("values", data.matrix.length, np.float64),
-                ("transposed", data.matrix.length, np.float64),
-                ("pivots", data.matrix.size, np.uintp),
-            ):
-                bytes_there = string_at(getattr(data.matrix, name), count * np.dtype(kind).itemsize)
-                kept.append(np.frombuffer(bytes_there, kind).copy())
-                setattr(data.matrix, name, kept[-1].ctypes.data)
-        led = Led(addressof(data), guess.ctypes.data, wrenches.ctypes.data, residual.ctypes.data)
-        return Solved(h, solution, guess, wrenches, led, (data, residual, *kept))
+    def at_hand(self, time: float, h: float, solution: Solution) -> Solved:
+        """The step just solved from a time, until the next one is solved."""
+        arrays = self.predicted(time, h).copy(), self.wrenches.copy(), self._response - self.wrenches
+        led = Led(self.address, *(array.ctypes.data for array in arrays))
+        return Solved(h, solution, led, arrays)
 
     def _refuse(self, loop: LoopData) -> None:
         if self.neighbours is not None:
@@ -77,8 +47,27 @@ class LeadingSolver(NativeSolver):
         super()._refuse(loop)
 
 
+class NeighbourSolver(NativeSolver):
+    """Solves steps beside a leader's, and what events ask for as any other."""
+
+    def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
+        super().__init__(*arguments)
+        self._alone = Beside([self])
+
+    def beside(self, solved: Solved, time: float, h: float) -> None:
+        """Beside a step of the leader, which may be a little longer or shorter."""
+        self.wrenches[:] = self.predicted(time, h)
+        self._check(
+            self._library.coupling_beside(self._alone.address, addressof(solved.led), time, h), time, h
+        )
+
+    def refuse(self, time: float) -> None:
+        """ParticipantError with the words of the participant that failed last."""
+        self._check(False, time)
+
+
 class Beside:
-    """Neighbours as the library sees them."""
+    """Neighbours as the library sees them, each in `each`."""
 
     def __init__(self, solvers: Sequence[NeighbourSolver]) -> None:
         self._solvers = solvers
@@ -94,29 +83,3 @@ class Beside:
         """ParticipantError with the words of the one that failed, if one did."""
         if self._data.at < len(self._solvers):
             self._solvers[self._data.at].refuse(time)
-
-
-class NeighbourSolver(NativeSolver):
-    """Solves steps beside a leader's: `led` holds those to come; without any, it solves as any other."""
-
-    def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
-        super().__init__(*arguments)
-        self.led: deque[Solved] = deque()
-        self._alone = Beside([self])
-
-    def solve(self, time: float, h: float, guess: Vector) -> Solution:
-        """Beside the next of the leader's steps."""
-        if not self.led:
-            return super().solve(time, h, guess)
-        return self.beside(self.led.popleft(), time, h, guess)
-
-    def beside(self, solved: Solved, time: float, h: float, guess: Vector) -> Solution:
-        """Beside a step of the leader, which may be a little longer or shorter."""
-        self.wrenches[:] = guess
-        done = self._library.coupling_beside(self._alone.address, addressof(solved.led), time, h)
-        self._check(done, time, h)
-        return solved.solution
-
-    def refuse(self, time: float) -> None:
-        """ParticipantError with the words of the participant that failed last."""
-        self._check(False, time)

@@ -1,0 +1,49 @@
+"""Gradients from Python: what the keys of a scene do to its headline numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..analysis.sampling.gradients import Gradients
+from ..analysis.sampling.gradients import gradients as _gradients
+from ..run.progress import Progress, followed
+from ..run.simulation import Options
+from ..scene.builder import Names, listed
+from .progress import chosen
+from .simulate import Quantity, SceneLike, in_si, load
+
+
+def gradients(
+    scene: SceneLike,
+    keys: str | Sequence[str],
+    *,
+    central: bool = False,
+    rigid: Names = (),
+    flexible: Names = (),
+    large_deformation: Names = (),
+    until: Quantity | None = None,
+    tolerance: float | None = None,
+    progress: bool | Progress | None = None,
+) -> Gradients:
+    """Derivatives of latch times, peaks, interface loads and all other headline numbers by keys of a scene.
+
+    keys: such as ["hinge_line.HL1.motor.stowed", "friction.coefficient"]; a key that ends in * is differentiated by a
+    factor of what it has, keys with commas between change together. One run tells them all, through its latch-ups and
+    other events: for every key a neighbour with a slightly different value makes the same steps beside it. central: two
+    neighbours a key, for loads that bend much with it; twice the cost. rigid ... progress: as for `simulate`.
+
+    `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
+    FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
+    """
+    options = Options(
+        rigid=frozenset(listed(rigid)),
+        flexible=frozenset(listed(flexible)),
+        large_deformation=frozenset(listed(large_deformation)),
+        until=in_si(until, "s", "until"),
+        tolerance=tolerance,
+    )
+    loaded = load(scene)
+    end = options.until or loaded.check().header.until
+    wanted = [keys] if isinstance(keys, str) else list(keys)
+    with followed(chosen(progress), loaded.name, end) as watch:
+        return _gradients(loaded, options, wanted, central=central, watch=watch)

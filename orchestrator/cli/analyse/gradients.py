@@ -1,0 +1,92 @@
+"""`fanfold analyse gradients`: what the keys of a scene do to its headline numbers, by one deployment."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+import orchestrator as fanfold
+
+from ..options import SceneChoice, large_deformation_option, scene_choice
+from ..progress import progress
+from ..types import Number, Picture
+
+if TYPE_CHECKING:
+    from ...analysis.sampling.gradients import Gradients
+
+
+@click.command("gradients")
+@scene_choice
+@large_deformation_option
+@click.option(
+    "--by", "keys", multiple=True, required=True, metavar="KEY",
+    help="What is differentiated by, such as hinge_line.HL1.motor.stowed; 'KEY*' is a factor of what it has, keys with "
+    "commas between change together; repeatable.",
+)  # fmt: skip
+@click.option("--central", is_flag=True, help="Central differences: two neighbours a key, twice the cost.")
+@click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
+@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of the run in seconds.")
+@click.option(
+    "--output", type=Picture(), metavar="FILE", default=None,
+    help="Picture to write; by default named after SCENE, with .gradients.png.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
+def command(
+    choice: SceneChoice,
+    large_deformation: frozenset[str],
+    keys: tuple[str, ...],
+    central: bool,
+    tolerance: float | None,
+    until: float | None,
+    output: Path | None,
+    as_json: bool,
+) -> None:
+    """Derivatives of the headline numbers of SCENE by its keys, through all latch-ups, from one run."""
+    found = fanfold.gradients(
+        choice.load(),
+        keys,
+        **choice.fidelities,
+        large_deformation=large_deformation,
+        central=central,
+        tolerance=tolerance,
+        until=until,
+        progress=progress,
+    )
+    from ...views.gradients import plot_gradients  # matplotlib takes its time
+
+    picture = plot_gradients(found, output or Path(f"{found.scene}.gradients.png"))
+    if as_json:
+        told = {
+            **asdict(found),
+            "derivatives": found.derivatives.tolist(),
+            "relative": found.relative.tolist(),
+        }
+        click.echo(json.dumps(told))
+    else:
+        _report(found)
+    click.echo(picture, err=as_json)
+
+
+def _report(found: Gradients) -> None:
+    from ..tables import Column, tables_that_fit, terminal
+
+    console = terminal()
+    fixed = [
+        Column("", found.names),
+        Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
+    ]
+    columns = [
+        Column(_heading(key, unit), [f"{value:.5g}" for value in column])
+        for key, unit, column in zip(found.keys, found.units, found.derivatives.T.tolist(), strict=True)
+    ]
+    for table in tables_that_fit(f"{found.scene}: derivatives", fixed, columns, console.width):
+        console.print(table)
+
+
+def _heading(key: str, unit: str) -> str:
+    """A key on as many lines as it has steps, and the unit that a number's is divided by."""
+    return "\n".join([*key.replace(",", ",.").split("."), f"per {unit}" if unit else ""])
