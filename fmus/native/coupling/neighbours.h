@@ -13,7 +13,7 @@
 /* Correction over the largest difference from the leader that is small; over the largest wrench, what may be rounding
    of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
    sweeps at the most; sweeps beyond two, over the neighbours, from which new factors pay. */
-#define NEIGHBOUR_SMALL 3e-5
+#define NEIGHBOUR_SMALL 3e-6
 #define NEIGHBOUR_ROUNDING 1e-8
 #define NEIGHBOUR_RATIO 0.7
 #define NEIGHBOUR_FADES 0.98

@@ -26,7 +26,7 @@ from .distributions import StudyError
 from .neighbours import run_beside
 from .varied import Settings, own_value, scaled, value_at, written
 
-PART = 1e-5
+PART = 3e-6
 """Of a key: what it differs by. The second derivative errs with it, the rounding of stiff joints against it."""
 CENTRAL_PART = 2e-5
 _OF_ZERO = 1e-4
@@ -123,18 +123,18 @@ def gradients(
     others: dict[str, Assembly] = {}
     ends: list[list[float]] = []
     for one in parameters:
-        found = _neighbours(scene, options, one, central=central)
-        others |= {f"{one.name} {'+' if value > one.value else '-'}": other for value, other in found}
-        ends.append([value for value, _ in found])
-    result, results = run_beside(assembly, others, options.settings(assembly), until, watch)
-    numbers = [one for one in headline(result).numbers() if one.quantity not in _NO_NUMBERS]
-    beside = iter([{one.key: one.value for one in headline(one).numbers()} for one in results])
+        there = _neighbours(scene, options, one, central=central)
+        others |= {f"{one.name} {'+' if value > one.value else '-'}": other for value, other in there}
+        ends.append([value for value, _ in there])
+    found = run_beside(assembly, others, options.settings(assembly), until, watch)
+    numbers = [one for one in headline(found.result).numbers() if one.quantity not in _NO_NUMBERS]
+    beside = iter([{one.key: one.value for one in headline(one).numbers()} for one in found.neighbours])
     columns = []
     for one, values in zip(parameters, ends, strict=True):
-        there = [(value, next(beside)) for value in values]
+        sides = [(value, next(beside)) for value in values]
         if not central:
-            there.append((one.value, {number.key: number.value for number in numbers}))
-        columns.append(_quotients(numbers, there))
+            sides.append((one.value, {number.key: number.value for number in numbers}))
+        columns.append(_quotients(numbers, sides))
     return Gradients(
         assembly.name,
         tuple(keys),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from components import FanfoldError
 
@@ -26,14 +26,22 @@ _CHOOSES_NOTHING = ((1.0,),)
 """A step plan, as a neighbour makes the steps of its leader."""
 
 
+class Followed(NamedTuple):
+    """Results of a run and of its neighbours, and the steps (s) of the run, a list for every segment between events."""
+
+    result: Result
+    neighbours: list[Result]
+    segments: list[list[float]]
+
+
 def run_beside(
     assembly: Assembly,
     others: Mapping[str, Assembly],
     settings: Settings,
     until: float,
     watch: Callable[[float, float], None] = lambda time, h: None,
-) -> tuple[Result, list[Result]]:
-    """Results of an assembly, and of others whose parameters differ a little, by what differs, along its steps.
+) -> Followed:
+    """Run an assembly, and others whose parameters differ a little, by what differs, along its steps.
 
     FanfoldError where one of them does not reach the end (s), or does not meet the events that the assembly meets.
     """
@@ -55,7 +63,7 @@ def run_beside(
             leader.run(until)
         except (ParticipantError, StepError) as error:
             raise FanfoldError(f"{assembly.name}: {error}") from None
-        return recorder.result(), [one.result() for one in recorders]
+        return Followed(recorder.result(), [one.result() for one in recorders], leader.segments)
 
 
 @contextmanager
