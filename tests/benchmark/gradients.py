@@ -1,0 +1,141 @@
+"""What derivatives by ten parameters cost, and how far they are from differences of runs: AMOS-3.
+
+    python -m tests.benchmark.gradients [--flexible] [--central] [--until T] [--tolerance T] [--rounds N]
+        [--differences]
+
+First the processor time of a run, and of one with its ten neighbours, in turns; the least of each counts. Then, with
+--differences, the gradient of every latch time, peak and interface load beside central differences of two runs of
+their own for each key: along the steps of the run at the parameters, so that step control is not in the difference,
+each ending its steps at its own events, iterated to round-off. Gradients are relative, percent by percent; errors are
+over the gradient as a whole.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from time import process_time
+
+import numpy as np
+
+import orchestrator as fanfold
+from orchestrator.analysis.sampling.gradients import Gradients, Parameter, parameter
+from orchestrator.analysis.sampling.neighbours import run_beside
+from orchestrator.results.estimated_errors import PROMISED
+from orchestrator.run.run import Outcome, run
+from orchestrator.run.simulation import Options
+from orchestrator.scene.builder import Scene
+
+KEYS = (
+    "hinge_line.HL1.motor.stowed",
+    "hinge_line.HL2.motor.stowed",
+    "hinge_line.HL3.motor.stowed",
+    "hinge_line.HL1.motor.deployed",
+    "friction.coefficient",
+    "hinge_line.HL2.friction_preload",
+    "hinge_line.HL1.latch.stiffness,hinge_line.HL1.latch.outboard_stiffness",
+    "ccl.yoke_loop.preload",
+    "ccl.panel_loop.strand_stiffness",
+    "damper.damper.damping_coefficient",
+)
+"""Of motors, friction, latch, cable loops and damper."""
+ITERATED = 1e-9
+"""Tolerance whose iterations end at round-off; steps are given."""
+DIFFERENCE = 2e-5
+"""Of a key, to each side."""
+SURE = 1.02
+"""Last steps before events, which events cut, are given this much longer, so that each run finds its own."""
+
+
+def least(times: int, work: Callable[[], object]) -> float:
+    """Processor time (s) of some work, the least of several times."""
+    found = []
+    for _ in range(times):
+        start = process_time()
+        work()
+        found.append(process_time() - start)
+    return min(found)
+
+
+def along(segments: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Steps of a run as a plan for one whose events come a little earlier or later."""
+    plan = [list(segment) for segment in segments]
+    for segment in plan[:-1]:
+        segment[-1] *= SURE
+    return plan
+
+
+def beside(
+    scene: Scene, options: Options, one: Parameter, value: float, plan: Sequence[Sequence[float]]
+) -> Outcome:
+    """A run of its own with another value of a parameter."""
+    assembly = options.assemble(scene.with_settings(one.settings(scene.tree, value)).check_one_run())
+    settings = replace(options.settings(assembly), tolerance=ITERATED, step_plan=plan)
+    return run(assembly, None, settings, options.until)
+
+
+def values(outcome: Outcome) -> dict[tuple[str, str], float]:
+    """Headline numbers that a run promises."""
+    return {one.key: one.value for one in outcome.headline.numbers() if one.quantity in PROMISED}
+
+
+def differences(
+    scene: Scene, options: Options, one: Parameter, plan: Sequence[Sequence[float]]
+) -> Mapping[tuple[str, str], float]:
+    """Central differences by a parameter, of runs along the steps of one at its value."""
+    step = DIFFERENCE * abs(one.value)
+    high, low = (values(beside(scene, options, one, one.value + way * step, plan)) for way in (1.0, -1.0))
+    return {key: (high[key] - low[key]) / (2.0 * step) for key in high}
+
+
+def compare(scene: Scene, options: Options, found: Gradients, plan: Sequence[Sequence[float]]) -> None:
+    """Print the error of every number's gradient, whose parts are its changes by the whole of each key."""
+    sizes = np.array(found.values)
+    true = [differences(scene, options, parameter(scene.tree, key), plan) for key in found.keys]
+    for row, number in zip(found.derivatives, found.numbers, strict=True):
+        if number.quantity in PROMISED:
+            reference = np.array([one[number.key] for one in true]) * sizes
+            error = np.abs(row * sizes - reference)
+            worst = found.keys[int(np.argmax(error))].partition(",")[0]
+            whole = float(np.linalg.norm(reference))
+            print(
+                f"  {' '.join(number.key):26} {whole / number.value:8.2g} {np.linalg.norm(error) / whole:8.1e}  {worst}"
+            )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--flexible", action="store_true")
+    parser.add_argument("--central", action="store_true")
+    parser.add_argument("--differences", action="store_true")
+    parser.add_argument("--until", type=float, default=12.0)
+    parser.add_argument("--tolerance", type=float, default=1e-4)
+    parser.add_argument("--rounds", type=int, default=3)
+    chosen = parser.parse_args()
+    scene = fanfold.load("amos3")
+    fidelity: dict[str, object] = {} if chosen.flexible else {"rigid": "all"}
+    common = {"until": chosen.until, "tolerance": chosen.tolerance, **fidelity}
+    found = fanfold.gradients(scene, KEYS, central=chosen.central, **common)
+    runs = gradients = np.inf
+    for _ in range(chosen.rounds):
+        runs = min(runs, least(1, lambda: fanfold.simulate(scene, estimate=False, **common)))
+        gradients = min(
+            gradients, least(1, lambda: fanfold.gradients(scene, KEYS, central=chosen.central, **common))
+        )
+    print(
+        f"a run {runs:.3f} s, with derivatives by {len(KEYS)} keys {gradients:.3f} s: {gradients / runs:.2f} runs"
+    )
+    if chosen.differences:
+        options = Options(
+            until=chosen.until, tolerance=chosen.tolerance, **{k: frozenset({v}) for k, v in fidelity.items()}
+        )
+        assembly = options.assemble(scene.check_one_run())
+        followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), chosen.until)
+        print(f"  {'number':26} {'gradient':>8} {'error':>8}  most in")
+        compare(scene, options, found, along(followed.segments))
+
+
+if __name__ == "__main__":
+    main()
