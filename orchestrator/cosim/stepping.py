@@ -35,7 +35,8 @@ TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may lea
 STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
-_EVENT_TOLERANCE = 1e-11
+EVENT_TOLERANCE = 1e-11
+"""Of the distance of an event, relative: where it is taken for met."""
 _EVENT_SEARCH = 40
 _SEARCH = "the static search before the run"
 
@@ -173,7 +174,7 @@ def find_event(distance: Callable[[float], float], before: float, after: float, 
         trial = (f_low * high - f_high * low) / (f_low - f_high)
         trial = min(max(trial, low + 1e-3 * (high - low)), high)
         value = distance(trial)
-        if abs(value) < _EVENT_TOLERANCE or high - low < 1e-12:
+        if abs(value) < EVENT_TOLERANCE or high - low < 1e-12:
             return trial
         if value > 0.0:
             low, f_low = trial, value

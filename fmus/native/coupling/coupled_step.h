@@ -393,7 +393,7 @@ static int sweep_neighbours(Neighbours *all, const Led *led) {
         }
         b->network->iteration++;
         if (!coupling_sweep(b->network, b->time, b->h)) return 0;
-        note_residual(b->network, led, column, all->count);
+        note_residual(b, led, column, all->count);
     }
     return 1;
 }

@@ -10,10 +10,12 @@
 #include "rows.h"
 #include "system.h"
 
-/* Correction over the largest difference from the leader that is small; over the largest wrench, what may be rounding
+/* Correction over the largest difference from the leader that is small, and residual beyond rounding, which recorded
+   loads of stiff joints are off by; correction over the largest wrench, what may be rounding
    of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
    sweeps at the most; sweeps beyond two, over the neighbours, from which new factors pay. */
 #define NEIGHBOUR_SMALL 3e-6
+#define NEIGHBOUR_LEFT 1e-5
 #define NEIGHBOUR_ROUNDING 1e-8
 #define NEIGHBOUR_RATIO 0.7
 #define NEIGHBOUR_FADES 0.98
@@ -27,13 +29,13 @@ typedef struct {
 } Led;
 
 /* See Loop; time, h (s): of the neighbour, whose events come earlier or later than the leader's; of forces and
-   torques: last: largest of the last correction, rounding: of those that further sweeps made no smaller; iterates:
-   whether it goes on. */
+   torques: last: largest of the last correction, rounding: of those that further sweeps made no smaller, left: largest
+   residual beyond rounding; iterates: whether it goes on. */
 typedef struct {
     Network *network;
     const double *energy_start;
     RowBlock rows;
-    double time, h, last[2], rounding[2];
+    double time, h, last[2], rounding[2], left[2];
     size_t iterates;
 } Neighbour;
 
@@ -45,8 +47,13 @@ typedef struct {
 } Neighbours;
 
 /* What the leader's residual leaves of a neighbour's, into a column of all. */
-static void note_residual(const Network *n, const Led *led, double *column, size_t columns) {
-    for (size_t i = 0; i < n->size; i++) column[i * columns] = n->law[i] - n->wrenches[i] - led->residual[i];
+static void note_residual(Neighbour *b, const Led *led, double *column, size_t columns) {
+    const Network *n = b->network;
+    b->left[0] = b->left[1] = 0.0;
+    for (size_t i = 0; i < n->size; i++) {
+        column[i * columns] = n->law[i] - n->wrenches[i] - led->residual[i];
+        b->left[i / 3 % 2] = fmax(b->left[i / 3 % 2], fabs(column[i * columns]) - led->network->round_off[i]);
+    }
 }
 
 /* Largest of a correction, of a neighbour's difference from its leader, and of its wrenches: of forces and of torques. */
@@ -68,7 +75,8 @@ static Sizes2 sizes_of(const Network *n, const Led *led, const double *column, s
 
 /* Whether a correction need not be taken: small, or rounding. */
 static int is_done(Neighbour *b, const Sizes2 *s, size_t kind) {
-    if (s->change[kind] <= fmax(NEIGHBOUR_SMALL * s->difference[kind], b->rounding[kind])) return 1;
+    const int little = b->left[kind] <= NEIGHBOUR_LEFT * s->difference[kind];
+    if (s->change[kind] <= fmax(little ? NEIGHBOUR_SMALL * s->difference[kind] : 0.0, b->rounding[kind])) return 1;
     if (b->network->iteration <= 2 || s->change[kind] < NEIGHBOUR_RATIO * b->last[kind]) return 0;
     if (!(s->change[kind] <= NEIGHBOUR_ROUNDING * s->wrench[kind])) return 0;
     b->rounding[kind] = s->change[kind];

@@ -26,9 +26,9 @@ from .distributions import StudyError
 from .neighbours import run_beside
 from .varied import Settings, own_value, scaled, value_at, written
 
-PART = 3e-6
+PART = 5e-6
 """Of a key: what it differs by. The second derivative errs with it, the rounding of stiff joints against it."""
-CENTRAL_PART = 2e-5
+CENTRAL_PART = 5e-5
 _OF_ZERO = 1e-4
 _NO_NUMBERS = ("end time", "energy residual")
 
