@@ -36,10 +36,11 @@ def tune(
     vary: ranges by key, such as {"hinge_line.HL1.motor.stowed": "uniform(1.2 N.m, 2 N.m)"}; a key that ends in * is
     multiplied, keys with commas between get the same. targets: by NAME.QUANTITY, such as {"HL1.latch_time": "11.6 s"}
     or {"HL2.latch_torque_peak": 40}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
-    first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares with
-    derivatives by differences of runs, from the scene's own values. accuracy: largest relative difference to end with.
-    most_runs: after which the best so far is returned, with `reached` False. workers: processes. watch: takes how many
-    runs were made and the smallest residual. rigid ... tolerance: as for `simulate`; let it be well below the accuracy.
+    first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares from the
+    scene's own values, with derivatives as `gradients` has them or by differences of runs. accuracy:
+    largest relative difference to end with. most_runs: after which the best so far is returned, with `reached` False.
+    workers: processes. watch: takes how many runs were made and the smallest residual. rigid ... tolerance: as for
+    `simulate`; let it be well below the accuracy.
 
     StudyError or SceneError where it cannot begin.
     """

@@ -47,8 +47,8 @@ DIFFERENCE = 5e-5
 """Of a key, to each side."""
 MET = 1e-14
 """Distance at which runs of their own meet events; what it leaves, a lock of 1e8 N.m/rad makes a torque of."""
-SURE = 1.02
-"""Last steps before events, which events cut, are given this much longer, so that each run finds its own."""
+SURE = 1.1
+"""Last steps before events and the end, which these cut, are given this much longer, so that each run finds its own."""
 
 
 def least(times: int, work: Callable[[], object]) -> float:
@@ -64,7 +64,7 @@ def least(times: int, work: Callable[[], object]) -> float:
 def along(segments: Sequence[Sequence[float]]) -> list[list[float]]:
     """Steps of a run as a plan for one whose events come a little earlier or later."""
     plan = [list(segment) for segment in segments]
-    for segment in plan[:-1]:
+    for segment in plan:
         segment[-1] *= SURE
     return plan
 

@@ -115,7 +115,7 @@ def gradients(
 
     central: two neighbours a key, with differences whose error goes with the square of the part.
     """
-    _refuse(keys)
+    _refuse(keys, options)
     checked = scene.check_one_run()
     assembly = options.assemble(checked)
     until = options.until or assembly.until
@@ -145,7 +145,11 @@ def gradients(
     )
 
 
-def _refuse(keys: Sequence[str]) -> None:
+def _refuse(keys: Sequence[str], options: Options) -> None:
+    if options.master != "implicit" or options.backend == "python" or options.order == 2 or options.isolate:
+        raise StudyError(
+            "derivatives come from native FMUs in this process, and the implicit master of order 4"
+        )
     if not keys:
         raise StudyError("there is no key to differentiate by; give one, such as hinge_line.HL1.motor.stowed")
     if twice := sorted({key for key in keys if keys.count(key) > 1}):

@@ -11,6 +11,7 @@ from components import FanfoldError
 
 from ...assembly import Assembly
 from ...cosim.fmu import FmuParticipant
+from ...cosim.native.library import library
 from ...cosim.neighbours.leader import Leader
 from ...cosim.neighbours.neighbour import Neighbour
 from ...cosim.network import Network
@@ -45,11 +46,13 @@ def run_beside(
 
     FanfoldError where one of them does not reach the end (s), or does not meet the events that the assembly meets.
     """
+    _refuse_signals(assembly)
     settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
     beside = replace(settings, step_plan=_CHOOSES_NOTHING, progress=lambda time, h: None)
     with ExitStack() as stack:
         try:
             own = stack.enter_context(as_fmus(assembly))
+            _refuse_slow(assembly, own)
             neighbours: list[Neighbour] = []
             recorders: list[MemoryRecorder] = []
             for name, other in others.items():
@@ -64,6 +67,27 @@ def run_beside(
         except (ParticipantError, StepError) as error:
             raise FanfoldError(f"{assembly.name}: {error}") from None
         return Followed(recorder.result(), [one.result() for one in recorders], leader.segments)
+
+
+def _refuse_signals(assembly: Assembly) -> None:
+    if assembly.signal_fmus:
+        names = ", ".join(one.name for one in assembly.signal_fmus)
+        raise FanfoldError(
+            f"{assembly.name}: what FMUs with signals do ({names}) has no derivatives, as they cannot make a step "
+            "twice; leave them out, or compare runs"
+        )
+
+
+def _refuse_slow(assembly: Assembly, participants: Sequence[FmuParticipant]) -> None:
+    if library() is None:
+        raise FanfoldError(
+            f"{assembly.name}: derivatives need the native library; install Fanfold again where there is a C compiler"
+        )
+    if slow := [one.name for one in participants if one.native is None]:
+        raise FanfoldError(
+            f"{assembly.name}: derivatives need native FMUs, and {', '.join(slow)} can only be had in Python; compare "
+            "runs instead"
+        )
 
 
 @contextmanager

@@ -1,6 +1,7 @@
 """Values of a scene's keys that bring headline numbers, or curves, where they are wanted: bounded least squares.
 
-Every run is a deployment; derivatives are differences of runs, as many as there are keys, which workers share.
+Every run is a deployment. Derivatives of numbers come from one run with a neighbour for every key; those of curves, of
+one or two keys, and where that cannot be, are differences of runs, as many as there are keys, which workers share.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, Executor
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass, field, replace
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +21,7 @@ from components.contract.component import Vector
 
 from ...scene.units import UNITS
 from .distributions import StudyError
+from .gradients import gradients
 from .sample import Sample, Task, run_sample
 from .targets import Curve, Target, refuse_unknown
 from .varied import Settings, Varied, own_value, value_at
@@ -27,6 +30,8 @@ from .workers import local
 _STEP = 2e-3
 """Difference of a key over its range: far above what the errors of runs make of numbers, and nearly linear."""
 _ACCURACY = 1e-4
+_OF_A_NEIGHBOUR = 0.55
+"""What a neighbour costs, in runs (`python -m tests.benchmark.gradients`)."""
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
 _BLIND = 1e-4
@@ -50,7 +55,8 @@ class Tuned:
 
     settings: keys of the scene with the values that were found. residual, start_residual: largest relative difference
     from a target, of a curve the root of the mean square over its range. derivatives: of the numbers wanted (rows, in
-    their units) by what was varied (columns). blind: what was varied that the targets do not tell. runs: deployments.
+    their units) by what was varied (columns). blind: what was varied that the targets do not tell. runs: deployments,
+    or what took as long.
     """
 
     scene: str
@@ -155,7 +161,7 @@ class _Search:
         return found
 
     def jacobian(self, point: Vector) -> Vector:
-        """For SciPy: differences of residuals; the last ones, brought up to date by Broyden, where they led well."""
+        """For SciPy: slopes of residuals; the last ones, brought up to date by Broyden, where they led well."""
         here = np.clip(point, 0.0, 1.0)
         residual = self.at([here])[0][1]
         known, self.linear = self.linear, None
@@ -165,17 +171,45 @@ class _Search:
                 matrix = known.matrix + np.outer(change - known.matrix @ way, way) / (way @ way)
                 self.linear = _Linear(here, residual, matrix)
         if self.linear is None:
-            self.linear = _Linear(here, residual, self.differences(here, lambda _, off: off))
+            self.linear = _Linear(here, residual, self.slopes(here))
         return self.linear.matrix
 
-    def differences(self, point: Vector, of: Callable[[Sample, Vector], Vector]) -> Vector:
-        """Derivatives of values (rows) by the shares of the ranges (columns), into the ranges."""
+    def slopes(self, point: Vector) -> Vector:
+        """Derivatives of residuals (rows) by the shares of the ranges (columns)."""
+        if not self.curves and self._costs_of_neighbours < len(self.varied):
+            with suppress(FanfoldError):
+                return self._by_neighbours(point)
+        return self._by_differences(point)
+
+    @property
+    def _costs_of_neighbours(self) -> int:
+        """In runs; differences cost as many as there are keys."""
+        return 1 + ceil(_OF_A_NEIGHBOUR * len(self.varied))
+
+    def _by_neighbours(self, point: Vector) -> Vector:
+        """Of one run; FanfoldError where that cannot be, or has not all numbers."""
+        scene = self.task.scene.with_settings(self.settings(point))
+        found = gradients(scene, self.task.options, [one.name for one in self.varied])
+        self.runs += self._costs_of_neighbours
+        self.watch(self.runs, self.best[1])
+        names = [one.number for one in self.targets]
+        if missing := sorted({*names} - {*found.names}):
+            raise StudyError(f"{self._named(point)}: the run has no {', '.join(missing)}")
+        rows = found.derivatives[[found.names.index(name) for name in names]]
+        units = [found.numbers[found.names.index(name)].unit for name in names]
+        sizes = [abs(one.value(unit)) or 1.0 for one, unit in zip(self.targets, units, strict=True)]
+        by_share = [_by_share(one, share) for one, share in zip(self.varied, point.tolist(), strict=True)]
+        slopes: Vector = rows * np.array(by_share) / np.array(sizes)[:, None]
+        return slopes
+
+    def _by_differences(self, point: Vector) -> Vector:
+        """Of runs whose values lie a little further into the ranges."""
         ends = [point + step * one for one, step in zip(np.eye(len(point)), _steps(point), strict=True)]
         found = self.at([point, *ends])
         for end, (sample, _) in zip((point, *ends), found, strict=True):
             if sample.message:
                 raise StudyError(f"a run of the search failed, with {self._named(end)}: {sample.message}")
-        here, *others = (of(*one) for one in found)
+        here, *others = (off for _, off in found)
         return np.column_stack(
             [(other - here) / step for other, step in zip(others, _steps(point), strict=True)]
         )
@@ -183,6 +217,12 @@ class _Search:
 
 def _steps(point: Vector) -> list[float]:
     return [_STEP if share + _STEP <= 1.0 else -_STEP for share in point.tolist()]
+
+
+def _by_share(one: Varied, share: float) -> float:
+    """What turns a derivative by a key, or by a factor of what it has at a share, into one by the share."""
+    wide = one.distribution.high - one.distribution.low
+    return wide / _value(one, share) if one.factor else wide
 
 
 def _value(one: Varied, share: float) -> float:
@@ -234,7 +274,7 @@ def _told(search: _Search, start: Vector) -> Tuned:
         ]
     )
     wide = np.array([one.distribution.high - one.distribution.low for one in search.varied])
-    moved = search.differences(best, lambda _, off: off)
+    moved = search.slopes(best)
     scale = np.array([abs(one.wanted) or 1.0 for one in numbers])
     rows = moved[: len(numbers)] * scale[:, None] / wide
     return Tuned(

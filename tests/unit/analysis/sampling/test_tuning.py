@@ -2,7 +2,7 @@
 
 import json
 import re
-from math import pi, sqrt
+from math import sqrt
 
 import numpy as np
 import pytest
@@ -10,27 +10,11 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from orchestrator.cli.main import main
+from tests.references.flap import ANGLE, INERTIA, MOTOR, flap
 
 pytestmark = pytest.mark.slow
 
-INERTIA, ANGLE = 2.0, 0.5 * pi
-MOTOR = "hinge_line.line.motor.stowed,hinge_line.line.motor.deployed"
 RANGE = "uniform(0.5 N.m, 3 N.m)"
-
-
-def flap(torque=1.0):
-    """A flap about a line through its centre of mass, opened by a constant torque: t = sqrt(2 angle J / T)."""
-    scene = fanfold.Scene("flap", until="5 s", tolerance=1e-6)
-    points = {"left": (0, 0.5, 0), "right": (0, -0.5, 0)}
-    base = scene.base(points=points)
-    body = scene.body(
-        "flap", rigid={"mass": 5.0, "center_of_mass": (0, 0, 0), "inertia": (1, INERTIA, 1), "points": points}
-    )
-    scene.hinge_line(
-        "line", base, body, axis="+y", aligned_angle=f"{ANGLE} rad", hinges={"left": "left", "right": "right"},
-        motor={"stowed": torque, "deployed": torque}, latch={"stiffness": 100.0, "effective_inertia": INERTIA},
-    )  # fmt: skip
-    return scene
 
 
 def test_a_torque_from_a_latch_time():
@@ -56,11 +40,10 @@ def test_a_torque_from_a_measured_curve(tmp_path):
     times, torque = np.linspace(0.0, 1.5, 16), 1.3
     rows = ["time,left.angle", *(f"{t},{0.5 * torque / INERTIA * t * t}" for t in times.tolist())]
     (tmp_path / "measured.csv").write_text("\n".join(rows), encoding="utf-8")
-    keys = ",".join(f"hinge_line.line.motor.{end}" for end in ("stowed", "deployed"))
     found = fanfold.tune(
-        flap(), {f"{keys}*": "uniform(0.5, 2)"}, curve=tmp_path / "measured.csv", accuracy=2e-4
+        flap(), {f"{MOTOR}*": "uniform(0.5, 2)"}, curve=tmp_path / "measured.csv", accuracy=2e-4
     )
-    assert found.values[f"{keys}*"] == pytest.approx(torque, rel=2e-3)
+    assert found.values[f"{MOTOR}*"] == pytest.approx(torque, rel=2e-3)
     assert found.reached
 
 

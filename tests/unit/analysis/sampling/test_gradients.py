@@ -1,0 +1,171 @@
+"""Derivatives of headline numbers by keys: closed forms, runs of their own along the same steps, sentences."""
+
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import orchestrator as fanfold
+from orchestrator.analysis.sampling.gradients import parameter
+from orchestrator.analysis.sampling.neighbours import run_beside
+from orchestrator.cli.main import main
+from orchestrator.cosim import stepping
+from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.run.simulation import Options
+from tests.benchmark.gradients import MET, along, differences
+from tests.references.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
+from tests.references.flap import INERTIA as MOMENT
+
+INERTIA = "body.flap.rigid.inertia*"
+DAMPING = "hinge_line.line.latch.damping_ratio"
+TWO_PANELS = "tests/scenes/two_panels.toml"
+
+
+def of_steps(tolerance):
+    """What is left of a derivative along steps whose errors are of a tolerance (an own one of 1e-6 errs by less)."""
+    return 20.0 * tolerance
+
+
+def test_a_latch_time_in_closed_form():
+    """Closed form: t = sqrt(2 angle J / T), so dt/dT = -t / 2T, and half a percent for one of the inertia."""
+    found = fanfold.gradients(flap(), [MOTOR, INERTIA])
+    assert found.of("latch time line", MOTOR) == pytest.approx(-0.5 * latch_time(), rel=of_steps(1e-6))
+    relative = found.relative[found.names.index("latch time line")]
+    assert relative == pytest.approx([-0.5, 0.5], rel=of_steps(1e-6))
+    assert found.units == ("", "")
+    assert found.values == (1.0, 1.0)
+
+
+def test_a_latch_torque_in_closed_form():
+    """Closed form: k x^2 / 2 = T (angle + x) without damping, for a peak after the latch-up, which comes earlier."""
+    found = fanfold.gradients(flap(damping_ratio=0.0), [MOTOR, "hinge_line.line.latch.stiffness"])
+    step = 1e-5
+    slope = (undamped_peak(1.0 + step) - undamped_peak(1.0 - step)) / (2.0 * step)
+    assert found.of("latch torque peak line", MOTOR) == pytest.approx(slope, rel=of_steps(1e-5))
+    by_stiffness = ANGLE / (undamped_peak() - 1.0)  # of sqrt(T^2 + 2 k T angle)
+    assert found.of("latch torque peak line", "hinge_line.line.latch.stiffness") == pytest.approx(
+        by_stiffness, rel=of_steps(1e-5)
+    )
+    assert undamped_peak() == pytest.approx(np.sqrt(1.0 + 2.0 * STIFFNESS * ANGLE) + 1.0)
+
+
+def test_both_sides_are_more_accurate():
+    """Definition: one side errs with the part of the key, both with its square; dt/dT as above."""
+    one, both = (
+        fanfold.gradients(flap(), MOTOR, central=central).of("latch time line", MOTOR)
+        for central in (False, True)
+    )
+    # half the second derivative, 3/4 t, over a part of 5e-6
+    assert one - both == pytest.approx(0.5 * 0.75 * latch_time() * 5e-6, rel=0.2)
+
+
+def test_a_key_of_zero_and_one_at_its_end():
+    """A damping ratio of zero can only grow; a derivative by it is there all the same."""
+    found = fanfold.gradients(flap(damping_ratio=0.0), DAMPING)
+    quarter = 0.5 * np.pi  # less energy by 2 pi zeta a swing takes the peak down by zeta pi / 2
+    assert found.of("latch torque peak line", DAMPING) == pytest.approx(-undamped_peak() * quarter, rel=0.1)
+    assert found.of("latch time line", DAMPING) == 0.0
+
+
+KEYS = ("hinge_line.HL3.motor.stowed", "friction.coefficient", "damper.damper.damping_coefficient")
+
+
+@pytest.mark.slow
+def test_amos3_against_runs_of_their_own(monkeypatch):
+    """Runs of their own along the same steps, to their own latch-ups: to 1e-5 of the gradient of each latch number.
+
+    Loads at the interface are differences of larger ones in stiff joints, and err by the rounding of these.
+    """
+    scene, options = fanfold.load("amos3"), Options(rigid=frozenset({"all"}), until=12.0, tolerance=1e-3)
+    found = fanfold.gradients(scene, KEYS, central=True, rigid="all", until=12.0, tolerance=1e-3)
+    assembly = options.assemble(scene.check_one_run())
+    followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), 12.0)
+    monkeypatch.setattr(stepping, "EVENT_TOLERANCE", MET)
+    true = [differences(scene, options, parameter(scene.tree, key), along(followed.segments)) for key in KEYS]
+    for name, number, row in zip(found.names, found.numbers, found.derivatives, strict=True):
+        if number.key in true[0]:
+            wanted = np.array([one[number.key] for one in true]) * found.values
+            off = np.linalg.norm(row * found.values - wanted) / np.linalg.norm(wanted)
+            assert off < (1e-5 if name.startswith("latch") else 1e-4), name
+
+
+def test_a_run_with_neighbours_is_the_run():
+    """Its numbers are those of a run without, but for iterations and a step more before a latch-up."""
+    found = fanfold.gradients(flap(), MOTOR)
+    run = fanfold.simulate(flap(), estimate=False)
+    numbers = {" ".join(filter(None, one.key)): one.value for one in found.numbers}
+    assert numbers["latch time line"] == pytest.approx(run.latch_times["line"], rel=of_steps(1e-6))
+
+
+def test_through_an_event_at_a_condition():
+    """Closed form: a torque T up to half the angle, T / 2 beyond, from where a neighbour meets it at its own time."""
+    scene = flap()
+    scene.event(
+        "weaker",
+        when={"component": "line", "variable": "angle", "above": f"{0.5 * ANGLE} rad"},
+        set={"line": {"motor_constant_torque": 0.25}},  # of each of two hinges
+    )
+    found = fanfold.gradients(scene, INERTIA)
+    # rate sqrt(T angle / J) at half the angle, sqrt(1.5) times that at the end, and T / 2 J between
+    first = 0.5**0.5 * latch_time()
+    whole = first + 2.0 * MOMENT * (1.5**0.5 - 1.0) * (ANGLE / MOMENT) ** 0.5
+    assert found.numbers[found.names.index("latch time line")].value == pytest.approx(
+        whole, rel=of_steps(1e-6)
+    )
+    assert found.of("latch time line", INERTIA) == pytest.approx(0.5 * whole, rel=of_steps(1e-6))
+
+
+def test_fmus_with_signals_have_no_derivatives():
+    """They cannot make a step twice; the sentence names them."""
+    assembly = replace(
+        Options().assemble(flap().check_one_run()), signal_fmus=(SimpleNamespace(name="controller"),)
+    )
+    with pytest.raises(fanfold.FanfoldError, match=r"controller.* has no derivatives"):
+        run_beside(assembly, {}, Options().settings(assembly), 1.0)
+
+
+def test_bodies_without_native_code_have_no_derivatives(monkeypatch):
+    """The sentence names what there is only in Python."""
+    monkeypatch.setattr(FmuParticipant, "native", property(lambda self: None))
+    with pytest.raises(fanfold.FanfoldError, match=r"derivatives need native FMUs, and .*flap"):
+        fanfold.gradients(flap(), MOTOR)
+
+
+WRONG = {
+    "none": ([], "there is no key to differentiate by"),
+    "twice": ([MOTOR, MOTOR], "given twice"),
+    "absent": (["hinge_line.line.motor.wind_up"], "the scene has no value there"),
+    "mistyped": (["hinge_line.line.moter.stowed"], "moter"),
+    "a list": (["body.flap.rigid.inertia"], r"is no number; .*write body\.flap\.rigid\.inertia\*"),
+    "a text": (["scene.name"], "is no number"),
+    "different": ([f"{ENDS[0]},hinge_line.line.latch.stiffness"], "values differ; write"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_what_has_no_derivative_is_a_sentence(kind):
+    keys, sentence = WRONG[kind]
+    with pytest.raises(fanfold.FanfoldError, match=sentence):
+        fanfold.gradients(flap(), keys)
+
+
+def test_the_command(tmp_path):
+    """A table, a picture, JSON with the relative ones beside."""
+    path = tmp_path / "flap.toml"
+    path.write_text(flap().to_toml(), encoding="utf-8")
+    picture = tmp_path / "flap.png"
+    asked = ["analyse", "gradients", str(path), "--by", MOTOR, "--output", str(picture)]
+    told = CliRunner().invoke(main, asked)
+    assert told.exit_code == 0, told.output
+    assert "latch time line" in told.stdout
+    assert picture.stat().st_size > 1000
+    found = json.loads(CliRunner().invoke(main, [*asked, "--json"]).stdout)
+    assert found["keys"] == [MOTOR]
+    place = [number[0] for number in found["numbers"]].index("latch time")
+    assert found["relative"][place] == pytest.approx([-0.5], rel=of_steps(1e-6))
+    wrong = CliRunner().invoke(main, ["analyse", "gradients", str(path), "--by", "scene.name"])
+    assert wrong.exit_code == 1
+    assert "is no number" in wrong.output
