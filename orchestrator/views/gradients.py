@@ -38,8 +38,8 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
         axes.grid(visible=False)
         axes.set_xticks(range(len(found.keys)), [_wrapped(key) for key in found.keys])
         axes.set_yticks(range(len(rows)), [found.names[i] for i in rows])
-        axes.set_title(f"{found.scene}: change of a number in % for 1 % of a key")
-        figure.colorbar(image, ax=axes, label="% per %")
+        axes.set_title(found.scene)
+        figure.colorbar(image, ax=axes, label="change of a number in % for 1 % of a key")
         as_written(figure).savefig(path)
     return path
 

@@ -405,14 +405,17 @@ static int any_iterates(const Neighbours *all) {
 }
 
 /* Have all neighbours step from their saved states: by wrenches that are the leader's but for what the guesses differ
-   by, corrected until only rounding or next to nothing of the difference is left; 1 or 0. */
+   by, corrected until only rounding or next to nothing of the difference is left; 1, or 0 with `at` one that fails. */
 static int solve_beside(Neighbours *all, const Led *led) {
-    while (any_iterates(all)) {
+    for (size_t sweeps = 1; any_iterates(all); sweeps++) {
         if (!sweep_neighbours(all, led)) return 0;
+        if (sweeps == NEIGHBOUR_REFRESHED) assemble(led->network);
         directions(led->network, all->changes, all->ordered, all->count);
         for (size_t k = 0; k < all->count; k++)
             if (all->neighbour[k].iterates) take_correction(all->neighbour + k, led, all->changes + k, all->count);
     }
+    for (all->at = 0; all->at < all->count; all->at++)
+        if (all->neighbour[all->at].astray) return 0;
     return 1;
 }
 

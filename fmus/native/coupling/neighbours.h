@@ -13,30 +13,31 @@
 /* Correction over the largest difference from the leader that is small, and residual beyond rounding, which recorded
    loads of stiff joints are off by; correction over the largest wrench, what may be rounding
    of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
-   sweeps at the most; sweeps beyond two, over the neighbours, from which new factors pay. */
+   sweeps at the most, and those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay. */
 #define NEIGHBOUR_SMALL 3e-6
 #define NEIGHBOUR_LEFT 1e-5
 #define NEIGHBOUR_ROUNDING 1e-8
 #define NEIGHBOUR_RATIO 0.7
 #define NEIGHBOUR_FADES 0.98
 #define NEIGHBOUR_SWEEPS 40
+#define NEIGHBOUR_REFRESHED 5
 #define NEIGHBOUR_SLUGGISH 1
 
 /* A step that the leader has solved: factors, and the wrenches it came to, from which guess, with which residual. */
 typedef struct {
-    const Network *network;
+    Network *network;
     const double *guess, *wrenches, *residual;
 } Led;
 
 /* See Loop; time, h (s): of the neighbour, whose events come earlier or later than the leader's; of forces and
    torques: last: largest of the last correction, rounding: of those that further sweeps made no smaller, left: largest
-   residual beyond rounding; iterates: whether it goes on. */
+   residual beyond rounding; iterates: whether it goes on; astray: whether it did not get there. */
 typedef struct {
     Network *network;
     const double *energy_start;
     RowBlock rows;
     double time, h, last[2], rounding[2], left[2];
-    size_t iterates;
+    size_t iterates, astray;
 } Neighbour;
 
 /* Runs beside one: neighbour (count,), and room for what they are corrected by, (size, count) each. */
@@ -73,8 +74,9 @@ static Sizes2 sizes_of(const Network *n, const Led *led, const double *column, s
     return s;
 }
 
-/* Whether a correction need not be taken: small, or rounding. */
+/* Whether a correction need not be taken: small, or rounding: where residuals are, or sweeps make it no smaller. */
 static int is_done(Neighbour *b, const Sizes2 *s, size_t kind) {
+    if (b->network->iteration > 1 && b->left[kind] <= 0.0) return 1;
     const int little = b->left[kind] <= NEIGHBOUR_LEFT * s->difference[kind];
     if (s->change[kind] <= fmax(little ? NEIGHBOUR_SMALL * s->difference[kind] : 0.0, b->rounding[kind])) return 1;
     if (b->network->iteration <= 2 || s->change[kind] < NEIGHBOUR_RATIO * b->last[kind]) return 0;
@@ -88,7 +90,8 @@ static void take_correction(Neighbour *b, const Led *led, const double *column, 
     Network *n = b->network;
     const Sizes2 s = sizes_of(n, led, column, columns);
     const int forces = is_done(b, &s, 0), torques = is_done(b, &s, 1);
-    b->iterates = !(forces && torques) && n->iteration < NEIGHBOUR_SWEEPS;
+    b->astray = !(forces && torques) && n->iteration >= NEIGHBOUR_SWEEPS;
+    b->iterates = !(forces && torques) && !b->astray;
     for (size_t kind = 0; kind < 2; kind++) {
         b->last[kind] = s.change[kind];
         if (!b->iterates) b->rounding[kind] *= NEIGHBOUR_FADES;
@@ -103,6 +106,7 @@ static void start_beside(Neighbour *b, const Led *led, double h) {
     b->h = h;
     b->last[0] = b->last[1] = INFINITY;
     b->iterates = 1;
+    b->astray = 0;
     n->iteration = 0;
 }
 

@@ -17,18 +17,21 @@ import numpy as np
 from components.contract.component import Vector
 
 from ...assembly import Assembly
+from ...cosim.neighbours.solvers import AstrayError
 from ...results.key_figures import Number, headline
 from ...run.simulation import Options
 from ...scene import SceneError
 from ...scene.builder import Scene
 from ...scene.layers import Tree
 from .distributions import StudyError
-from .neighbours import run_beside
+from .neighbours import Followed, run_beside
 from .varied import Settings, own_value, scaled, value_at, written
 
 PART = 5e-6
 """Of a key: what it differs by. The second derivative errs with it, the rounding of stiff joints against it."""
 CENTRAL_PART = 5e-5
+_SMALLER = (1.0, 0.1, 0.01)
+"""Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1e-4
 _NO_NUMBERS = ("end time", "energy residual")
 
@@ -81,6 +84,13 @@ class Parameter(NamedTuple):
         return {key: scaled(key, value_at(tree, key), value) for key in self.keys}
 
 
+class Beside(NamedTuple):
+    """A value of a parameter beside its own, and what it makes of the scene."""
+
+    value: float
+    assembly: Assembly
+
+
 def parameter(tree: Tree, text: str) -> Parameter:
     """What KEY, KEY,KEY or KEY* means in a scene; StudyError where that is no number."""
     factor = text.rstrip().endswith("*")
@@ -116,28 +126,52 @@ def gradients(
     central: two neighbours a key, with differences whose error goes with the square of the part.
     """
     _refuse(keys, options)
-    checked = scene.check_one_run()
-    assembly = options.assemble(checked)
-    until = options.until or assembly.until
+    assembly = options.assemble(scene.check_one_run())
     parameters = [parameter(scene.tree, key) for key in keys]
-    others: dict[str, Assembly] = {}
-    ends: list[list[float]] = []
-    for one in parameters:
-        there = _neighbours(scene, options, one, central=central)
-        others |= {f"{one.name} {'+' if value > one.value else '-'}": other for value, other in there}
-        ends.append([value for value, _ in there])
-    found = run_beside(assembly, others, options.settings(assembly), until, watch)
-    numbers = [one for one in headline(found.result).numbers() if one.quantity not in _NO_NUMBERS]
-    beside = iter([{one.key: one.value for one in headline(one).numbers()} for one in found.neighbours])
+    astray = ""
+    for smaller in _SMALLER:
+        part = smaller * (CENTRAL_PART if central else PART)
+        beside = [_neighbours(scene, options, one, part, central=central) for one in parameters]
+        try:
+            followed = _follow(assembly, options, parameters, beside, watch)
+        except AstrayError as error:
+            astray = str(error)
+        else:
+            return _told(assembly, parameters, beside, followed)
+    raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
+
+
+def _follow(
+    assembly: Assembly,
+    options: Options,
+    parameters: Sequence[Parameter],
+    beside: Sequence[Sequence[Beside]],
+    watch: Callable[[float, float], None],
+) -> Followed:
+    others = {
+        f"{one.name} {'+' if side.value > one.value else '-'}": side.assembly
+        for one, sides in zip(parameters, beside, strict=True)
+        for side in sides
+    }
+    return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
+
+
+def _told(
+    assembly: Assembly,
+    parameters: Sequence[Parameter],
+    beside: Sequence[Sequence[Beside]],
+    followed: Followed,
+) -> Gradients:
+    numbers = [one for one in headline(followed.result).numbers() if one.quantity not in _NO_NUMBERS]
+    here = {one.key: one.value for one in numbers}
+    results = iter(followed.neighbours)
     columns = []
-    for one, values in zip(parameters, ends, strict=True):
-        sides = [(value, next(beside)) for value in values]
-        if not central:
-            sides.append((one.value, {number.key: number.value for number in numbers}))
-        columns.append(_quotients(numbers, sides))
+    for one, sides in zip(parameters, beside, strict=True):
+        ends = [(side.value, {n.key: n.value for n in headline(next(results)).numbers()}) for side in sides]
+        columns.append(_quotients(numbers, ends if len(ends) > 1 else [*ends, (one.value, here)]))
     return Gradients(
         assembly.name,
-        tuple(keys),
+        tuple(one.name for one in parameters),
         tuple(one.value for one in parameters),
         tuple(one.unit for one in parameters),
         tuple(numbers),
@@ -157,20 +191,21 @@ def _refuse(keys: Sequence[str], options: Options) -> None:
 
 
 def _neighbours(
-    scene: Scene, options: Options, one: Parameter, *, central: bool
-) -> list[tuple[float, Assembly]]:
-    """Values beside that of a parameter and what they make of the scene: on both sides, or on the first that can be."""
-    step = (CENTRAL_PART if central else PART) * abs(one.value) or _OF_ZERO
-    found, refused = [], []
+    scene: Scene, options: Options, one: Parameter, part: float, *, central: bool
+) -> list[Beside]:
+    """On both sides of a parameter where both can be and are wanted, or on the first that can be."""
+    step = part * abs(one.value) or _OF_ZERO
+    found: list[Beside] = []
+    refused: list[SceneError] = []
     for value in (one.value + step, one.value - step):
         try:
             other = scene.with_settings(one.settings(scene.tree, value)).check_one_run()
-            found.append((value, options.assemble(other)))
+            found.append(Beside(value, options.assemble(other)))
         except SceneError as error:
             refused.append(error)
         if found and not central:
             break
-    if refused and (central or not found):
+    if not found:
         raise refused[0]
     return found
 

@@ -13,8 +13,7 @@ from ..implicit.convergence import Tolerance
 from ..implicit.native_solver import NativeSolver
 from ..master import Master
 from ..native.library import NeighbourData
-from ..participant import ParticipantError
-from .solvers import NeighbourSolver, Solved
+from .solvers import AstrayError, NeighbourSolver, Solved
 
 ITERATED = 1e-10
 """Tolerance of iterations of leaders, and of neighbours at events: what they leave is in the difference."""
@@ -129,7 +128,7 @@ class Neighbour(Master):
 
     def _refuse_astray(self, h: float, expected: float, what: str) -> None:
         if not abs(h - expected) < _ASTRAY * expected:
-            raise ParticipantError(
+            raise AstrayError(
                 f"with {self.name} a little different, {what} does not come near t = {self.time + expected:.6g} s, "
-                "where it comes without; numbers have no derivative there"
+                "where it comes without"
             )

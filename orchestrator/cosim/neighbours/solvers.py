@@ -12,10 +12,16 @@ from typing import Any
 
 import numpy as np
 
+from components import FanfoldError
+
 from ..implicit.convergence import Solution
 from ..implicit.native_solver import NativeSolver
 from ..native.library import Led, LoopData, NeighbourData, NeighboursData
-from ..participant import Vector
+from ..participant import ParticipantError, Vector
+
+
+class AstrayError(FanfoldError):
+    """A neighbour cannot follow its leader; one that differs less from it may."""
 
 
 @dataclass(frozen=True)
@@ -55,15 +61,18 @@ class NeighbourSolver(NativeSolver):
         self._alone = Beside([self])
 
     def beside(self, solved: Solved, time: float, h: float) -> None:
-        """Beside a step of the leader, which may be a little longer or shorter."""
+        """Beside a step of the leader, which may be a little longer or shorter; AstrayError where that cannot be."""
         self.wrenches[:] = self.predicted(time, h)
-        self._check(
-            self._library.coupling_beside(self._alone.address, addressof(solved.led), time, h), time, h
-        )
+        if not self._library.coupling_beside(self._alone.address, addressof(solved.led), time, h):
+            self._alone.refuse(time + h)
 
-    def refuse(self, time: float) -> None:
-        """ParticipantError with the words of the participant that failed last."""
-        self._check(False, time)
+    def words(self, time: float, h: float) -> str:
+        """Of the participant that failed last."""
+        try:
+            self._check(False, time, h)
+        except ParticipantError as error:
+            return str(error)
+        return ""
 
 
 class Beside:
@@ -80,6 +89,9 @@ class Beside:
         self.address = addressof(self._data)
 
     def refuse(self, time: float) -> None:
-        """ParticipantError with the words of the one that failed, if one did."""
-        if self._data.at < len(self._solvers):
-            self._solvers[self._data.at].refuse(time)
+        """AstrayError with the words of the one that failed, if one did."""
+        at = self._data.at
+        if at < len(self._solvers):
+            one = self.each[at]
+            words = "its wrenches do not converge" if one.astray else self._solvers[at].words(time, one.h)
+            raise AstrayError(f"at t = {time:.6g} s a run beside this one cannot follow it ({words})")
