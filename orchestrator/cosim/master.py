@@ -33,7 +33,6 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
-from .step_plan import StepPlan
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
 ITERATED = {2: 1e-2, 4: 1e-3}
@@ -74,7 +73,7 @@ class Master(CoSimulation):
         self._sizes.restart(min(settings.start_step, largest))
         self._guard = EnergyGuard(self._energies)
         self._parts = 1
-        self._plan = StepPlan(settings.step_plan or ())
+        self._plan = stepping.StepPlan(settings.step_plan or ())
         self._latched: list[StiffenedLine] = []
         self._laws = [
             (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import Structure
 from math import ceil, floor, log, sqrt
 
@@ -38,6 +38,7 @@ _TO_CONVERGE = 1.0 / 64.0
 EVENT_TOLERANCE = 1e-11
 """Of the distance of an event, relative: where it is taken for met."""
 _EVENT_SEARCH = 40
+_PLAN_TAIL, _PLAN_PARTS = 8, 4
 _SEARCH = "the static search before the run"
 
 
@@ -160,6 +161,29 @@ class ErrorEstimate(Structure):
     def share(self, square: float) -> float:
         """Part of a step, at most all of it, whose error leaves room to grow, where errors go with the step."""
         return min(1.0, GROWTH_MARGIN / max(self(square), LEAST_ERROR))
+
+
+class StepPlan:
+    """Steps given before a run, a list (s) for every segment between events; those beyond the last go by that."""
+
+    def __init__(self, segments: Sequence[Sequence[float]]) -> None:
+        self._segments = [list(segment) for segment in segments]
+
+    def __bool__(self) -> bool:
+        return bool(self._segments)
+
+    def now(self, made: Sequence[Sequence[float]]) -> tuple[list[float], int]:
+        """The plan (s) of the present segment, and where in it a run stands that has made these steps."""
+        segment, position = len(made) - 1, len(made[-1])
+        plan = self._segments[min(segment, len(self._segments) - 1)]
+        # beyond its end, not the last step's size: that one only ended at an event and may be tiny
+        plan.extend([max(plan[-_PLAN_TAIL:])] * (position + 1 - len(plan)))
+        return plan, position
+
+    def divide(self, made: Sequence[Sequence[float]]) -> None:
+        """Make several steps of the next one."""
+        plan, position = self.now(made)
+        plan[position : position + 1] = [plan[position] / _PLAN_PARTS] * _PLAN_PARTS
 
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:

@@ -271,7 +271,10 @@ def test_readme_commands_exist():
     shown = set()
     for name, *arguments in commands():
         shown.add(name)
-        options = {option for p in main.commands[name].params for option in p.opts}
+        command = main.commands[name]
+        if isinstance(command, click.Group):
+            command = command.get_command(click.Context(command), arguments[0])
+        options = {option for p in command.params for option in p.opts}
         assert {a for a in arguments if a.startswith("-")} <= options
     assert shown == set(main.commands)
 

@@ -142,6 +142,8 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
 """LaTeX and what its letters mean, by kind of component or by module."""
 
 SOURCES = {
+    "Bock 1981": "H. G. Bock, Numerical treatment of inverse problems in chemical reaction kinetics, in Modelling of "
+    "Chemical Reaction Systems. Springer, 1981",
     "Allen 1969": "H. G. Allen, Analysis and Design of Structural Sandwich Panels. Pergamon, 1969",
     "Bagnoli 2007": "S. Bagnoli, thesis, 2007, on the deployment of the wings that the scenes have",
     "Craig and Bampton 1968": "R. R. Craig and M. C. C. Bampton, Coupling of Substructures for Dynamic Analyses. AIAA "

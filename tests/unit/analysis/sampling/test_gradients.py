@@ -16,8 +16,8 @@ from orchestrator.cosim import stepping
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.run.simulation import Options
 from tests.benchmark.gradients import MET, along, differences
-from tests.references.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
-from tests.references.flap import INERTIA as MOMENT
+from tests.unit.analysis.sampling.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
+from tests.unit.analysis.sampling.flap import INERTIA as MOMENT
 
 INERTIA = "body.flap.rigid.inertia*"
 DAMPING = "hinge_line.line.latch.damping_ratio"

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from orchestrator.cli.main import main
-from tests.references.flap import ANGLE, INERTIA, MOTOR, flap
+from tests.unit.analysis.sampling.flap import ANGLE, INERTIA, MOTOR, flap
 
 pytestmark = pytest.mark.slow
 
