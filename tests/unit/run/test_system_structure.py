@@ -13,7 +13,6 @@ from fmpy import read_model_description
 import orchestrator as fanfold
 from fmus import native_library
 
-pytest.importorskip("pyssp_standard")
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
 
 PER_PORT = 13 + 6
