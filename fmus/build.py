@@ -36,6 +36,9 @@ _NO_GUID = "{00000000-0000-0000-0000-000000000000}"
 _NO_TIME = datetime.fromtimestamp(0, UTC)
 _MOST_DESCRIPTIONS = 256
 _descriptions: dict[Hashable, bytes] = {}
+_MOST_ARCHIVES = 16
+"""Of a megabyte and a half; scenes have about a dozen components."""
+_archives: dict[str, bytes] = {}
 
 
 def native_backend(component: Component) -> bool:
@@ -109,7 +112,7 @@ def build_fmu(
         archive = kept("fmu", key, lambda: zip_bytes(code))
         replace_file(target, zip_bytes(files, archive))
     else:
-        replace_file(target, zip_bytes({**code, **files}, compressed=False))
+        replace_file(target, zip_bytes(files, _stored(key, code), compressed=False))
     return target
 
 
@@ -120,6 +123,15 @@ def _kept_description(asked: Hashable, describe: Callable[[], bytes]) -> bytes:
             del _descriptions[next(iter(_descriptions))]
         _descriptions[asked] = describe()
     return _descriptions[asked]
+
+
+def _stored(key: str, code: Mapping[str, bytes]) -> bytes:
+    """An archive of code as it is, made once in a process while it is among the last."""
+    if key not in _archives:
+        if len(_archives) >= _MOST_ARCHIVES:
+            del _archives[next(iter(_archives))]
+        _archives[key] = zip_bytes(code, compressed=False)
+    return _archives[key]
 
 
 def _dated(key: str, files: Mapping[str, bytes]) -> dict[str, bytes]:

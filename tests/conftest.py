@@ -1,5 +1,7 @@
 """Shared by all tests."""
 
+import gc
+
 import pytest
 from hypothesis import settings
 
@@ -9,6 +11,12 @@ from components.contract import plugins
 settings.register_profile("sample", max_examples=30, deadline=None)
 settings.register_profile("thorough", max_examples=1000, deadline=None)
 settings.load_profile("sample")  # --hypothesis-profile=thorough for more
+
+
+def pytest_collection_finish() -> None:
+    """What was imported and collected stays to the end: the garbage collector need not look at it again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -8,7 +8,6 @@ from functools import cached_property
 from math import hypot
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ..contract.component import ComponentError, Vector
 from ..contract.frames import (
@@ -75,6 +74,8 @@ class Curve:
                 points[0] + along if derivative == 0 else np.repeat(span[None], len(parameter), 0)
             )
             return straight
+        from scipy.interpolate import CubicSpline  # takes a fifth of the start of all that has no such curve
+
         found: Vector = CubicSpline(self._knots, points)(parameter, derivative)
         return found
 

@@ -16,6 +16,7 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -41,9 +42,10 @@ class CompileError(Exception):
     """The compiler is missing or refused: a sentence."""
 
 
-def equations() -> list[str]:
+@cache
+def equations() -> tuple[str, ...]:
     """Names of the components that have a native kernel."""
-    return sorted(path.stem for path in (HERE / "kernels").glob("*.c"))
+    return tuple(sorted(path.stem for path in (HERE / "kernels").glob("*.c")))
 
 
 def sources() -> dict[str, str]:

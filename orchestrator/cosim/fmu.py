@@ -18,10 +18,9 @@ from ctypes import (
     create_string_buffer,
     pointer,
 )
-from inspect import getmembers, isfunction, signature
 from pathlib import Path
 from tempfile import mkdtemp
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from fmpy.fmi2 import (
@@ -64,14 +63,21 @@ _PYTHON = "PythonFMU"
 """Its FMUs make a new state with every one saved, and log texts with percent signs as they are."""
 
 
-def _keep_signatures() -> None:
-    """FMPy asks for the signatures of its functions with every instance; they are always the same."""
-    for name, function in getmembers(FMU2Slave, isfunction):
-        if name.startswith("fmi2"):
-            setattr(function, "__signature__", signature(function))  # noqa: B010 - unknown to type checkers
+class FMU2Declared(FMU2Slave):  # type: ignore[misc] # FMPy looks at the beginning of the name
+    """FMPy's, which finds out the types of all functions once and not with every instance."""
 
+    _declared: ClassVar[dict[str, tuple[Any, Any, Any]]] = {}
 
-_keep_signatures()
+    def _loadFunctions(self) -> None:
+        if not self._declared:
+            super()._loadFunctions()
+            for name, function in self._functions.items():
+                self._declared[name] = function.argnames, function.argtypes, function.restype
+            return
+        for name, types in self._declared.items():
+            function = getattr(self.dll, name)
+            function.argnames, function.argtypes, function.restype = types
+            self._functions[name] = function
 
 
 class FmuParticipant:
@@ -178,7 +184,7 @@ class FmuParticipant:
         return other
 
     def _instance_here(self, description: Any) -> FMU2Slave:  # noqa: ANN401
-        fmu = FMU2Slave(
+        fmu = FMU2Declared(
             guid=description.guid,
             modelIdentifier=description.coSimulation.modelIdentifier,
             unzipDirectory=str(self._folder),

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
 
 SMALLEST = 1_000_000
 """Bytes; smaller results are left as they are."""
@@ -31,7 +32,7 @@ def compact(path: Path) -> None:
                 if name == "signals":
                     _copy_signals(item, new.create_group(name, track_order=True))
                 elif name == "time":
-                    _copy_rows(item, new, name)
+                    _copy_rows(old, new, name)
                 else:
                     old.copy(item, new, name)
         os.replace(smaller, path)
@@ -44,17 +45,36 @@ def _copy_signals(old: Any, new: Any) -> None:  # noqa: ANN401
     for component, group in old.items():
         folder = new.create_group(component, track_order=True)
         folder.attrs.update(group.attrs)
-        for name, rows in group.items():
-            _copy_rows(rows, folder, name)
+        for name in group:
+            _copy_rows(group, folder, name)
 
 
-def _copy_rows(old: Any, folder: Any, name: str) -> None:  # noqa: ANN401
-    """One dataset; chunks hold one column each, whose neighbouring values have most of their bits in common."""
-    chunks = (min(_ROWS, max(old.shape[0], 1)), *(1 for _ in old.shape[1:]))
-    new = folder.create_dataset(
-        name, old.shape, old.dtype, maxshape=old.maxshape, chunks=chunks, compression=1, shuffle=True,
-        fillvalue=old.fillvalue,
-    )  # fmt: skip
-    new.attrs.update(old.attrs)
-    for first in range(0, old.shape[0], _BLOCK):
-        new[first : first + _BLOCK] = old[first : first + _BLOCK]
+def _copy_rows(old: Any, new: Any, name: str) -> None:  # noqa: ANN401
+    """A dataset of one group in another; chunks hold one column each, whose neighbours have most bits in common.
+
+    Through the low-level interface of HDF5: there are hundreds, and the other takes three times as long.
+    """
+    source = h5py.h5d.open(old.id, name.encode())
+    rows, *tail = source.shape
+    properties = source.get_create_plist()
+    properties.set_chunk((min(_ROWS, max(rows, 1)), *(1 for _ in tail)))
+    properties.set_shuffle()
+    properties.set_deflate(1)
+    target = h5py.h5d.create(new.id, name.encode(), source.get_type(), source.get_space(), properties)
+    _copy_attributes(source, target)
+    for first in range(0, rows, _BLOCK):
+        count = (min(_BLOCK, rows - first), *tail)
+        part, memory = source.get_space(), h5py.h5s.create_simple(count)
+        part.select_hyperslab((first, *(0 for _ in tail)), count)
+        values = np.empty(count)
+        source.read(memory, part, values)
+        target.write(memory, part, values)
+
+
+def _copy_attributes(source: Any, target: Any) -> None:  # noqa: ANN401
+    """The texts that belong to a dataset."""
+    for k in range(h5py.h5a.get_num_attrs(source)):
+        old = h5py.h5a.open(source, index=k)
+        text = np.empty(old.shape, old.dtype)
+        old.read(text)
+        h5py.h5a.create(target, old.name, old.get_type(), old.get_space()).write(text)

@@ -166,12 +166,12 @@ def _open_file(path: Path) -> Any:  # noqa: ANN401
     if not path.is_file():
         raise ResultError(f"{path}: there is no such file")
     try:
-        if not h5py.is_hdf5(path):
-            raise ResultError(f"{path}: this is not a result of Fanfold, nor any other HDF5 file")
         return h5py.File(path, "r")
     except BlockingIOError:
         raise ResultError(f"{path}: the result is still being written; read it after the run") from None
     except OSError as error:
+        if not h5py.is_hdf5(path):
+            raise ResultError(f"{path}: this is not a result of Fanfold, nor any other HDF5 file") from None
         raise ResultError(f"{path}: the file cannot be read, it may be truncated ({reason(error)})") from None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from ctypes import c_double, c_size_t, c_uint, c_void_p
+from ctypes import CDLL, c_char_p, c_double, c_size_t, c_uint, c_void_p
 from pathlib import Path
 
 import numpy as np
@@ -146,3 +146,8 @@ def test_names_take_a_prefix(tmp_path: Path):
     assert len(fmi) > 100
     assert all(name.startswith("wing_fmi") for name in fmi)
     assert not {"allocate", "kernels", "instance_create", "data_read"} & set(names)
+    library = CDLL(str(target))
+    for version in (2, 3):
+        answer = library[f"wing_fmi{version}GetVersion"]
+        answer.restype = c_char_p
+        assert answer() == f"{version}.0".encode()

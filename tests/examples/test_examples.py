@@ -10,7 +10,10 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:fmu.controller. .* says no unit"),  # as PythonFMUs do
+]
 EXAMPLES = sorted(path.stem for path in Path(__file__).parent.glob("*.py") if path.stem != "test_examples")
 LINES = {"friction_sweep": 8, "wing_of_panels": 25}
 """Done-when: lines of code that these take at most."""

@@ -10,11 +10,12 @@ import struct
 from pathlib import Path
 
 import numpy as np
-from pyyeti.nastran import op2
 
 
 def by_mode(path: Path, table: str) -> list[tuple[float, dict[int, np.ndarray]]]:
     """Eigenvalue (rad2/s2), and what the table has of each node or element, of every mode."""
+    from pyyeti.nastran import op2  # takes long, and whoever collects tests imports this file
+
     (first, last), _, _ = op2.OP2(str(path)).dbnames[table][-1]
     content = path.read_bytes()[first:last]
     records, place = [], 0

@@ -13,7 +13,10 @@ from orchestrator.analysis.stress.hot_spots import Choice, panel_stress
 from orchestrator.views import plots
 from orchestrator.views.motion.histories import overlays
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:membrane bent by"),  # asserted once
+]
 
 TRAVEL = {(): 1.176, ("without_spacers",): 1.176, ("diagonal",): 0.9996}
 """m, of the law by variant."""

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 from click.testing import CliRunner
-from pyyeti.nastran import op4
 from scipy.io import loadmat
 from scipy.linalg import expm
 
@@ -188,6 +187,8 @@ def test_command_line(tmp_path):
 
 def test_op4_is_read_by_pyyeti(tmp_path):
     """The one-grid body as Nastran's matrices, read back by another library."""
+    from pyyeti.nastran import op4  # takes long, and whoever collects tests imports this file
+
     (found,) = fanfold.appendage("workbench", "deployed", rigid="all", count=3)
     (path,) = write_appendages([found], tmp_path / "wing.op4")
     read = op4.load(str(path), into="dct", justmatrix=True)

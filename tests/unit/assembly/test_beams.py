@@ -152,6 +152,7 @@ def test_check_tells_the_fidelity():
     assert overview["boom"] == "large deformation, 8 elements"
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 def test_all_three_open_alike_and_pictures_follow_the_nodes():
     """Two formulations: bent by little and damped alike, beam and modal body open alike.
 

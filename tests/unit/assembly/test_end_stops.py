@@ -72,6 +72,8 @@ def test_stiffness_is_that_of_the_line(tmp_path):
     assert result.warnings == ()
 
 
+@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+@pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     """It went through its deployed angle without a word."""
     (tmp_path / "wing.toml").write_text(TWO_PANELS, encoding="utf-8")
@@ -88,6 +90,7 @@ def test_a_line_without_one_is_told_when_it_passes(tmp_path):
     assert any(row.quantity == "largest angle, no latch" for row in result.headline.numbers())
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 def test_a_line_that_folds_back_is_told_of():
     """A pendulum let go beside its motor swings back to where the work of both is none; nothing said so.
 

@@ -39,6 +39,7 @@ def test_lines_stand_for_their_hinges_and_sensors(tmp_path):
     )
 
 
+@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
 def test_a_command_latches_a_line(tmp_path):
     """Definition: the latch command of one hinge latches its line, wherever it stands, and once."""
     latch = "[[hinge_line]]\nname = 'root_line'\nlatch = { stiffness = 2000, effective_inertia = 5 }"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import pytest
 from click.testing import CliRunner
 from fmpy import read_model_description
@@ -38,17 +36,6 @@ def test_sources_compile_every_equations_file_twice():
         assert f"{name}.c" in texts
         assert f"{name}_derivative.c" in texts
         assert f"&{name}_kernel" in texts["kernels.c"]
-
-
-@pytest.mark.skipif(compiler() is None, reason="no C compiler here")
-def test_the_library_exports_the_functions_of_the_standard(tmp_path):
-    """A library of its own; FMI 2.0, section 2.2 and 4.2."""
-    target = tmp_path / "fanfold.so"
-    compile_library(target, ("-std=c99", "-O0", "-fPIC", "-fno-math-errno"))
-    library = ctypes.CDLL(str(target))
-    version = library.fmi2GetVersion
-    version.restype = ctypes.c_char_p
-    assert version() == b"2.0"
 
 
 def test_a_missing_compiler_is_a_sentence(monkeypatch, tmp_path):

@@ -11,7 +11,10 @@ from orchestrator.results.result import Result
 from orchestrator.run.checkpoint import Checkpoint, checkpoint_file
 from orchestrator.run.run import RunError
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop"),  # nothing stops it
+]
 TWO_PANELS = Path(__file__).parents[2] / "scenes" / "two_panels.toml"
 
 

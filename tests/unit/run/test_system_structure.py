@@ -13,7 +13,6 @@ from fmpy import read_model_description
 import orchestrator as fanfold
 from fmus import native_library
 
-pytest.importorskip("pyssp_standard")
 pytestmark = pytest.mark.skipif(native_library() is None, reason="there is no native library here")
 
 PER_PORT = 13 + 6
@@ -89,6 +88,7 @@ def without(path, name, target, **others):
     return target
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 def test_it_runs_as_the_scene_that_it_was_exported_from(written):
     """Identity: numbers of the scene with its settings, at the fidelity of the export."""
     options = {"until": 0.2, "estimate": False}

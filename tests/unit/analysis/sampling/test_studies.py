@@ -25,6 +25,8 @@ from orchestrator.cli.main import main
 from orchestrator.run.simulation import Options
 from tests.unit.scene.scene_cases import SCENES
 
+pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
+
 WING = SCENES / "two_panels.toml"
 VARY = {"friction.coefficient": "uniform(0.05, 0.2)", "hinge_line.root_line.motor.stowed*": "normal(1, 0.05)"}
 ASKED = {"rigid": "all", "until": 0.3, "tolerance": 1e-2, "runs": 4}

@@ -18,7 +18,10 @@ from orchestrator.api.handbook.snippets import run_page, snippets
 from orchestrator.api.handbook.theory import theory_page
 from orchestrator.cli.main import main
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore:'myst_parser.*is deprecated"),  # of other people's code
+]
 
 FIRST_HOUR = (build.PAGES / "first_hour.md").read_text(encoding="utf-8")
 

@@ -37,6 +37,7 @@ motor = { stowed = 0.001, deployed = 0.001 }
 
 
 @pytest.mark.parametrize("backend", ["native", "python"])
+@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
 def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     """Closed form: an arm along its line falls like a pendulum from the horizontal, to 180 deg on the other side."""
     scene, path = tmp_path / "soft.toml", tmp_path / "soft.h5"
@@ -49,6 +50,7 @@ def test_it_is_told_where_the_line_has_folded(tmp_path, backend):
     assert len(fanfold.Result.open(path).time) > 10
 
 
+@pytest.mark.filterwarnings("ignore:the hinges of line bent")  # which it is free to
 def test_a_joint_without_springs_across_may_fold(tmp_path):
     """Definition: nothing that a spherical joint does hangs on its angle; energy as for any pendulum."""
     text = SOFT.replace('outboard = "root" }]', 'outboard = "root", kind = "spherical" }]')

@@ -64,6 +64,7 @@ def with_foreign(file, **keys):
     return wing
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 def test_a_foreign_damper_acts_as_ours(spring_damper):
     """Independent path: the damper within the implicit step; one that is sampled comes near it with its own step."""
     own = angles("amos3")

@@ -10,7 +10,10 @@ import orchestrator as fanfold
 from fmus import check_fmu, native_library
 from tests.unit.run.as_one.host import STACK, TWO_PANELS, Host, latching
 
-pytestmark = pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native")
+pytestmark = [
+    pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native"),
+    pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop"),  # nothing stops it
+]
 SAME = 1e-9
 """Of numbers that both masters come to by the same steps, whose iterations end at 1e-6 of the tolerance."""
 
@@ -94,6 +97,9 @@ def test_a_latch_is_commanded(path):
     assert host.to(1.0, 0.01)["root.angle"] == pytest.approx(angle, abs=0.05)
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:the latch torque of HL1")  # its peak
+@pytest.mark.filterwarnings("ignore:event snubber_lost")  # it ends before
 def test_events_of_the_scene_happen_inside(tmp_path):
     """Hold-downs that preload keeps closed, a release on an angle, contacts, a latch-up."""
     result = fanfold.simulate(STACK, until=5.3, rigid="all", estimate=False)
