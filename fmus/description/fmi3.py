@@ -74,11 +74,11 @@ def model_description3(
 
 
 def _event_capabilities(component: Component, variables: Iterable[Variable]) -> dict[str, str]:
-    """Event mode is for discrete inputs; one whose wrench is that of an instant may also foresee a latch."""
-    if not any(v.variability == "discrete" for v in variables):
-        return {}
+    """Event mode is for discrete inputs and events inside; a wrench of an instant may foresee a latch."""
     foresees = component.feedthrough and "latch_automatic" in component.parameter_layout
-    return {"hasEventMode": "true", **({"mightReturnEarlyFromDoStep": "true"} if foresees else {})}
+    early = {"mightReturnEarlyFromDoStep": "true"} if foresees or component.returns_early else {}
+    has_events = bool(early) or any(v.variability == "discrete" for v in variables)
+    return {"hasEventMode": "true", **early} if has_events else {}
 
 
 def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:

@@ -53,7 +53,8 @@ typedef struct Master Master;
 
 /* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command: by
    participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
-   saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in. */
+   saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in; event_time (s): of the
+   last event or latch-up, negative before. */
 struct Master {
     Network network;
     Loop loop;
@@ -73,7 +74,7 @@ struct Master {
     void *taker;
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
-    double start_step, event_step, usual_relative, driving_energy, segment, held_segment;
+    double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time;
     size_t lines, events, impulses, steps, rejected, happened;
     char said[512];
 };
@@ -484,6 +485,7 @@ static int end_step(Master *m) {
         return 1;
     }
     size_t k = 0;
+    m->event_time = l->time;
     for (size_t i = 0; i < m->lines; i++)
         if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i);
     for (size_t i = 0; i < m->events; i++)
@@ -495,7 +497,10 @@ static int end_step(Master *m) {
 static int take_turn(Master *m) {
     Loop *l = &m->loop;
     Event *due = due_event(m);
-    if (due) return happen(m, due);
+    if (due) {
+        m->event_time = l->time;
+        return happen(m, due);
+    }
     tell_events(m);
     l->rejected = 0;
     const int stop = follow(&m->solver);
@@ -518,6 +523,7 @@ static int begin_run(Master *m, const double *wrenches) {
     Network *n = &m->network;
     Loop *l = &m->loop;
     l->time = 0.0;
+    m->event_time = -1.0;
     l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;
     l->parts = 1;
     m->steps = m->rejected = 0;
