@@ -53,8 +53,6 @@ def model_description3(
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **attributes})
     events = _event_capabilities(component, variables)
     capabilities = {"modelIdentifier": name, **_CAPABILITIES, **events}
-    if not component.tells_derivatives:
-        capabilities.pop("providesDirectionalDerivatives", None)
     SubElement(root, "CoSimulation", capabilities)
     add_units(root, [*(v.quantity.unit for v in variables), "s"])
     categories = SubElement(root, "LogCategories")
@@ -63,13 +61,11 @@ def model_description3(
     SubElement(root, "DefaultExperiment", (experiment or Experiment()).attributes())
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
-    if component.tells_derivatives:
-        annotation = SubElement(
-            SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
-        )
-        SubElement(
-            annotation, "StepDerivative", {"description": STEP_DERIVATIVE}
-        )  # some readers refuse bare text
+    annotation = SubElement(
+        SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
+    )
+    # some readers refuse bare text
+    SubElement(annotation, "StepDerivative", {"description": STEP_DERIVATIVE})
     return xml_bytes(root)
 
 

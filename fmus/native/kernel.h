@@ -69,6 +69,10 @@ typedef struct {
     /* NULL where steps end early for no event. Like `step`, but to the first event inside of it, if there is one: h is how
        far it came then, and the event is `due`; next_event is NULL. */
     int (*step_to_event)(void *self, const double *x, const double *u, double *h, int *due, double *x_next, Reason *why);
+    /* NULL where steps choose no sizes inside. Like `step`, for differences: again: by the sizes that the call before chose
+       which was not `again`; acts: parameters differ among the calls. What follows depends on the state alone. */
+    int (*step_alike)(void *self, const double *x, const double *u, double h, int again, int acts, double *x_next,
+                      Reason *why);
     /* Both NULL for components without events. Time until the next event if the motion of the inputs goes on:
        0 when it is due already, INFINITY when none is coming. */
     double (*next_event)(void *self, const double *x, const double *u);

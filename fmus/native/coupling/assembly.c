@@ -13,6 +13,7 @@
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
+#define SAME_EVENT 1e-9 /* s */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 
 /* Numbers of the master that are in no array, to or from `scalars`. */
@@ -235,8 +236,12 @@ static int refuse_run(Assembly *a, Reason *why) {
 /* One turn; what it leads to is kept where it leads on. */
 static int go_further(Assembly *a) {
     Master *m = &a->master;
-    const size_t steps = m->steps, happened = m->happened;
+    const size_t steps = m->steps, happened = m->happened, rejected = m->rejected;
+    const double event_time = m->event_time;
+    tell_size(&a->noted, &m->loop);
     if (!take_turn(m)) return 0;
+    if (m->steps != steps && !note_step(&a->noted, m, m->event_time != event_time)) return 0;
+    if (a->noted.mode == REPEATS_STEPS && m->rejected != rejected) return 0;
     if (m->steps != steps || m->happened != happened) keep_snapshot(a);
     return 1;
 }
@@ -267,6 +272,8 @@ static int run_to(Assembly *a, double until, int to_event) {
 /* Step until results stand on both sides of a time, or through an event before it (to_event). */
 static int run_past(Assembly *a, double time, int to_event) {
     int fine = 1;
+    if (a->noted.mode == REPEATS_STEPS)
+        while (fine && has_left(&a->noted)) fine = go_further(a);
     while (fine && a->last_row_time < time && !(to_event && met_event(a, time))) fine = go_further(a);
     return fine;
 }
@@ -412,8 +419,10 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->inputs = allocate(memory, (a->inputs_count + 1) * sizeof(double));
     a->peaks = allocate(memory, (a->peak_count + 1) * sizeof(double));
     a->ring = allocate(memory, RING * a->row_size * sizeof(double));
+    a->noted.step = allocate(memory, MOST_NOTED * sizeof *a->noted.step);
     a->snapshot = allocate(memory, (SNAPSHOTS * a->snapshot_size + 1) * sizeof(double));
-    if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot)
+    if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot ||
+        !a->noted.step)
         return refuse(why, "no memory for the state of an assembly");
     arrange_standing(a, a->standing);
     m->loop.energy_start = m->energy_start;
@@ -519,7 +528,7 @@ static void catch_up_peaks(Assembly *a, double time) {
 }
 
 static int is_driven(const Assembly *a, const double *u) {
-    if (!a->driven.is_there || a->driven_step > 0.0) return a->driven.is_there;
+    if (!a->driven.is_there || a->driven_step > 0.0 || a->noted.mode) return a->driven.is_there;
     for (size_t i = 0; i < DRIVES; i++)
         if (u[a->driven.first + i] != 0.0) return 1;
     return 0;
@@ -537,6 +546,8 @@ static void drive(Assembly *a, const double *u, double h) {
     const double last = a->driven_step > 0.0 ? a->driven_step : h;
     int gives = 0;
     for (size_t k = 0; k < 6; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
+    if (a->noted.mode == REPEATS_STEPS && a->noted.gives < 0) a->noted.gives = gives;
+    if (a->noted.mode == REPEATS_STEPS) gives = a->noted.gives;
     for (size_t k = 0; k < 6; k++) {
         const double rate = state[d->rate[k / 3] + k % 3], acceleration = state[d->acceleration[k / 3] + k % 3];
         const double expected = !gives                 ? (rates[k] - rates_before[k]) / last
@@ -566,8 +577,9 @@ static int run_driven(Assembly *a, const double *u, double h, int to_event) {
 
 /* Whether the host has changed what acts at the communication point. */
 static int has_changed(const Assembly *a, const double *u) {
-    return memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0 ||
-           memcmp(u, a->inputs, a->commands * sizeof(double)) != 0;
+    for (size_t i = 0; i < a->commands; i++)
+        if ((u[i] > 0.5) != (a->inputs[i] > 0.5)) return 1;
+    return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
 }
 
 /* Stand where a state was written down, and let what the host has changed act there. */
@@ -604,6 +616,44 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
     a->time = end;
     store(a, x_next);
     return 1;
+}
+
+/* A step that no event ends, as it is noted or repeated. */
+static int make_alike(Assembly *a, const double *x, const double *u, double h) {
+    a->stands = 0;
+    if (!begin(a, x, u) || !run_on(a, u, h, 0)) return 0;
+    if (fabs(a->master.event_time - a->time - h) > SAME_EVENT) return 1;
+    snprintf(a->said, sizeof a->said, "the step ends at an event, where nothing has derivatives over a step");
+    return 0;
+}
+
+static int step_alike(void *self, const double *x, const double *u, double h, int again, int acts, double *x_next,
+                      Reason *why) {
+    static const Exactness exact = {ALIKE_ITERATED, ALIKE_STALLED, 1};
+    Assembly *a = self;
+    NotedSteps *noted = &a->noted;
+    Exactness usual = {0.0, 0.0, 0};
+    noted->mode = again ? REPEATS_STEPS : NOTES_STEPS;
+    noted->acts = acts;
+    noted->at = 0;
+    if (!again) noted->count = 0, noted->gives = -1;
+    if (again) usual = set_exactness(&a->master, exact);
+    const int fine = make_alike(a, x, u, h);
+    const int strays = again && noted->at != noted->count;
+    if (again) set_exactness(&a->master, usual);
+    noted->mode = noted->acts = 0;
+    a->master.loop.plan = NULL;
+    if (fine && !strays) {
+        a->at_event = NO_EVENT;
+        a->time += h;
+        store(a, x_next);
+    }
+    a->stands = 0;
+    if (fine && !strays) return 1;
+    if (!a->said[0] && !a->master.said[0])
+        snprintf(a->said, sizeof a->said, "with values a little different another event comes first or a step is made "
+                 "otherwise; outputs have no derivatives there");
+    return refuse_run(a, why);
 }
 
 /* What is read at an event is from now on what came out of it; what the host has changed acts. A step says what cannot
@@ -706,6 +756,7 @@ const Kernel assembly_kernel = {.kind = "assembly",
                                 .initial = initial,
                                 .step = step,
                                 .step_to_event = step_to_event,
+                                .step_alike = step_alike,
                                 .event = event,
                                 .outputs = outputs,
                                 .observe = observe,

@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "alike.h"
 #include "instance.h"
-#include "master.h"
 
 enum { RING = 4, SNAPSHOTS = 3 };
 
@@ -50,6 +50,7 @@ typedef struct {
     Command *command;
     Peak *peak;
     DrivenFrame driven;
+    NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
     size_t participants, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;

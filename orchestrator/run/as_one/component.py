@@ -56,7 +56,6 @@ class AssembledScene(Component, registered=False):
 
     kind = ASSEMBLY
     noun = "deployable structure"
-    tells_derivatives = False
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
         for part in assembly.parts:
