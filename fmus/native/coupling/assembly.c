@@ -25,7 +25,7 @@ static void exchange_scalars(Assembly *a, int write) {
     double *place = a->scalars;
     double *doubles[] = {&a->last_row_time, &l->time,      &m->sizes.worst, &m->error.energy, &g->kinetic,
                          &g->power,     &g->rounding,   &m->segment,     &m->held_segment, &l->rows.held_time,
-                         &m->event_time, past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
+                         &m->event_time, &m->is_crossed, past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
                          g->last + 2,   g->last + 3,    g->last + 4,     g->powers,        g->powers + 1,
                          g->powers + 2, g->powers + 3};
     size_t *counts[] = {&past->count, &g->trials, &l->position, &l->rows.held, &m->steps, &m->rejected,
@@ -622,8 +622,9 @@ static int step_to_event(void *self, const double *x, const double *u, double *h
 static int make_alike(Assembly *a, const double *x, const double *u, double h) {
     a->stands = 0;
     if (!begin(a, x, u) || !run_on(a, u, h, 0)) return 0;
-    if (fabs(a->master.event_time - a->time - h) > SAME_EVENT) return 1;
-    snprintf(a->said, sizeof a->said, "the step ends at an event, where nothing has derivatives over a step");
+    if (!a->master.is_crossed || fabs(a->master.event_time - a->time - h) > SAME_EVENT) return 1;
+    snprintf(a->said, sizeof a->said, "the step ends where something latches or a condition is met, sooner or later with "
+             "values a little different; outputs have no derivatives there");
     return 0;
 }
 

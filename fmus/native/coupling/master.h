@@ -54,7 +54,7 @@ typedef struct Master Master;
 /* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command: by
    participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
    saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in; event_time (s): of the
-   last event or latch-up, negative before; tried (s): size of the step that ended last, before anything crossed in it;
+   last event or latch-up, negative before, is_crossed: whether a distance was to be met for it; tried (s): size of the step that ended last, before anything crossed in it;
    stalled: correction, over the largest wrench, that may be left; repeats: whether steps stand that are made as others
    were. */
 struct Master {
@@ -76,7 +76,7 @@ struct Master {
     void *taker;
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
-    double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time, tried, stalled;
+    double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
     size_t lines, events, impulses, steps, rejected, happened, repeats;
     char said[512];
 };
@@ -494,6 +494,7 @@ static int end_step(Master *m) {
     }
     size_t k = 0;
     m->event_time = l->time;
+    m->is_crossed = 1.0;
     for (size_t i = 0; i < m->lines; i++)
         if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i);
     for (size_t i = 0; i < m->events; i++)
@@ -507,6 +508,7 @@ static int take_turn(Master *m) {
     Event *due = due_event(m);
     if (due) {
         m->event_time = l->time;
+        m->is_crossed = isnan(due->time);
         return happen(m, due);
     }
     tell_events(m);
@@ -533,6 +535,7 @@ static int begin_run(Master *m, const double *wrenches) {
     Loop *l = &m->loop;
     l->time = 0.0;
     m->event_time = -1.0;
+    m->is_crossed = 0.0;
     m->stalled = 0.0;
     m->repeats = 0;
     l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;

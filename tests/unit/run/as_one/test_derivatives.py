@@ -111,7 +111,17 @@ def test_at_the_bound_of_a_range(path):
     assert derivatives(stepped(path, 0.3, 0.1), [ENERGY], "root.friction_coefficient")[0] < 0.0
 
 
-def test_a_step_that_ends_at_an_event_has_none(path):
+def test_an_event_at_a_time_moves_with_nothing(tmp_path):
+    """So the step that ends there has derivatives: see `test_a_motor_that_becomes_stronger_has_less_energy_left`."""
+    event = {"name": "weaker", "time": "0.3 s", "set": {"root": {"motor_constant_torque": "4 N.m"}}}
+    (path,) = fanfold.export(latching([event]), tmp_path, as_one=True)
+    host = Host(path).start().to(0.2, 0.1)
+    angle = host["root.angle"]
+    host.fmu.doStep(0.2, 0.1)
+    assert derivatives(host, [ENERGY], TORQUE)[0] == pytest.approx(-angle, rel=1e-5)
+
+
+def test_a_step_that_ends_at_latch_up_has_none(path):
     time = Host(path).start().to(1.0, 0.1)["HL.latch_time"]
     host = Host(path).start()
     host.fmu.doStep(0.0, time)
