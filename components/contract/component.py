@@ -129,8 +129,8 @@ class Component(ABC):
     feedthrough: bool
     continuous: ContinuousStates | None = None
     constant_mobility: bool = False
-    tells_derivatives: bool = True
-    """Whether a native FMU of it gives directional derivatives."""
+    returns_early: bool = False
+    """Whether steps of a native FMU of FMI 3.0 may end at events inside of it, whatever its parameters."""
 
     def __init_subclass__(cls, *, registered: bool = True, **kwargs: object) -> None:
         """registered: whether the class is a kind that scenes may name."""

@@ -101,8 +101,6 @@ def model_description(
         {"fmiVersion": "2.0", "guid": guid, **header(component, name, generated, backend)},
     )
     capabilities = {"modelIdentifier": name, **_CAPABILITIES[backend]}
-    if not component.tells_derivatives:
-        capabilities.pop("providesDirectionalDerivative", None)
     if backend == "native" and any(port.side == "body" and port.order == 4 for port in component.ports):
         capabilities["canInterpolateInputs"] = "true"
     SubElement(root, "CoSimulation", capabilities)
@@ -132,7 +130,7 @@ def _add_log_categories(root: _Element) -> None:
 def _add_annotations(root: _Element, component: Component, backend: Backend) -> None:
     """What a master may rely on, in words that the standard has no attribute for."""
     said = []
-    if backend == "native" and component.tells_derivatives:
+    if backend == "native":
         said.append(("DirectionalDerivative", {"afterStep": STEP_DERIVATIVE}))
     if component.constant_mobility:
         said.append(("Mobility", {"constant": CONSTANT_MOBILITY}))

@@ -53,8 +53,6 @@ def model_description3(
     root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": token, **attributes})
     events = _event_capabilities(component, variables)
     capabilities = {"modelIdentifier": name, **_CAPABILITIES, **events}
-    if not component.tells_derivatives:
-        capabilities.pop("providesDirectionalDerivatives", None)
     SubElement(root, "CoSimulation", capabilities)
     add_units(root, [*(v.quantity.unit for v in variables), "s"])
     categories = SubElement(root, "LogCategories")
@@ -63,22 +61,20 @@ def model_description3(
     SubElement(root, "DefaultExperiment", (experiment or Experiment()).attributes())
     _add_variables(root, variables, starts)
     _add_structure(root, component, variables)
-    if component.tells_derivatives:
-        annotation = SubElement(
-            SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
-        )
-        SubElement(
-            annotation, "StepDerivative", {"description": STEP_DERIVATIVE}
-        )  # some readers refuse bare text
+    annotation = SubElement(
+        SubElement(root, "Annotations"), "Annotation", {"type": f"{_VENDOR}.step-derivative"}
+    )
+    # some readers refuse bare text
+    SubElement(annotation, "StepDerivative", {"description": STEP_DERIVATIVE})
     return xml_bytes(root)
 
 
 def _event_capabilities(component: Component, variables: Iterable[Variable]) -> dict[str, str]:
-    """Event mode is for discrete inputs; one whose wrench is that of an instant may also foresee a latch."""
-    if not any(v.variability == "discrete" for v in variables):
-        return {}
+    """Event mode is for discrete inputs and events inside; a wrench of an instant may foresee a latch."""
     foresees = component.feedthrough and "latch_automatic" in component.parameter_layout
-    return {"hasEventMode": "true", **({"mightReturnEarlyFromDoStep": "true"} if foresees else {})}
+    early = {"mightReturnEarlyFromDoStep": "true"} if foresees or component.returns_early else {}
+    has_events = bool(early) or any(v.variability == "discrete" for v in variables)
+    return {"hasEventMode": "true", **early} if has_events else {}
 
 
 def _add_variables(root: _Element, variables: Sequence[Variable], starts: Sequence[float]) -> None:

@@ -66,10 +66,17 @@ typedef struct {
        first moments of velocity and angular velocity, velocity, angular velocity, world axes. 0 where there are none for
        this step or for so many ports; NULL where there never are, and the core takes a step for every column. */
     int (*stiffness)(void *self, const double *x, const double *u, double h, size_t ports, double *matrix);
+    /* NULL where steps end early for no event. Like `step`, but to the first event inside of it, if there is one: h is how
+       far it came then, and the event is `due`; next_event is NULL. */
+    int (*step_to_event)(void *self, const double *x, const double *u, double *h, int *due, double *x_next, Reason *why);
+    /* NULL where steps choose no sizes inside. Like `step`, for differences: again: by the sizes that the call before chose
+       which was not `again`; acts: parameters differ among the calls. What follows depends on the state alone. */
+    int (*step_alike)(void *self, const double *x, const double *u, double h, int again, int acts, double *x_next,
+                      Reason *why);
     /* Both NULL for components without events. Time until the next event if the motion of the inputs goes on:
        0 when it is due already, INFINITY when none is coming. */
     double (*next_event)(void *self, const double *x, const double *u);
-    /* From x to x_next at one instant; `due` when the time that `next_event` gave has come. */
+    /* From x to x_next at one instant; `due` when the time that `next_event` gave has come, or `step_to_event` said so. */
     void (*event)(void *self, const double *x, const double *u, int due, double *x_next);
     /* Model exchange; `continuous` is NULL for components without it. Number of continuous states and, where
        wanted, their positions in the state. */

@@ -9,6 +9,9 @@
 #include "evaluate.h"
 #include "input_slopes.h"
 
+/* What iterations of steps leave, over what they iterate. */
+#define ITERATED 1e-12
+
 /* What is differentiated, and where from; `by_step`: over the step made last, from the state before it. */
 typedef struct {
     Instance *instance;
@@ -18,6 +21,16 @@ typedef struct {
     double *base; /* present values of the knowns */
     int by_step, parameters, states, rates;
 } Query;
+
+/* Distances from the present knowns and the weights of what is there, over one distance. */
+enum { POINTS = 3, STENCILS = 3 };
+typedef struct {
+    double at[POINTS], weight[POINTS];
+} Stencil;
+
+static const Stencil STENCIL[STENCILS] = {{{1.0, -1.0, 0.0}, {0.5, -0.5, 0.0}},
+                                          {{1.0, 2.0, 0.0}, {2.0, -0.5, -1.5}},
+                                          {{-1.0, -2.0, 0.0}, {-2.0, 0.5, 1.5}}};
 
 int is_exact(const ExactRanges *exact, uint32_t unknown) {
     return (unknown >= exact->first[0] && unknown < exact->end[0]) ||
@@ -47,6 +60,16 @@ static void shift(const Query *query, double distance) {
     forget(query);
 }
 
+/* The step made last, with the present knowns; where it chooses sizes, those chosen last when not `again`. */
+static int step_again(const Query *query, int again, double *stepped, Reason *why) {
+    Instance *instance = query->instance;
+    const Kernel *kernel = instance->kernel;
+    const double h = instance->step_size, *u = input_slopes_over_step(instance, h);
+    if (kernel->step_alike)
+        return kernel->step_alike(instance->self, instance->before, u, h, again, query->parameters, stepped, why);
+    return kernel->step(instance->self, instance->before, u, h, stepped, why);
+}
+
 /* Outputs, observations, states and rates of the present knowns, into the values. */
 static int evaluate(const Query *query, Reason *why) {
     Instance *instance = query->instance;
@@ -54,9 +77,7 @@ static int evaluate(const Query *query, Reason *why) {
     double *stepped = instance->apart + 2 * instance->ends[4];
     if (!evaluate_ready(instance, why))
         return 0;
-    if (query->by_step &&
-        !instance->kernel->step(instance->self, instance->before, input_slopes_over_step(instance, instance->step_size),
-                                instance->step_size, stepped, why))
+    if (query->by_step && !step_again(query, 1, stepped, why))
         return 0;
     const double *x = query->by_step ? stepped : evaluate_state(instance);
     instance->kernel->outputs(instance->self, x, inputs, values + instance->ends[1]);
@@ -69,13 +90,15 @@ static int read_knowns(Query *query, Reason *why) {
     const size_t *ends = instance->ends;
     if (query->known_count > ends[4])
         return refuse(why, "a known is listed twice");
+    const int may_differ = instance->mode == MODE_INITIALIZATION || (instance->stepped && instance->kernel->step_alike);
     for (size_t i = 0; i < query->known_count; i++) {
         const uint32_t known = query->knowns[i];
         const int is_state = known >= ends[3] && known - ends[3] < instance->continuous.count;
-        const int is_parameter = known < ends[0] && instance->mode == MODE_INITIALIZATION;
+        const int is_parameter = known < ends[0] && may_differ &&
+                                 (instance->mode == MODE_INITIALIZATION || instance->tunable[known]);
         if (!is_parameter && !is_state && !(known >= ends[0] && known < ends[1]))
             return refuse(why, "derivatives exist with respect to inputs and continuous states, and to parameters during "
-                               "initialization, not to value reference %lu", (unsigned long)known);
+                               "initialization or, of steps made of steps inside, to tunable ones, not to value reference %lu", (unsigned long)known);
         if (is_state && instance->mode == MODE_INITIALIZATION)
             return refuse(why, "continuous states follow from the inputs during initialization");
         query->parameters |= is_parameter;
@@ -85,7 +108,8 @@ static int read_knowns(Query *query, Reason *why) {
     return 1;
 }
 
-/* Half the width of the difference: where rounding and the third derivative err about equally. */
+/* Half the width of the difference: where rounding, which is more where steps iterate, and the third derivative err about
+   equally. */
 static double width_of(const Query *query) {
     double size = 0.0, slope = 0.0;
     for (size_t i = 0; i < query->known_count; i++) {
@@ -94,7 +118,8 @@ static double width_of(const Query *query) {
         size = fmax(size, is_parameter && value > 0.0 ? value : fmax(1.0, value));
         slope = fmax(slope, fabs(query->seed[i]));
     }
-    return slope > 0.0 ? cbrt(DBL_EPSILON) * size / slope : 0.0;
+    const int iterates = query->by_step && query->instance->kernel->step_alike;
+    return slope > 0.0 ? cbrt(iterates ? ITERATED : DBL_EPSILON) * size / slope : 0.0;
 }
 
 /* Adds `factor` times the unknowns at a distance from the present knowns; 0 where there is no evaluating there. */
@@ -110,16 +135,19 @@ static int add(const Query *query, double distance, double factor, const uint32_
 
 /* Central, or one-sided at the bound of a range; 0 where neither can be. */
 static int difference(const Query *query, const uint32_t *unknowns, size_t count, double *sum, Reason *why) {
-    static const double sides[3][2] = {{1.0, -1.0}, {1.0, 0.0}, {0.0, -1.0}};
     const double width = width_of(query);
     int done = 0;
-    for (int k = 0; k < 3 && !done; k++) {
+    memset(sum, 0, count * sizeof(double));
+    if (width == 0.0)
+        return 1;
+    const int chooses = query->by_step && query->instance->kernel->step_alike;
+    if (chooses && !step_again(query, 0, query->instance->apart + 2 * query->instance->ends[4], why))
+        return 0;
+    for (const Stencil *s = STENCIL; s < STENCIL + STENCILS && !done; s++) {
         memset(sum, 0, count * sizeof(double));
-        if (width == 0.0)
-            return 1;
-        const double factor = 1.0 / (width * (sides[k][0] - sides[k][1]));
-        done = add(query, sides[k][0] * width, factor, unknowns, count, sum, why) &&
-               add(query, sides[k][1] * width, -factor, unknowns, count, sum, why);
+        done = 1;
+        for (int k = 0; k < POINTS && done; k++)
+            done = s->weight[k] == 0.0 || add(query, s->at[k] * width, s->weight[k] / width, unknowns, count, sum, why);
     }
     return done;
 }

@@ -335,12 +335,15 @@ FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3F
     if (status != STATUS_OK)
         return (fmi3Status)status;
     double size = size_up_to_event(fmu, h, &due);
-    status = instance_step(fmu->instance, time, size);
+    status = fmu->early_return_allowed ? instance_step_to_event(fmu->instance, time, &size)
+                                       : instance_step(fmu->instance, time, size);
     if (status != STATUS_OK)
         return (fmi3Status)status;
-    fmu->instance->event_due = due;
-    *event_handling_needed = due;
+    fmu->instance->event_due |= due;
+    *event_handling_needed = fmu->event_mode_used && fmu->instance->event_due;
     *early_return = size < h;
+    if (fmu->instance->event_due && !fmu->event_mode_used)
+        status = instance_let_happen(fmu->instance);
     *last_successful_time = fmu->instance->time;
-    return fmi3OK;
+    return (fmi3Status)status;
 }

@@ -195,8 +195,18 @@ Status instance_get(Instance *instance, const uint32_t *references, size_t count
     return STATUS_OK;
 }
 
+/* From the state to the next one; to_event: to an event that is met before, h then being how far that is. */
+static int step_kernel(Instance *instance, double *h, int to_event, int *due, double *next, Reason *why) {
+    const Kernel *kernel = instance->kernel;
+    const double *u = input_slopes_over_step(instance, *h);
+    return to_event && kernel->step_to_event
+               ? kernel->step_to_event(instance->self, instance->x, u, h, due, next, why)
+               : kernel->step(instance->self, instance->x, u, *h, next, why);
+}
+
 /* One step; instance->time is its start already. */
-static Status make_step(Instance *instance, double h) {
+static Status make_step(Instance *instance, double *step_size, int to_event, int *due) {
+    const double h = *step_size;
     Reason why = {""};
     double *next = instance->before;
     if (instance->mode != MODE_STEP)
@@ -211,17 +221,18 @@ static Status make_step(Instance *instance, double h) {
     if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
         return STATUS_ERROR;
     if (evaluate_ready(instance, &why) &&
-        instance->kernel->step(instance->self, instance->x, input_slopes_over_step(instance, h), h, next, &why) &&
+        step_kernel(instance, step_size, to_event, due, next, &why) &&
         evaluate_state_finite(instance, next, &why))
         return STATUS_OK;
     instance->stepped = 0;
     return instance_fail(instance, STATUS_DISCARD, "%s", why.text);
 }
 
-Status instance_step(Instance *instance, double time, double h) {
+static Status step_from(Instance *instance, double time, double *h, int to_event) {
     const double before = instance->time;
     instance->time = time; /* for what is said of a failure */
-    Status status = make_step(instance, h);
+    int due = 0;
+    Status status = make_step(instance, h, to_event, &due);
     if (status != STATUS_OK) {
         instance->time = before;
         return status;
@@ -229,12 +240,17 @@ Status instance_step(Instance *instance, double time, double h) {
     double *next = instance->before;
     instance->before = instance->x;
     instance->x = next;
-    instance->time = time + h;
-    instance->step_size = h;
+    instance->time = time + *h;
+    instance->step_size = *h;
     instance->stepped = 1;
+    instance->event_due = due;
     instance->outputs_known = instance->observations_known = 0;
     return STATUS_OK;
 }
+
+Status instance_step(Instance *instance, double time, double h) { return step_from(instance, time, &h, 0); }
+
+Status instance_step_to_event(Instance *instance, double time, double *h) { return step_from(instance, time, h, 1); }
 
 double instance_next_event(Instance *instance) {
     Reason why = {""};
@@ -259,10 +275,14 @@ Status instance_enter_step_mode(Instance *instance) {
 }
 
 Status instance_update_discrete_states(Instance *instance) {
-    Reason why = {""};
-    const Kernel *kernel = instance->kernel;
     if (instance->mode != MODE_EVENT)
         return instance_fail(instance, STATUS_ERROR, "discrete states are updated in event mode");
+    return instance_let_happen(instance);
+}
+
+Status instance_let_happen(Instance *instance) {
+    Reason why = {""};
+    const Kernel *kernel = instance->kernel;
     if (!kernel->event)
         return STATUS_OK;
     if (!evaluate_ready(instance, &why))

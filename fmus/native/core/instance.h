@@ -108,17 +108,22 @@ Status instance_check_stop(Instance *instance, double time);
 /* One communication step; with state and time as before when it cannot be done: STATUS_ERROR where it was asked for
    wrongly, STATUS_DISCARD where a smaller one may do. */
 Status instance_step(Instance *instance, double time, double h);
+/* The same, but no further than to an event inside of it, where the component ends steps there: h then is how far it
+   came, and event_due is set. */
+Status instance_step_to_event(Instance *instance, double time, double *h);
 
 /* Time until the next event from the present state and inputs: 0 when it is due, INFINITY when none is foreseen. */
 double instance_next_event(Instance *instance);
 Status instance_enter_event_mode(Instance *instance);
 Status instance_enter_step_mode(Instance *instance);
-/* What happens at the present instant: commands, and the event that was due. */
+/* What happens at the present instant: commands, and the event that was due; in event mode. */
 Status instance_update_discrete_states(Instance *instance);
+/* The same in step mode, for hosts without event mode. */
+Status instance_let_happen(Instance *instance);
 
 /* Derivative of outputs and observations along `seed` of inputs. After a step: of those at its end with respect to
-   the inputs of that step. Otherwise, and of rates or by states, at the present instant, as the standard means it;
-   during initialization by parameters too. */
+   the inputs of that step, and by tunable parameters where it was made of steps inside. Otherwise, and of rates or by
+   states, at the present instant, as the standard means it; during initialization by parameters too. */
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                            const uint32_t *knowns, size_t known_count, const double *seed, double *result);
 

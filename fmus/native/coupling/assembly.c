@@ -13,6 +13,7 @@
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
+#define SAME_EVENT 1e-9 /* s */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 
 /* Numbers of the master that are in no array, to or from `scalars`. */
@@ -24,7 +25,7 @@ static void exchange_scalars(Assembly *a, int write) {
     double *place = a->scalars;
     double *doubles[] = {&a->last_row_time, &l->time,      &m->sizes.worst, &m->error.energy, &g->kinetic,
                          &g->power,     &g->rounding,   &m->segment,     &m->held_segment, &l->rows.held_time,
-                         past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
+                         &m->event_time, &m->is_crossed, past->times,   past->times + 1, past->times + 2, g->last,         g->last + 1,
                          g->last + 2,   g->last + 3,    g->last + 4,     g->powers,        g->powers + 1,
                          g->powers + 2, g->powers + 3};
     size_t *counts[] = {&past->count, &g->trials, &l->position, &l->rows.held, &m->steps, &m->rejected,
@@ -235,26 +236,45 @@ static int refuse_run(Assembly *a, Reason *why) {
 /* One turn; what it leads to is kept where it leads on. */
 static int go_further(Assembly *a) {
     Master *m = &a->master;
-    const size_t steps = m->steps, happened = m->happened;
+    const size_t steps = m->steps, happened = m->happened, rejected = m->rejected;
+    const double event_time = m->event_time;
+    tell_size(&a->noted, &m->loop);
     if (!take_turn(m)) return 0;
+    if (m->steps != steps && !note_step(&a->noted, m, m->event_time != event_time)) return 0;
+    if (a->noted.mode == REPEATS_STEPS && m->rejected != rejected) return 0;
     if (m->steps != steps || m->happened != happened) keep_snapshot(a);
     return 1;
 }
 
-/* Step until a time exactly. */
-static int run_to(Assembly *a, double until) {
+/* Whether the run has gone through an event after the communication point, and up to a time. */
+static int met_event(const Assembly *a, double time) {
+    const double rounding = a->master.rules.time_rounding, at = a->master.event_time;
+    return at > a->time + rounding && at <= time + rounding;
+}
+
+/* Let all happen that is due at the same instant as an event. */
+static int end_event(Assembly *a) {
+    int fine = 1;
+    while (fine && due_event(&a->master)) fine = go_further(a);
+    return fine;
+}
+
+/* Step until a time exactly, or through an event before it (to_event). */
+static int run_to(Assembly *a, double until, int to_event) {
     Loop *l = &a->master.loop;
     int fine = 1;
     l->until = until;
-    while (fine && l->time < until - a->master.rules.time_rounding) fine = go_further(a);
+    while (fine && l->time < until - a->master.rules.time_rounding && !(to_event && met_event(a, until))) fine = go_further(a);
     l->until = INFINITY;
     return fine;
 }
 
-/* Step until results stand on both sides of a time. */
-static int run_past(Assembly *a, double time) {
+/* Step until results stand on both sides of a time, or through an event before it (to_event). */
+static int run_past(Assembly *a, double time, int to_event) {
     int fine = 1;
-    while (fine && a->last_row_time < time) fine = go_further(a);
+    if (a->noted.mode == REPEATS_STEPS)
+        while (fine && has_left(&a->noted)) fine = go_further(a);
+    while (fine && a->last_row_time < time && !(to_event && met_event(a, time))) fine = go_further(a);
     return fine;
 }
 
@@ -329,9 +349,10 @@ static void store(Assembly *a, double *x) {
                                  (double)a->newest,
                                  (double)a->rows,
                                  a->peak_time,
-                                 (double)a->has_driven,
+                                 a->driven_step,
                                  (double)a->master.steps,
-                                 (double)a->master.rejected};
+                                 (double)a->master.rejected,
+                                 (double)a->at_event};
     memcpy(x, first, sizeof first);
     x += OUTER;
     for (size_t i = 0; i < SECTIONS; x += section[i++].count)
@@ -353,7 +374,8 @@ static int stand(Assembly *a, const double *x) {
         memcpy(section[i].own, place, section[i].count * sizeof(double));
     memcpy(a->snapshot, place, SNAPSHOTS * a->snapshot_size * sizeof(double));
     a->time = x[AT_TIME];
-    a->has_driven = x[AT_DRIVEN] != 0.0;
+    a->driven_step = x[AT_DRIVEN];
+    a->at_event = (int)x[AT_EVENT];
     a->newest = (size_t)x[AT_NEWEST];
     a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
     a->snapshots = (size_t)x[AT_SNAPSHOTS];
@@ -397,8 +419,10 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->inputs = allocate(memory, (a->inputs_count + 1) * sizeof(double));
     a->peaks = allocate(memory, (a->peak_count + 1) * sizeof(double));
     a->ring = allocate(memory, RING * a->row_size * sizeof(double));
+    a->noted.step = allocate(memory, MOST_NOTED * sizeof *a->noted.step);
     a->snapshot = allocate(memory, (SNAPSHOTS * a->snapshot_size + 1) * sizeof(double));
-    if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot)
+    if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot ||
+        !a->noted.step)
         return refuse(why, "no memory for the state of an assembly");
     arrange_standing(a, a->standing);
     m->loop.energy_start = m->energy_start;
@@ -444,7 +468,8 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
-    a->has_driven = 0;
+    a->driven_step = 0.0;
+    a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;
     for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
         *line->pending = 1.0;
@@ -457,12 +482,13 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Stand at the communication point itself. */
+/* Stand at the communication point itself; at an event the run does. */
 static int go_back(Assembly *a) {
     const double rounding = a->master.rules.time_rounding;
     size_t number = 0;
+    if (a->at_event) return 1;
     while (number + 1 < a->snapshots && time_of(a, number) > a->time + rounding) number++;
-    return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time);
+    return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time, 0);
 }
 
 /* Go back to the communication point and let what the host has changed act there. */
@@ -486,7 +512,7 @@ static int change(Assembly *a, const double *u) {
         if (c->is_release) release_one(m, &c->release);
         else if (latches < sizeof latch / sizeof *latch) latch[latches++] = c->line;
     }
-    memcpy(a->inputs, u, a->inputs_count * sizeof(double));
+    memcpy(a->inputs, u, a->commands * sizeof(double));
     if (!go_on(m, latch, latches)) return 0;
     keep_snapshot(a);
     return 1;
@@ -502,7 +528,7 @@ static void catch_up_peaks(Assembly *a, double time) {
 }
 
 static int is_driven(const Assembly *a, const double *u) {
-    if (!a->driven.is_there || a->has_driven) return a->driven.is_there;
+    if (!a->driven.is_there || a->driven_step > 0.0 || a->noted.mode) return a->driven.is_there;
     for (size_t i = 0; i < DRIVES; i++)
         if (u[a->driven.first + i] != 0.0) return 1;
     return 0;
@@ -517,46 +543,131 @@ static void drive(Assembly *a, const double *u, double h) {
     const double *state = saved->numbers + saved->known, *rates = u + d->first, *given = rates + 6;
     const double *rates_before = a->inputs + d->first, *given_before = rates_before + 6;
     double *change = a->input[d->participant] + d->change;
+    const double last = a->driven_step > 0.0 ? a->driven_step : h;
     int gives = 0;
     for (size_t k = 0; k < 6; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
+    if (a->noted.mode == REPEATS_STEPS && a->noted.gives < 0) a->noted.gives = gives;
+    if (a->noted.mode == REPEATS_STEPS) gives = a->noted.gives;
     for (size_t k = 0; k < 6; k++) {
         const double rate = state[d->rate[k / 3] + k % 3], acceleration = state[d->acceleration[k / 3] + k % 3];
-        const double expected = !gives          ? (rates[k] - rates_before[k]) / h
-                                : a->has_driven ? 2.0 * given[k] - given_before[k]
-                                                : given[k];
+        const double expected = !gives                 ? (rates[k] - rates_before[k]) / last
+                                : a->driven_step > 0.0 ? given[k] + (given[k] - given_before[k]) * h / last
+                                                       : given[k];
         change[k] = (expected + 0.5 * (rates[k] - rate) / h - acceleration) / h;
     }
 }
 
-/* Step to the next communication point exactly, with the base driven to it; rows end there. */
-static int run_driven(Assembly *a, const double *u, double h) {
+/* Step to the next communication point exactly, or through an event before it, with the base driven to it; rows end
+   there. */
+static int run_driven(Assembly *a, const double *u, double h, int to_event) {
     RowBlock *r = &a->master.loop.rows;
     if (!go_back(a)) return 0;
     drive(a, u, h);
     coupling_restart(&a->master.network); /* loads of other accelerations tell nothing of those to come */
     begin_segment(&a->master);
-    if (!run_to(a, a->time + h)) return 0;
+    if (!run_to(a, a->time + h, to_event)) return 0;
     if (r->held) hand_on_held(r);
     r->held = 0;
     hand_on_rows(&a->master);
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     keep_snapshot(a);
-    return a->has_driven = 1;
+    a->driven_step = fmin(h, a->master.loop.time - a->time);
+    return 1;
+}
+
+/* Whether the host has changed what acts at the communication point. */
+static int has_changed(const Assembly *a, const double *u) {
+    for (size_t i = 0; i < a->commands; i++)
+        if ((u[i] > 0.5) != (a->inputs[i] > 0.5)) return 1;
+    return a->noted.acts || memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0;
+}
+
+/* Stand where a state was written down, and let what the host has changed act there. */
+static int begin(Assembly *a, const double *x, const double *u) {
+    a->said[0] = a->master.said[0] = '\0';
+    if (!stand(a, x)) return 0;
+    a->stands = 0;
+    return !has_changed(a, u) || change(a, u);
+}
+
+/* Run from the communication point over a step, or through the first event inside of it (to_event). */
+static int run_on(Assembly *a, const double *u, double h, int to_event) {
+    catch_up_peaks(a, a->time + h);
+    const int fine = is_driven(a, u) ? run_driven(a, u, h, to_event) : run_past(a, a->time + h, to_event);
+    return fine && (!(to_event && met_event(a, a->time + h)) || end_event(a));
 }
 
 static int step(void *self, const double *x, const double *u, double h, double *x_next, Reason *why) {
     Assembly *a = self;
-    a->said[0] = a->master.said[0] = '\0';
-    if (!stand(a, x)) return refuse_run(a, why);
-    a->stands = 0;
-    const int has_changed = memcmp(a->wanted, a->applied, a->parameter_count * sizeof(double)) != 0 ||
-                            memcmp(u, a->inputs, a->commands * sizeof(double)) != 0;
-    if (has_changed && !change(a, u)) return refuse_run(a, why);
-    catch_up_peaks(a, a->time + h);
-    if (!(is_driven(a, u) ? run_driven(a, u, h) : run_past(a, a->time + h))) return refuse_run(a, why);
+    if (!begin(a, x, u) || !run_on(a, u, h, 0)) return refuse_run(a, why);
+    a->at_event = NO_EVENT;
     a->time += h;
     store(a, x_next);
     return 1;
+}
+
+static int step_to_event(void *self, const double *x, const double *u, double *h, int *due, double *x_next, Reason *why) {
+    Assembly *a = self;
+    if (!begin(a, x, u) || !run_on(a, u, *h, 1)) return refuse_run(a, why);
+    *due = met_event(a, a->time + *h);
+    const double end = *due ? a->master.event_time : a->time + *h;
+    *h = *due ? fmin(*h, end - a->time) : *h;
+    a->at_event = *due ? BEFORE_EVENT : NO_EVENT;
+    a->time = end;
+    store(a, x_next);
+    return 1;
+}
+
+/* A step that no event ends, as it is noted or repeated. */
+static int make_alike(Assembly *a, const double *x, const double *u, double h) {
+    a->stands = 0;
+    if (!begin(a, x, u) || !run_on(a, u, h, 0)) return 0;
+    if (!a->master.is_crossed || fabs(a->master.event_time - a->time - h) > SAME_EVENT) return 1;
+    snprintf(a->said, sizeof a->said, "the step ends where something latches or a condition is met, sooner or later with "
+             "values a little different; outputs have no derivatives there");
+    return 0;
+}
+
+static int step_alike(void *self, const double *x, const double *u, double h, int again, int acts, double *x_next,
+                      Reason *why) {
+    static const Exactness exact = {ALIKE_ITERATED, ALIKE_STALLED, 1};
+    Assembly *a = self;
+    NotedSteps *noted = &a->noted;
+    Exactness usual = {0.0, 0.0, 0};
+    noted->mode = again ? REPEATS_STEPS : NOTES_STEPS;
+    noted->acts = acts;
+    noted->at = 0;
+    if (!again) noted->count = 0, noted->gives = -1;
+    if (again) usual = set_exactness(&a->master, exact);
+    const int fine = make_alike(a, x, u, h);
+    const int strays = again && noted->at != noted->count;
+    if (again) set_exactness(&a->master, usual);
+    noted->mode = noted->acts = 0;
+    a->master.loop.plan = NULL;
+    if (fine && !strays) {
+        a->at_event = NO_EVENT;
+        a->time += h;
+        store(a, x_next);
+    }
+    a->stands = 0;
+    if (fine && !strays) return 1;
+    if (!a->said[0] && !a->master.said[0])
+        snprintf(a->said, sizeof a->said, "with values a little different another event comes first or a step is made "
+                 "otherwise; outputs have no derivatives there");
+    return refuse_run(a, why);
+}
+
+/* What is read at an event is from now on what came out of it; what the host has changed acts. A step says what cannot
+   be. */
+static void event(void *self, const double *x, const double *u, int due, double *x_next) {
+    Assembly *a = self;
+    const int acts = stand(a, x) && (due || has_changed(a, u));
+    if (acts && begin(a, x, u)) {
+        a->at_event = AFTER_EVENT;
+        store(a, x_next);
+    } else {
+        memcpy(x_next, x, state_size(a) * sizeof(double));
+    }
 }
 
 /* Where the sections of a state begin. */
@@ -573,6 +684,11 @@ static size_t weigh_rows(const Assembly *a, const double *x, double *weights, co
     const double *ring = ring_of(a, x), time = x[AT_TIME];
     const size_t rows = (size_t)x[AT_ROWS];
     size_t last = 0, count = 1;
+    if (x[AT_EVENT] == AFTER_EVENT) {
+        *first = ring + (rows - 1) * a->row_size;
+        weights[0] = 1.0;
+        return 1;
+    }
     while (last + 1 < rows && ring[last * a->row_size] < time) last++;
     const double *row = ring + last * a->row_size;
     if (last > 0) count++;
@@ -601,6 +717,12 @@ static void observe(void *self, const double *x, const double *u, double *z) {
         for (size_t k = 0; k < columns; k++) z[k] += weights[i] * first[2 + k];
 }
 
+/* Whether a line that latches at a time, negative for never, has done so at the communication point. */
+static int has_latched(const double *x, double latch_time) {
+    if (x[AT_EVENT] == AFTER_EVENT) return latch_time >= 0.0;
+    return latch_time >= 0.0 && (latch_time < x[AT_TIME] || (latch_time == x[AT_TIME] && x[AT_EVENT] == NO_EVENT));
+}
+
 static void outputs(void *self, const double *x, const double *u, double *y) {
     const Assembly *a = self;
     const double *first;
@@ -616,7 +738,7 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
     y += TOLD;
     for (const HingeLine *line = a->master.line; line < a->master.line + a->master.lines; line++) {
         const double latch_time = standing[line->latch_time - a->standing];
-        const int is_latched = latch_time >= 0.0 && latch_time <= x[AT_TIME];
+        const int is_latched = has_latched(x, latch_time);
         *y++ = is_latched ? latch_time : -1.0;
         *y++ = is_latched;
     }
@@ -634,6 +756,9 @@ const Kernel assembly_kernel = {.kind = "assembly",
                                 .prepare = prepare,
                                 .initial = initial,
                                 .step = step,
+                                .step_to_event = step_to_event,
+                                .step_alike = step_alike,
+                                .event = event,
                                 .outputs = outputs,
                                 .observe = observe,
                                 .settle = settle,

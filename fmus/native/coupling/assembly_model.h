@@ -7,8 +7,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
+#include "alike.h"
 #include "instance.h"
-#include "master.h"
 
 enum { RING = 4, SNAPSHOTS = 3 };
 
@@ -39,7 +39,8 @@ typedef struct {
 
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
    recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. `stands` tells whether all
-   this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. */
+   this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. driven_step
+   (s): the last one that the base was driven over, 0 before. */
 typedef struct {
     Master master;
     Instance **instance;
@@ -49,17 +50,21 @@ typedef struct {
     Command *command;
     Peak *peak;
     DrivenFrame driven;
+    NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
     size_t participants, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
-    double time, serial, run_serial, last_run, peak_time, last_row_time, target;
-    int stands, has_driven;
+    double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step;
+    int stands, at_event;
     char said[512];
 } Assembly;
 
 /* Numbers that come first in a state. */
-enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_STEPS, AT_REJECTED, OUTER };
+enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_STEPS, AT_REJECTED, AT_EVENT, OUTER };
+/* Whether a communication point is an event, which the run has gone through without going on; what is read there is what
+   was before the event or what came out of it. */
+enum { NO_EVENT, BEFORE_EVENT, AFTER_EVENT };
 
 /* Numbers of the master that are in no array. */
 enum { SCALARS = 40 };

@@ -53,7 +53,10 @@ typedef struct Master Master;
 
 /* command: places of inputs by what they command, all participants that have it; latch_distance, latch_command: by
    participant, where it has them, otherwise no place. row: takes rows as they come; parameters (all,): in force, part of a
-   saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in. */
+   saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in; event_time (s): of the
+   last event or latch-up, negative before, is_crossed: whether a distance was to be met for it; tried (s): size of the step that ended last, before anything crossed in it;
+   stalled: correction, over the largest wrench, that may be left; repeats: whether steps stand that are made as others
+   were. */
 struct Master {
     Network network;
     Loop loop;
@@ -73,8 +76,8 @@ struct Master {
     void *taker;
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
-    double start_step, event_step, usual_relative, driving_energy, segment, held_segment;
-    size_t lines, events, impulses, steps, rejected, happened;
+    double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
+    size_t lines, events, impulses, steps, rejected, happened, repeats;
     char said[512];
 };
 
@@ -212,11 +215,17 @@ static int say_failure(Master *m, double h) {
     return 0;
 }
 
+/* Whether an iteration has ended well: converged, or at what it is allowed to leave. */
+static int is_solved(const Master *m, int status) {
+    const Network *n = &m->network;
+    return status == CONVERGED || (status == NOT_CONVERGED && n->correction * n->tolerance.relative <= m->stalled);
+}
+
 /* A row with what an event makes of loads, from a step too short for motion, which is then taken back. */
 static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     Network *n = &m->network;
     if (!restore_all(n)) return 0;
-    if (solve(&m->solver, after, n->accepted) == CONVERGED) {
+    if (is_solved(m, solve(&m->solver, after, n->accepted))) {
         if (!observe_all(m)) return 0;
     } else if (!restore_all(n) || !observe_all(m)) {
         return 0;
@@ -417,7 +426,7 @@ static double find_crossing(Master *m, const Crossing *c, double h) {
     for (size_t i = 0; i < EVENT_SEARCH; i++) {
         trial = (at_low * high - at_high * low) / (at_low - at_high);
         trial = fmin(fmax(trial, low + 1e-3 * (high - low)), high);
-        if (solve_predicted(&m->solver, trial) != CONVERGED) return 0.0;
+        if (!is_solved(m, solve_predicted(&m->solver, trial))) return 0.0;
         if (c >= m->crossing + m->loop.lines && !observe_all(m)) return 0.0;
         const double value = distance(c);
         if (fabs(value) < EVENT_TOLERANCE || high - low < 1e-12) return trial;
@@ -445,12 +454,12 @@ static int see_to_unsolved(Master *m) {
     Loop *l = &m->loop;
     double *guess = m->solver.jacobians.kept;
     coupling_predict(&m->network, l->time + 0.5 * l->h, l->h, guess);
-    if (insist(&m->solver, (int)l->status, l->h, guess) != CONVERGED) {
+    if (!is_solved(m, (int)l->status) && !is_solved(m, insist(&m->solver, (int)l->status, l->h, guess))) {
         if (!smaller_step(m, TO_CONVERGE)) return say_failure(m, l->h) - 1;
         m->said[0] = '\0';
     } else {
         if (!observe_all(m)) return -1;
-        if (judge_step(l) == STANDS) return 1;
+        if (judge_step(l) == STANDS || m->repeats) return 1;
     }
     m->rejected++;
     return 0;
@@ -484,6 +493,8 @@ static int end_step(Master *m) {
         return 1;
     }
     size_t k = 0;
+    m->event_time = l->time;
+    m->is_crossed = 1.0;
     for (size_t i = 0; i < m->lines; i++)
         if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i);
     for (size_t i = 0; i < m->events; i++)
@@ -495,10 +506,15 @@ static int end_step(Master *m) {
 static int take_turn(Master *m) {
     Loop *l = &m->loop;
     Event *due = due_event(m);
-    if (due) return happen(m, due);
+    if (due) {
+        m->event_time = l->time;
+        m->is_crossed = isnan(due->time);
+        return happen(m, due);
+    }
     tell_events(m);
     l->rejected = 0;
     const int stop = follow(&m->solver);
+    m->tried = l->h;
     m->steps += l->made;
     m->rejected += l->rejected;
     take_events(m);
@@ -518,6 +534,10 @@ static int begin_run(Master *m, const double *wrenches) {
     Network *n = &m->network;
     Loop *l = &m->loop;
     l->time = 0.0;
+    m->event_time = -1.0;
+    m->is_crossed = 0.0;
+    m->stalled = 0.0;
+    m->repeats = 0;
     l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;
     l->parts = 1;
     m->steps = m->rejected = 0;

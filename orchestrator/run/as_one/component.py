@@ -56,7 +56,6 @@ class AssembledScene(Component, registered=False):
 
     kind = ASSEMBLY
     noun = "deployable structure"
-    tells_derivatives = False
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
         for part in assembly.parts:
@@ -73,6 +72,7 @@ class AssembledScene(Component, registered=False):
         commands = [*_latch_commands(lines), *_release_commands(network)]
         observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
         peaks = list(_peaks(self._names, observed, lines))
+        self.returns_early = bool(lines or assembly.events)
         self._order = order
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}

@@ -1,0 +1,55 @@
+"""A host of FMI 3.0 that loads a scene as one FMU, with event mode and early return as it is asked for."""
+
+from __future__ import annotations
+
+import fmpy
+from fmpy.fmi3 import FMU3Slave
+
+
+class Host3:
+    """One instance, started, at `time` (s). events: whether event mode is used; early: whether it may return early."""
+
+    def __init__(self, path, *, events=True, early=True):
+        description = fmpy.read_model_description(str(path))
+        self.interface = description.coSimulation
+        self._references = {v.name: v.valueReference for v in description.modelVariables}
+        self.fmu = FMU3Slave(
+            guid=description.guid,
+            unzipDirectory=str(fmpy.extract(str(path))),
+            modelIdentifier=self.interface.modelIdentifier,
+            instanceName=self.interface.modelIdentifier,
+        )
+        self.fmu.instantiate(loggingOn=True, eventModeUsed=events, earlyReturnAllowed=early)
+        self.time = 0.0
+        self.fmu.enterInitializationMode(startTime=0.0)
+        self.fmu.exitInitializationMode()
+        if events:
+            self._update()
+            self.fmu.enterStepMode()
+
+    def step(self, h):
+        """One step; (whether an event is to be handled, whether it returned early)."""
+        needs_event, terminates, early, self.time = self.fmu.doStep(self.time, h)
+        assert not terminates
+        return needs_event, early
+
+    def event(self, **values):
+        """An event with these inputs."""
+        self.fmu.enterEventMode()
+        for name, value in values.items():
+            self[name] = value
+        self._update()
+        self.fmu.enterStepMode()
+
+    def _update(self):
+        assert self.fmu.updateDiscreteStates()[:2] == (False, False)
+
+    def reference(self, name):
+        """Value reference of a variable."""
+        return self._references[name]
+
+    def __getitem__(self, name):
+        return self.fmu.getFloat64([self._references[name]])[0]
+
+    def __setitem__(self, name, value):
+        self.fmu.setFloat64([self._references[name]], [value])
