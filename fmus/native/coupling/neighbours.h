@@ -74,13 +74,12 @@ static Sizes2 sizes_of(const Network *n, const Led *led, const double *column, s
     return s;
 }
 
-/* Whether a correction need not be taken: small, or rounding: where residuals are, or sweeps make it no smaller. */
+/* Whether a correction need not be taken: small, or rounding, which sweeps make no smaller. */
 static int is_done(Neighbour *b, const Sizes2 *s, size_t kind) {
-    if (b->network->iteration > 1 && b->left[kind] <= 0.0) return 1;
     const int little = b->left[kind] <= NEIGHBOUR_LEFT * s->difference[kind];
     if (s->change[kind] <= fmax(little ? NEIGHBOUR_SMALL * s->difference[kind] : 0.0, b->rounding[kind])) return 1;
     if (b->network->iteration <= 2 || s->change[kind] < NEIGHBOUR_RATIO * b->last[kind]) return 0;
-    if (!(s->change[kind] <= NEIGHBOUR_ROUNDING * s->wrench[kind])) return 0;
+    if (b->left[kind] > 0.0 && !(s->change[kind] <= NEIGHBOUR_ROUNDING * s->wrench[kind])) return 0;
     b->rounding[kind] = s->change[kind];
     return 1;
 }

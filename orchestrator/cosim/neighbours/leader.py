@@ -14,8 +14,11 @@ from .. import stepping
 from ..compiled_master import CompiledMaster
 from ..implicit.convergence import Solution, Tolerance
 from ..implicit.native_solver import NativeSolver, Stop
-from .neighbour import ITERATED, Neighbour
+from .neighbour import Neighbour
 from .solvers import Beside, LeadingSolver
+
+_ITERATED = 1e-10
+"""Tolerance of its iterations; what they leave is the same in its neighbours, but for rounding in stiff joints."""
 
 
 class Leader(CompiledMaster):
@@ -26,7 +29,7 @@ class Leader(CompiledMaster):
     def __init__(self, neighbours: Sequence[Neighbour], *arguments: Any, **options: Any) -> None:  # noqa: ANN401
         super().__init__(*arguments, **options)
         assert isinstance(self.solver, LeadingSolver)
-        self.solver.tolerance = Tolerance(ITERATED)
+        self.solver.tolerance = Tolerance(_ITERATED)
         self._leading = self.solver
         self._neighbours = neighbours
         self._beside = self._leading.neighbours = Beside([one.own_solver for one in neighbours])

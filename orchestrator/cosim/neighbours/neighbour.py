@@ -15,8 +15,8 @@ from ..master import Master
 from ..native.library import NeighbourData
 from .solvers import AstrayError, NeighbourSolver, Solved
 
-ITERATED = 1e-10
-"""Tolerance of iterations of leaders, and of neighbours at events: what they leave is in the difference."""
+_ITERATED = 1e-10
+"""Tolerance of its iterations at events: what they leave is in the difference."""
 _REACHED = 1e-14
 _SECANTS = 8
 _SHORTER = 1e-4
@@ -37,7 +37,7 @@ class Neighbour(Master):
         self.name = name
         assert isinstance(self.solver, NeighbourSolver)
         self.own_solver = self.solver
-        self.solver.tolerance = Tolerance(ITERATED)
+        self.solver.tolerance = Tolerance(_ITERATED)
         self._block = Block(self._rows)
         self._start = np.zeros(len(Energies._fields))
 
