@@ -309,7 +309,8 @@ def steps(result: Result) -> Figure | None:
         panel.plot(
             result.time[shown], values[shown], color=COLOURS[0], marker=".", markersize=3, linestyle=""
         )
-        panel.set_xlim(result.time[0], result.time[-1])
+        if result.time[-1] > result.time[0]:  # of one row there is nothing to fit
+            panel.set_xlim(result.time[0], result.time[-1])
         finish(panel, result, label)
     if np.any(result.signal("scene", "step_size") > 0.0):  # none where a run ended after its first row
         axes[0].set_yscale("log")

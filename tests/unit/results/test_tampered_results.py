@@ -84,7 +84,6 @@ def test_spoiled_parts_are_told_of(tmp_path, sound, kind, command):
     assert not list(tmp_path.glob("*.html"))
 
 
-@pytest.mark.filterwarnings("ignore:Attempting to set identical low and high xlims")  # one row
 def test_a_run_that_ended_after_its_first_row_is_drawn(tmp_path):
     """The axis of step sizes had nothing to be logarithmic about."""
     path = reference.write(tmp_path / "run.h5", leave_out=(*LATER_LINES, "ccl", "damper", "base"))
