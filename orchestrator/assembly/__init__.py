@@ -130,7 +130,8 @@ class Signal:
 class SignalFmu:
     """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
 
-    start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives.
+    start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
+    variables that it gives for the record alone.
     """
 
     name: str
@@ -139,6 +140,7 @@ class SignalFmu:
     start: Mapping[str, float | int | bool | str]
     inputs: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
+    told: tuple[Signal, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

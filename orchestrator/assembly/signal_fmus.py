@@ -73,6 +73,7 @@ class _Reader:
                 for target in table.targets(name)
                 for s in self._output(name, target)
             ),
+            tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
         )
 
     def _note(self, key: str, sentence: str) -> None:
@@ -165,6 +166,16 @@ class _Reader:
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
+
+    def _told(self, name: str) -> Iterator[Signal]:
+        """An output that sets nothing."""
+        try:
+            variable = self._signal_variable(name, "output")
+        except ValueError as error:
+            self._note(f"outputs.{name}", str(error))
+            return
+        unit, text = variable.unit or "1", variable.description or ""
+        yield Signal(name, variable.type, "", "", 0, unit=unit, description=text)
 
     def _part(self, path: str) -> tuple[str, str]:
         """Component and variable of "component.variable[1]"."""

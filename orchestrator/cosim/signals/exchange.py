@@ -19,7 +19,7 @@ _REACHED = 1e-9  # s, what sums of step sizes may leave
 
 def recorded(fmu: SignalFmu) -> tuple[Quantity, ...]:
     """What is recorded of an FMU: its inputs and its outputs, in its own units."""
-    signals = {s.variable: s for s in (*fmu.inputs, *fmu.outputs)}
+    signals = {s.variable: s for s in (*fmu.inputs, *fmu.outputs, *fmu.told)}
     return tuple(
         Quantity(name.replace("/", "_"), s.unit, s.description or f"Signal of {fmu.path.name}")
         for name, s in signals.items()

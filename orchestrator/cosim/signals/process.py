@@ -36,7 +36,7 @@ class SignalProcess:
         self._longest_call = longest_call
         self._inputs = tuple(signal.variable for signal in fmu.inputs)
         # one output may set several parameters
-        self.outputs = tuple(dict.fromkeys(signal.variable for signal in fmu.outputs))
+        self.outputs = tuple(dict.fromkeys(signal.variable for signal in (*fmu.outputs, *fmu.told)))
         self._folder = Path(mkdtemp(dir=process_folder()))
         try:
             unpack(fmu.path, self._folder)

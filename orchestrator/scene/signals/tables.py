@@ -34,7 +34,7 @@ class Fmu(Table):
     A signal, or an output such as the motion of a body's port.
     """
     outputs: dict[str, str | tuple[str, ...]] = Field(default_factory=dict)
-    """By the FMU's names, the tunable parameter that each sets, or several."""
+    """By the FMU's names, the tunable parameter that each sets, or several; an empty list for what is only recorded."""
 
     @model_validator(mode="after")
     def _is_joined(self) -> Self:

@@ -1,0 +1,68 @@
+"""A wing as one FMU on a free spacecraft in a scene of ours, against the same wing and spacecraft as one scene."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from fmus import native_library
+from tests.unit.run.as_one.host import latching
+
+pytestmark = pytest.mark.skipif(native_library() is None, reason="a scene as one FMU is native")
+FREE = {"mass": "500 kg", "center_of_mass": [-1.0, 0.0, 0.0], "inertia": [400.0, 400.0, 400.0]}
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def mounted(wing, step):
+    """The spacecraft with the wing's loads as loads of its own, in its axes; its rates drive the wing's base."""
+    base = {"points": {"root": [0.0, 0.0, 0.0]}, "free": FREE}
+    loads = [
+        {
+            "name": f"wing_{axis}",
+            "kind": "load",
+            "ports": {"body": {"body": "base", "point": "root"}},
+            "structure": {"direction": direction, "frame": "body"},
+        }
+        for axis, direction in AXES.items()
+    ]
+    inputs = {
+        f"base.{rate}[{i}]": f"base.wing_x.{rate}[{i}]"
+        for rate in ("velocity", "angular_velocity")
+        for i in (1, 2, 3)
+    }
+    outputs = {
+        f"base.interface_{kind}[{i}]": f"wing_{axis}.added_{kind}"
+        for kind in ("force", "torque")
+        for i, axis in enumerate(AXES, 1)
+    }
+    fmu = {
+        "name": "wing",
+        "file": str(wing),
+        "step": step,
+        "inputs": inputs,
+        "outputs": {**outputs, "HL.latch_time": []},
+    }
+    tree = {"scene": {"name": "mounted", "until": 1.2}, "base": base, "connection": loads, "fmu": [fmu]}
+    return fanfold.Scene.of_tree("mounted.toml", tree)
+
+
+def test_a_wing_turns_its_spacecraft(tmp_path):
+    """Loads are held over a step: the attitude is of first order in it, and the panel latches when it does."""
+    tree = latching().tree
+    tree["base"]["free"] = FREE
+    whole = fanfold.simulate(fanfold.Scene.of_tree("whole.toml", tree), until=1.2, estimate=False)
+    latch_time = whole.latch_times["HL"]
+    (wing,) = fanfold.export(latching(), tmp_path, as_one=True, driven_base=True)
+
+    def errors(step):
+        run = fanfold.simulate(mounted(wing, step), estimate=False)
+        before = latch_time - 0.1
+        angles = [np.interp(before, r.time, r.signal("base", "attitude")[:, 1]) for r in (run, whole)]
+        return abs(angles[0] / angles[1] - 1.0), abs(
+            run.signal("wing", "HL.latch_time")[-1] / latch_time - 1.0
+        )
+
+    (coarse, _), (fine, latched) = errors("10 ms"), errors("5 ms")
+    assert latched < 1e-4
+    assert 0.4 < fine / coarse < 0.6
