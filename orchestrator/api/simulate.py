@@ -84,7 +84,7 @@ def simulate(
     s. order: 2 or 4, of the coupling; by default 4. master: "jacobi" and "gauss-seidel" are explicit and
     need a step. backend: "native" or "python" FMUs. checkpoint: simulated time (s) after which the file of the result
     gets a checkpoint that `resume` goes on from; last digits differ from those of a run without. isolate: every
-    FMU in a process of its own. estimate: tell the errors of headline numbers, for two thirds of its cost. refine:
+    FMU in a process of its own. estimate: tell the errors of headline numbers, for half the cost of the run. refine:
     where these are likely to miss the tolerance, run again at a smaller one. record: which rows the result keeps,
     "all" or one in so much time (s) beside those of events and peaks, so that headline numbers stay the same. signals:
     which it keeps beside what headline numbers need, by COMPONENT or COMPONENT.VARIABLE, as patterns such as "hl1_*".

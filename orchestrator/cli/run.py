@@ -54,7 +54,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @click.option("--verify", "with_verify", is_flag=True, help="Repeat with steps halved; report errors.")
 @click.option(
     "--estimate/--no-estimate", "with_estimate", default=True, show_default=True,
-    help="Estimate the errors of headline numbers, for two thirds of the cost of the run.",
+    help="Estimate the errors of headline numbers, for half the cost of the run.",
 )  # fmt: skip
 @click.option(
     "--refine/--no-refine", "refine", default=True, show_default=True,

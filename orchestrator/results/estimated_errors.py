@@ -49,8 +49,8 @@ def unknown_errors(result: Result) -> list[str]:
     if ESTIMATED_ERRORS not in result.statistics or estimated_errors(result):
         return []
     return [
-        "no headline number can be vouched for: a run with longer steps, which tells their errors, does not reach the "
-        "end; a smaller tolerance makes them surer"
+        "no headline number can be vouched for: a run with steps twice as long, which tells their errors, does not "
+        "reach the end; a smaller tolerance makes them surer"
     ]
 
 

@@ -142,9 +142,8 @@ def simulate(
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
-    estimate: let a companion run, at two thirds of the cost, tell the errors of headline numbers. warn: is given
-    sentences. start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one
-    of its own.
+    estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
+    start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one of its own.
     """
     if options.checkpoint is not None and output is None:
         raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")

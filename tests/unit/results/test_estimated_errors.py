@@ -1,4 +1,4 @@
-"""Estimated errors: from longer steps, kept in the file, told of where a number cannot be vouched for."""
+"""Estimated errors: from steps twice as long, kept in the file, told of where a number cannot be vouched for."""
 
 from __future__ import annotations
 
@@ -18,24 +18,16 @@ from orchestrator.results.estimated_errors import (
 from orchestrator.results.key_figures import headline, headline_rows
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
-from orchestrator.run.companion import likely_share, two_for_three, with_estimates
+from orchestrator.run.companion import doubled, with_estimates
 from orchestrator.run.run import run
 from tests.unit.run.test_verify import smooth_scene
 
 needs_native = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
 
 
-def test_three_steps_as_two():
-    """Closed form: segment by segment, reaching the same times; one or two that are left stay as they are."""
-    assert two_for_three([[0.25, 0.25, 0.5, 2.0], [], [1.0, 2.0]]) == [[0.5, 0.5, 2.0], [], [1.0, 2.0]]
-
-
-@pytest.mark.parametrize("order", [2, 4])
-def test_likely_errors_lie_between_those_of_an_order_and_of_none(order):
-    """Closed form: as far above errors that go with h^n as below those that differ by themselves, about twice."""
-    of_order, of_none = likely_share(order) * (1.5**order - 1.0), likely_share(order)
-    assert of_order * of_none == pytest.approx(1.0)
-    assert of_order < 2.02
+def test_doubled_steps():
+    """Closed form: two steps as one, segment by segment, that reach the same times; an odd one stands alone."""
+    assert doubled([[0.25, 0.25, 0.5], [], [1.0, 2.0]]) == [[0.5, 0.5], [], [3.0]]
 
 
 @pytest.fixture(scope="module")
