@@ -18,7 +18,7 @@ import csv
 import re
 from argparse import ArgumentParser
 from collections import Counter
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -152,7 +152,7 @@ def try_wing(
             if isinstance(true, str):
                 sentence = sentence or true
                 continue
-            off = deviations(found.headline, true.headline)
+            off = deviations(found, true)
             if misses(off, wanted, 10.0):
                 off = _settled(off, true, _attempt(assembly, 3.0 * tight, limit, path), wanted)
             steps = found.costs.steps, true.costs.steps
@@ -166,7 +166,7 @@ def _settled(
     """The deviations, marked by a run at three times the tolerance of the reference."""
     if isinstance(coarser, str):
         return list(found)
-    return with_settled(found, deviations(coarser.headline, true.headline), tolerance)
+    return with_settled(found, deviations(coarser, true), tolerance)
 
 
 def campaign(
@@ -279,22 +279,32 @@ def _kind(sentence: str) -> str:
     return re.sub(r"(?<![A-Za-z])[-+]?\d[\d.]*(e[-+]?\d+)?", "...", first)
 
 
-def write_csv(trials: Sequence[Trial], path: Path) -> None:
-    """Every deviation in a row, and every failure."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+_OF_TRIAL = (
+    "seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference"
+)  # fmt: skip
+_NOTHING = Deviation("", "", 0.0, None, None, None, None)
+
+
+@contextmanager
+def kept_in(path: Path | None) -> Iterator[Callable[[Trial], None]]:
+    """What writes a trial at once, so that an interrupted campaign leaves its rows; nothing where there is no path."""
+    if path is None:
+        yield lambda trial: None
+        return
+    with path.open("w", newline="", encoding="utf-8", buffering=1) as file:
         writer = csv.writer(file)
-        writer.writerow(
-            ("seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference",
-             "group", "of", "error", "estimate", "told", "failure")
-        )  # fmt: skip
-        for trial in trials:
-            head = (
-                trial.seed, trial.bodies, trial.flexible, trial.free, " ".join(trial.latches), trial.tolerance,
-                *trial.steps, trial.reference,
-            )  # fmt: skip
-            sentence = trial.failure or trial.reference_failure
-            for found in trial.deviations or (Deviation("", "", 0.0, None),):
-                writer.writerow((*head, *found, sentence))
+        writer.writerow((*_OF_TRIAL, *Deviation._fields, "failure"))
+        yield lambda trial: writer.writerows(_rows(trial))
+
+
+def _rows(trial: Trial) -> Iterator[tuple[object, ...]]:
+    """Every deviation of a trial, in one row at least, as a failure has none."""
+    head = (
+        trial.seed, trial.bodies, trial.flexible, trial.free, " ".join(trial.latches), trial.tolerance,
+        *trial.steps, trial.reference,
+    )  # fmt: skip
+    for found in trial.deviations or (_NOTHING,):
+        yield (*head, *found, trial.failure or trial.reference_failure)
 
 
 def main() -> None:
@@ -311,13 +321,12 @@ def main() -> None:
     print(HEAD)
     seeds = range(chosen.first, chosen.first + chosen.wings)
     found = campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs)
-    with suppress(KeyboardInterrupt):
+    with kept_in(chosen.out) as keep, suppress(KeyboardInterrupt):
         for trial in found:
+            keep(trial)
             trials.append(trial)
             print(row(trial), flush=True)
     print("\n" + "\n".join(summary(trials)), flush=True)
-    if chosen.out:
-        write_csv(trials, chosen.out)
     found.close()
 
 

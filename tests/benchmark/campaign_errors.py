@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterator, Mapping
 from math import inf
 from typing import NamedTuple
 
+from orchestrator.results.estimated_errors import EstimatedError, Key, estimated_errors
 from orchestrator.results.key_figures import Headline
 from orchestrator.results.round_off import noise_floor
+from orchestrator.run.run import Outcome
 
-Key = tuple[str, str]
-"""Quantity and what it is of, as in `Number`."""
 LATCH_TIME, IMPULSE, LATCH_TORQUE = "latch time", "latch impulse", "latch torque peak"
 LARGEST, LOCK = "largest latch torque peak", "lock torque peak"
 LOADS = ("interface force peak", "interface torque peak")
@@ -24,40 +24,46 @@ _RESOLVED = 0.1
 class Deviation(NamedTuple):
     """Error of a headline number over the scale of its group, and the error that the run itself estimated, if any.
 
-    told: whether the run says in a sentence that it does not vouch for the number. settled: whether runs at the
-    reference's tolerance and at three times it agree far better than run and reference do.
+    estimate: the likely one over the same scale. most: what it may be at the most. value, reference: what both runs
+    say, in the number's unit, None of one that does not have it. told: whether the run says in a sentence that it does
+    not vouch for the number. settled: whether runs at the reference's tolerance and at three times it agree far better
+    than run and reference do.
     """
 
     group: str
     of: str
     error: float
     estimate: float | None
+    most: float | None
+    value: float | None
+    reference: float | None
     told: bool = False
     settled: bool = True
 
 
-def estimated_errors(found: Headline) -> Mapping[Key, float]:
-    """Errors that a run estimated for its headline numbers, in their units, by quantity and what it is of.
-
-    Infinite ones for a run that says that it knows none.
-    """
-    return found.estimated_errors or {number.key: inf for number in found.numbers()}
+def _estimates(found: Outcome) -> Mapping[Key, EstimatedError]:
+    """Errors that a run estimated for its headline numbers; infinite ones for a run that says that it knows none."""
+    unknown = EstimatedError(inf, inf)
+    return estimated_errors(found.result) or {number.key: unknown for number in found.headline.numbers()}
 
 
-def deviations(found: Headline, reference: Headline) -> list[Deviation]:
+def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
     """Every number of either run against that of the reference; inf where only one of the two has it.
 
     Latch times, impulses and torques are taken relative to their own values, components of a load relative to the
     largest of its components; those that are round-off beside it are left out.
     """
-    ours, true = _numbers(found), _numbers(reference)
-    estimates = estimated_errors(found)
+    ours, true = _numbers(found.headline), _numbers(reference.headline)
+    estimates = _estimates(found)
     single = [
         _deviation((quantity, of), ours, true, estimates)
         for quantity, of in sorted({*ours, *true})
         if not _is_round_off((quantity, of), true)
     ]
-    return [d._replace(told=_is_told(d, found.warnings)) for d in (*single, *_largest(ours, true, estimates))]
+    return [
+        d._replace(told=_is_told(d, found.headline.warnings))
+        for d in (*single, *_largest(ours, true, estimates))
+    ]
 
 
 def _is_told(deviation: Deviation, warnings: Collection[str]) -> bool:
@@ -72,13 +78,18 @@ def _numbers(found: Headline) -> dict[Key, float]:
 
 
 def _deviation(
-    key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
+    key: Key, ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, EstimatedError]
 ) -> Deviation:
     if key not in ours or key not in true:
-        return Deviation(*key, inf, None)
-    scale = _scale(key, true)
-    estimate = estimates[key] / scale if key in estimates else None
-    return Deviation(*key, abs(ours[key] - true[key]) / scale, estimate)
+        return Deviation(*key, inf, None, None, ours.get(key), true.get(key))
+    return _compared(key, ours[key], true[key], _scale(key, true), estimates.get(key))
+
+
+def _compared(
+    of: Key, value: float, reference: float, scale: float, estimate: EstimatedError | None
+) -> Deviation:
+    likely, most = (None, None) if estimate is None else (error / scale for error in estimate)
+    return Deviation(*of, abs(value - reference) / scale, likely, most, value, reference)
 
 
 def _load(key: Key, numbers: Mapping[Key, float]) -> list[float]:
@@ -94,7 +105,7 @@ def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
 
 
 def _largest(
-    ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, float]
+    ours: Mapping[Key, float], true: Mapping[Key, float], estimates: Mapping[Key, EstimatedError]
 ) -> Iterator[Deviation]:
     """The largest latch torque of all lines but locks, which one sizes the structure by."""
     peaks = [
@@ -103,12 +114,11 @@ def _largest(
     if not any(peaks):
         return
     if not all(peaks):
-        yield Deviation(LARGEST, "", inf, None)
+        yield Deviation(LARGEST, "", inf, None, None, None, None)
         return
     high, reference = (max(numbers, key=lambda key: numbers[key]) for numbers in peaks)
     scale = true[reference]
-    estimate = estimates[high] / scale if high in estimates else None
-    yield Deviation(LARGEST, high[1], abs(ours[high] - scale) / scale, estimate)
+    yield _compared((LARGEST, high[1]), ours[high], scale, scale, estimates.get(high))
 
 
 def worst(found: Collection[Deviation], group: str) -> Deviation | None:
