@@ -5,8 +5,8 @@ from math import inf
 
 import pytest
 
-from tests.benchmark.campaign import try_wing
-from tests.benchmark.campaign_errors import misses
+from tests.benchmark.campaign.errors import misses
+from tests.benchmark.campaign.trials import try_wing
 from tests.references.random_wings import load_wing, random_wing, toml_text
 
 pytestmark = pytest.mark.slow

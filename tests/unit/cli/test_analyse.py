@@ -16,7 +16,12 @@ from orchestrator.run.progress import followed
 
 NAMES = main.commands["analyse"].list_commands(None)
 ON_RESULTS = ("impact", "outputs", "stress")
-NEEDED = {"latch-tuning": ("--line", "HL1"), "outputs": ("--body", "panel"), "stress": ("--body", "panel")}
+NEEDED = {
+    "gradients": ("--by", "friction.coefficient"),
+    "latch-tuning": ("--line", "HL1"),
+    "outputs": ("--body", "panel"),
+    "stress": ("--body", "panel"),
+}
 """Options without which an analysis asks for them first."""
 
 

@@ -6,8 +6,8 @@ import csv
 
 import pytest
 
-from tests.benchmark.campaign import Trial, kept_in
-from tests.benchmark.campaign_errors import Deviation, is_well_estimated
+from tests.benchmark.campaign.errors import Deviation, is_well_estimated
+from tests.benchmark.campaign.trials import Trial, kept_in
 
 PEAK = Deviation("latch torque peak", "L0", 0.02, 0.01, 0.03, 102.0, 100.0)
 
