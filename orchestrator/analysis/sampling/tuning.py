@@ -30,7 +30,7 @@ from .workers import local
 _STEP = 2e-3
 """Difference of a key over its range: far above what the errors of runs make of numbers, and nearly linear."""
 _ACCURACY = 1e-4
-_OF_A_NEIGHBOUR = 0.55
+_OF_A_NEIGHBOUR = 0.6
 """What a neighbour costs, in runs (`python -m tests.benchmark.gradients`)."""
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
