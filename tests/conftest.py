@@ -2,6 +2,7 @@
 
 import gc
 
+import fmpy.logging
 import pytest
 from hypothesis import settings
 
@@ -11,6 +12,18 @@ from components.contract import plugins
 settings.register_profile("sample", max_examples=30, deadline=None)
 settings.register_profile("thorough", max_examples=1000, deadline=None)
 settings.load_profile("sample")  # --hypothesis-profile=thorough for more
+
+
+_add_logger_proxy, _loggers = fmpy.logging.addLoggerProxy, []
+
+
+def _keep_logger(callbacks: object) -> None:
+    """FMPy's proxy of loggers is one for the process: any FMU's next sentence goes to the logger it was given last."""
+    _loggers.append(callbacks)
+    _add_logger_proxy(callbacks)
+
+
+fmpy.logging.addLoggerProxy = _keep_logger
 
 
 def pytest_collection_finish() -> None:
