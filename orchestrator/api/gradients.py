@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from ..analysis.sampling.gradients import Gradients
 from ..analysis.sampling.gradients import gradients as _gradients
 from ..run.progress import Progress, followed
-from ..run.simulation import Options
-from ..scene.builder import Names, listed
+from ..scene.builder import Names
 from .progress import chosen
-from .simulate import Quantity, SceneLike, in_si, load
+from .simulate import Quantity, SceneLike, load, options_of
 
 
 def gradients(
@@ -35,13 +34,7 @@ def gradients(
     `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
     FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
     """
-    options = Options(
-        rigid=frozenset(listed(rigid)),
-        flexible=frozenset(listed(flexible)),
-        large_deformation=frozenset(listed(large_deformation)),
-        until=in_si(until, "s", "until"),
-        tolerance=tolerance,
-    )
+    options = options_of(rigid, flexible, large_deformation, until, tolerance)
     loaded = load(scene)
     end = options.until or loaded.check().header.until
     wanted = [keys] if isinstance(keys, str) else list(keys)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -56,6 +57,19 @@ def load(
     return Scene.load(scene, variant, settings)
 
 
+def options_of(
+    rigid: Names, flexible: Names, large_deformation: Names, until: Quantity | None, tolerance: float | None
+) -> Options:
+    """What every run is given from Python; see `simulate`."""
+    return Options(
+        rigid=frozenset(listed(rigid)),
+        flexible=frozenset(listed(flexible)),
+        large_deformation=frozenset(listed(large_deformation)),
+        until=in_si(until, "s", "until"),
+        tolerance=tolerance,
+    )
+
+
 def simulate(
     scene: SceneLike,
     *,
@@ -94,12 +108,8 @@ def simulate(
     where the scene cannot be run, or not to its end; a scene in phases is run phase by phase, see `Scene.runs`.
     """
     loaded = load(scene)
-    options = Options(
-        rigid=frozenset(listed(rigid)),
-        flexible=frozenset(listed(flexible)),
-        large_deformation=frozenset(listed(large_deformation)),
-        until=in_si(until, "s", "until"),
-        tolerance=tolerance,
+    options = replace(
+        options_of(rigid, flexible, large_deformation, until, tolerance),
         step=in_si(step, "s", "step"),
         order=order,
         master=master,

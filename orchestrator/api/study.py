@@ -14,9 +14,8 @@ from ..analysis.sampling.plan import Plan
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
 from ..analysis.sampling.varied import varied
-from ..run.simulation import Options
 from ..scene.builder import Names, listed
-from .simulate import Quantity, SceneLike, in_si, load
+from .simulate import Quantity, SceneLike, load, options_of
 
 
 class Study(Record):
@@ -78,13 +77,7 @@ def study(
     """
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
-    options = Options(
-        rigid=frozenset(listed(rigid)),
-        flexible=frozenset(listed(flexible)),
-        large_deformation=frozenset(listed(large_deformation)),
-        until=in_si(until, "s", "until"),
-        tolerance=tolerance,
-    )
+    options = options_of(rigid, flexible, large_deformation, until, tolerance)
     task = Task(load(scene), options, estimate, listed(signals), points)
     found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
     return Study.of_record(found)

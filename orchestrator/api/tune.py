@@ -10,9 +10,8 @@ from ..analysis.sampling.targets import Target, curves, target
 from ..analysis.sampling.tuning import Tuned
 from ..analysis.sampling.tuning import tune as _tune
 from ..analysis.sampling.varied import varied
-from ..run.simulation import Options
-from ..scene.builder import Names, listed
-from .simulate import Quantity, SceneLike, in_si, load
+from ..scene.builder import Names
+from .simulate import Quantity, SceneLike, load, options_of
 
 
 def tune(
@@ -50,13 +49,7 @@ def tune(
         if isinstance(targets, Mapping)
         else list(map(target, targets))
     )
-    options = Options(
-        rigid=frozenset(listed(rigid)),
-        flexible=frozenset(listed(flexible)),
-        large_deformation=frozenset(listed(large_deformation)),
-        until=in_si(until, "s", "until"),
-        tolerance=tolerance,
-    )
+    options = options_of(rigid, flexible, large_deformation, until, tolerance)
     measured = () if curve is None else curves(Path(curve))
     task = Task(load(scene), options)
     return _tune(
