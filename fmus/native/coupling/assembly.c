@@ -11,9 +11,10 @@
 
 #include <string.h>
 
+#define SAME_EVENT 1e-9 /* s */
+
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
-#define SAME_EVENT 1e-9 /* s */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 
 /* Numbers of the master that are in no array, to or from `scalars`. */

@@ -25,7 +25,7 @@ from ...scene.builder import Scene
 from ...scene.layers import Tree
 from .distributions import StudyError
 from .neighbours import Followed, run_beside
-from .varied import Settings, own_value, scaled, value_at, written
+from .varied import Settings, keys_of, multiplied, own_value, value_at, written_to
 
 PART = 5e-6
 """Of a key: what it differs by. The second derivative errs with it, the rounding of stiff joints against it."""
@@ -80,8 +80,8 @@ class Parameter(NamedTuple):
     def settings(self, tree: Tree, value: float) -> Settings:
         """Settings with which it has another value."""
         if not self.factor:
-            return dict.fromkeys(self.keys, written(value, self.unit))
-        return {key: scaled(key, value_at(tree, key), value) for key in self.keys}
+            return written_to(self.keys, value, self.unit)
+        return multiplied(tree, self.keys, value)
 
 
 class Beside(NamedTuple):
@@ -93,8 +93,7 @@ class Beside(NamedTuple):
 
 def parameter(tree: Tree, text: str) -> Parameter:
     """What KEY, KEY,KEY or KEY* means in a scene; StudyError where that is no number."""
-    factor = text.rstrip().endswith("*")
-    keys = tuple(key.strip() for key in text.rstrip().removesuffix("*").split(","))
+    keys, factor = keys_of(text)
     found = {key: value_at(tree, key) for key in keys}
     for key, value in found.items():
         if value is None:

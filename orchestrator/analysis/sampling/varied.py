@@ -33,21 +33,36 @@ class Varied:
     def settings(self, tree: Tree, value: float) -> Settings:
         """The settings that a drawn value means; tree: the scene without them. StudyError where it cannot be scaled."""
         if not self.factor:
-            return dict.fromkeys(self.keys, written(value, self.distribution.unit))
-        return {key: scaled(key, _to_scale(tree, key), value) for key in self.keys}
+            return written_to(self.keys, value, self.distribution.unit)
+        return multiplied(tree, self.keys, value)
 
 
 def varied(text: str) -> Varied:
     """What KEY=DISTRIBUTION or KEY*=DISTRIBUTION means, with keys between commas; StudyError where it means nothing."""
     left, equals, right = text.partition("=")
-    factor = left.rstrip().endswith("*")
-    keys = tuple(key.strip() for key in left.rstrip().removesuffix("*").split(","))
+    keys, factor = keys_of(left)
     if not equals or not all(keys):
         raise StudyError(f"{text!r} is not of the form KEY=DISTRIBUTION or KEY*=DISTRIBUTION")
     found = distribution(right.strip())
     if factor and found.unit:
         raise StudyError(f"{text!r}: a factor has no unit")
     return Varied(keys, found, factor)
+
+
+def keys_of(text: str) -> tuple[tuple[str, ...], bool]:
+    """Keys of KEY, KEY,KEY or KEY*, and whether they are multiplied."""
+    text = text.rstrip()
+    return tuple(key.strip() for key in text.removesuffix("*").split(",")), text.endswith("*")
+
+
+def written_to(keys: Sequence[str], value: float, unit: str) -> Settings:
+    """Settings that give all keys one value."""
+    return dict.fromkeys(keys, _written(value, unit))
+
+
+def multiplied(tree: Tree, keys: Sequence[str], factor: float) -> Settings:
+    """Settings that multiply what a scene has under keys; StudyError where it cannot be scaled."""
+    return {key: _scaled(key, _to_scale(tree, key), factor) for key in keys}
 
 
 def own_value(value: object) -> tuple[float, str] | None:
@@ -58,7 +73,7 @@ def own_value(value: object) -> tuple[float, str] | None:
     return None if found is None else (float(found[1]), found[2])
 
 
-def written(value: float, unit: str) -> float | str:
+def _written(value: float, unit: str) -> float | str:
     """As scenes take it; whole numbers stay whole, as counts must be."""
     if unit:
         return f"{value!r} {unit}"
@@ -89,14 +104,14 @@ def value_at(tree: Tree, key: str) -> object:
     return found
 
 
-def scaled(key: str, value: object, factor: float) -> object:
+def _scaled(key: str, value: object, factor: float) -> object:
     """Times a factor: a number, a text with a unit, or a list of them; StudyError for anything else."""
     if isinstance(value, bool):
         raise StudyError(f"{key}: {value} cannot be multiplied")
     if isinstance(value, int | float):
         return factor * value
     if isinstance(value, list):
-        return [scaled(key, one, factor) for one in value]
+        return [_scaled(key, one, factor) for one in value]
     parts = QUANTITY.fullmatch(value) if isinstance(value, str) else None
     if parts is None:
         raise StudyError(
