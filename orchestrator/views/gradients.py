@@ -21,11 +21,16 @@ _LINEAR, _DARK = 0.1, 0.3
 
 
 def plot_gradients(found: Gradients, path: Path) -> Path:
-    """Numbers over keys, coloured by the relative change of one over that of the other; the path written."""
+    """Numbers over keys, coloured by the relative change of one over that of the other; the path written.
+
+    Rows that nobody vouches for are crossed out.
+    """
     relative = np.nan_to_num(found.relative)
     rows = np.flatnonzero(np.abs(relative).max(axis=1, initial=0.0) >= _LEAST)[:_MOST_ROWS]
     shown = relative[rows]
     limit = float(np.abs(shown).max(initial=_LEAST))
+    names = [found.names[i] for i in rows]
+    doubted = [i for i, name in enumerate(names) if name in found.doubtful]
     with mpl.rc_context(STYLE):
         figure = empty_figure(3.6 + 1.1 * len(found.keys), 2.2 + 0.25 * len(rows), "constrained")
         axes = figure.subplots()
@@ -35,10 +40,12 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
             for k, value in enumerate(row):
                 colour = "white" if abs(scale(value) - 0.5) > _DARK else "black"
                 axes.text(k, i, f"{value:+.2f}", ha="center", va="center", color=colour)
+        for i in doubted:
+            axes.axhspan(i - 0.5, i + 0.5, facecolor="none", edgecolor="grey", hatch="xx", linewidth=0.0)
         axes.grid(visible=False)
         axes.set_xticks(range(len(found.keys)), [_wrapped(key) for key in found.keys])
-        axes.set_yticks(range(len(rows)), [found.names[i] for i in rows])
-        axes.set_title(found.scene)
+        axes.set_yticks(range(len(rows)), names)
+        axes.set_title(found.scene + ("\ncrossed out: nobody vouches for these" if doubted else ""))
         figure.colorbar(image, ax=axes, label="change of a number in % for 1 % of a key")
         as_written(figure).savefig(path)
     return path

@@ -3,11 +3,14 @@
 Every key has a neighbour of the run, in which it differs by a small part; the derivative is the difference of their
 numbers over it. Both make the same steps with the same factors, so the errors of steps and iterations are not in it:
 internal numerical differentiation (Bock 1981). Latch-ups come earlier or later in a neighbour, and are met there.
+One neighbour more differs in all keys at once, to the other side: what its numbers miss of what the derivatives say
+tells how far these can be trusted, which is nothing where peaks are those of chaotic ringing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
@@ -19,6 +22,8 @@ from components.contract.component import Vector
 from ...assembly import Assembly
 from ...cosim.neighbours.solvers import AstrayError
 from ...results.key_figures import Number, headline
+from ...results.result import Result
+from ...results.round_off import noise_floor
 from ...run.simulation import Options
 from ...scene import SceneError
 from ...scene.builder import Scene
@@ -34,6 +39,8 @@ _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1e-4
 _NO_NUMBERS = ("end time", "energy residual")
+_DOUBTFUL = 0.1
+"""Of a gradient: an estimated error beyond which it is told of."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +48,8 @@ class Gradients:
     """What a scene's headline numbers do when its keys change, each by a little.
 
     keys: as they were given. values, units (P): of the keys, a factor being 1. numbers (N): those of the run.
-    derivatives (N, P): in the unit of the number over that of the key.
+    derivatives (N, P): in the unit of the number over that of the key. errors (N): of each number's gradient, estimated
+    over the gradient as a whole; not a number where nothing moves it.
     """
 
     scene: str
@@ -50,6 +58,7 @@ class Gradients:
     units: tuple[str, ...]
     numbers: tuple[Number, ...]
     derivatives: Vector
+    errors: Vector
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -62,6 +71,22 @@ class Gradients:
         sizes = np.array([abs(one.value) or nan for one in self.numbers])
         found: Vector = self.derivatives * np.array(self.values) / sizes[:, None]
         return found
+
+    @property
+    def doubtful(self) -> tuple[str, ...]:
+        """Names of the numbers whose derivatives mean nothing: small changes of the keys do not add up in them."""
+        return tuple(name for name, error in zip(self.names, self.errors, strict=True) if error > _DOUBTFUL)
+
+    @property
+    def warning(self) -> str:
+        """What to say of these; empty where there are none."""
+        if not self.doubtful:
+            return ""
+        return (
+            f"{self.scene}: nobody vouches for the derivatives of {', '.join(self.doubtful)}: a small change of all "
+            "keys together is not the sum of those of each, as where ringing is chaotic or not resolved; try a smaller "
+            "tolerance"
+        )
 
     def of(self, number: str, key: str) -> float:
         """Derivative of a number, such as "latch time HL1", by a key."""
@@ -88,6 +113,13 @@ class Beside(NamedTuple):
     """A value of a parameter beside its own, and what it makes of the scene."""
 
     value: float
+    assembly: Assembly
+
+
+class Together(NamedTuple):
+    """A neighbour in all parameters at once. steps (P): what each of them differs by."""
+
+    steps: Vector
     assembly: Assembly
 
 
@@ -131,12 +163,13 @@ def gradients(
     for smaller in _SMALLER:
         part = smaller * (CENTRAL_PART if central else PART)
         beside = [_neighbours(scene, options, one, part, central=central) for one in parameters]
+        together = _together(scene, options, parameters, beside, central=central)
         try:
-            followed = _follow(assembly, options, parameters, beside, watch)
+            followed = _follow(assembly, options, parameters, beside, together, watch)
         except AstrayError as error:
             astray = str(error)
         else:
-            return _told(assembly, parameters, beside, followed)
+            return _told(assembly, parameters, beside, together, followed)
     raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
 
 
@@ -145,6 +178,7 @@ def _follow(
     options: Options,
     parameters: Sequence[Parameter],
     beside: Sequence[Sequence[Beside]],
+    together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
     others = {
@@ -152,6 +186,7 @@ def _follow(
         for one, sides in zip(parameters, beside, strict=True)
         for side in sides
     }
+    others |= {f"all of them {way}": one.assembly for one, way in zip(together, "-+", strict=False)}
     return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
 
 
@@ -159,23 +194,81 @@ def _told(
     assembly: Assembly,
     parameters: Sequence[Parameter],
     beside: Sequence[Sequence[Beside]],
+    together: Sequence[Together],
     followed: Followed,
 ) -> Gradients:
     numbers = [one for one in headline(followed.result).numbers() if one.quantity not in _NO_NUMBERS]
-    here = {one.key: one.value for one in numbers}
-    results = iter(followed.neighbours)
-    columns = []
-    for one, sides in zip(parameters, beside, strict=True):
-        ends = [(side.value, {n.key: n.value for n in headline(next(results)).numbers()}) for side in sides]
-        columns.append(_quotients(numbers, ends if len(ends) > 1 else [*ends, (one.value, here)]))
+    here = np.array([one.value for one in numbers])
+    others = iter([_values(numbers, result) for result in followed.neighbours])
+    ends = [[(side.value - one.value, next(others)) for side in sides]
+            for one, sides in zip(parameters, beside, strict=True)]  # fmt: skip
+    slopes = np.column_stack([_slope(here, sides) for sides in ends])
+    steps, change = together[0].steps, next(others) - here
+    for one in together[1:]:
+        steps, change = 0.5 * (steps - one.steps), 0.5 * (change - (next(others) - here))
     return Gradients(
         assembly.name,
         tuple(one.name for one in parameters),
         tuple(one.value for one in parameters),
         tuple(one.unit for one in parameters),
         tuple(numbers),
-        np.column_stack(columns),
+        slopes,
+        _shares(numbers, np.abs(change - slopes @ steps), np.linalg.norm(slopes * steps, axis=1)),
     )
+
+
+def _values(numbers: Sequence[Number], result: Result) -> Vector:
+    """(N,) the same numbers of another run; not a number for what it does not have."""
+    found = {one.key: one.value for one in headline(result).numbers()}
+    return np.array([found.get(one.key, nan) for one in numbers])
+
+
+def _slope(here: Vector, sides: Sequence[tuple[float, Vector]]) -> Vector:
+    """(N,) differences of numbers over that of the key, between the run and its neighbour, or its two."""
+    (step, there), *other = sides
+    before, value = other[0] if other else (0.0, here)
+    return (there - value) / (step - before)
+
+
+def _shares(numbers: Sequence[Number], off: Vector, whole: Vector) -> Vector:
+    """(N,) errors over gradients; not a number where a number is round-off beside its like, or nothing moves it."""
+    groups: dict[str, list[float]] = {}
+    for one in numbers:
+        groups.setdefault(one.quantity, []).append(one.value)
+    real = [abs(one.value) > noise_floor(groups[one.quantity]) for one in numbers]
+    size = np.where(np.array(real) & (whole > 0.0), whole, nan)
+    found: Vector = off / size
+    return found
+
+
+def _together(
+    scene: Scene,
+    options: Options,
+    parameters: Sequence[Parameter],
+    beside: Sequence[Sequence[Beside]],
+    *,
+    central: bool,
+) -> list[Together]:
+    """All parameters at once as far off as their neighbours: to the other side, and to this one where it is central."""
+    steps = np.array([sides[0].value - one.value for one, sides in zip(parameters, beside, strict=True)])
+    found = [_all_at_once(scene, options, parameters, -steps)]
+    return [*found, _all_at_once(scene, options, parameters, steps)] if central else found
+
+
+def _all_at_once(scene: Scene, options: Options, parameters: Sequence[Parameter], steps: Vector) -> Together:
+    """All parameters changed by steps, or to the side where each of them can be."""
+    taken = steps.copy()
+    other = scene
+    for k in sorted(range(len(parameters)), key=lambda k: parameters[k].factor):
+        one = parameters[k]
+        for way in (1.0, -1.0):
+            taken[k] = way * steps[k]
+            changed = other.with_settings(one.settings(other.tree, one.value + float(taken[k])))
+            with suppress(SceneError):
+                changed.check_one_run()
+                break
+        other = changed
+    return Together(taken, options.assemble(other.check_one_run()))
 
 
 def _refuse(keys: Sequence[str], options: Options) -> None:
@@ -207,13 +300,3 @@ def _neighbours(
     if not found:
         raise refused[0]
     return found
-
-
-def _quotients(
-    numbers: Sequence[Number], ends: Sequence[tuple[float, dict[tuple[str, str], float]]]
-) -> Vector:
-    """(N,) differences of numbers over that of the key; not a number for what only one of both runs has."""
-    (value, there), (before, here) = ends
-    return np.array(
-        [(there.get(one.key, nan) - here.get(one.key, nan)) / (value - before) for one in numbers]
-    )

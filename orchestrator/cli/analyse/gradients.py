@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+import numpy as np
 
 import orchestrator as fanfold
 
@@ -16,6 +17,8 @@ from ..progress import progress
 from ..types import Number, Picture
 
 if TYPE_CHECKING:
+    from components.contract.component import Vector
+
     from ...analysis.sampling.gradients import Gradients
 
 
@@ -62,13 +65,23 @@ def command(
     if as_json:
         told = {
             **asdict(found),
-            "derivatives": found.derivatives.tolist(),
-            "relative": found.relative.tolist(),
+            "derivatives": _plain(found.derivatives),
+            "relative": _plain(found.relative),
+            "errors": _plain(found.errors),
         }
         click.echo(json.dumps(told))
     else:
         _report(found)
+    if found.warning:
+        click.echo(found.warning, err=True)
     click.echo(picture, err=as_json)
+
+
+def _plain(numbers: Vector) -> object:
+    """Lists for JSON, which has no word for what is not a number."""
+    plain = numbers.astype(object)
+    plain[~np.isfinite(numbers)] = None
+    return plain.tolist()
 
 
 def _report(found: Gradients) -> None:
@@ -78,6 +91,10 @@ def _report(found: Gradients) -> None:
     fixed = [
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
+        Column(
+            "derivatives\nare sure to",
+            [f"{error:.0e}" if error > 0.0 else "" for error in found.errors.tolist()],
+        ),
     ]
     columns = [
         Column(_heading(key, unit), [f"{value:.5g}" for value in column])
