@@ -38,6 +38,8 @@ from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_STEP = 1e-7
+_INSTANT = 0.01
+"""Of the step after an event: where loads are those just after it."""
 _IMPULSE_TOLERANCE = 1e-10
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
@@ -321,7 +323,7 @@ class Master(CoSimulation):
             one for one in self._latched if not free & {hinge.connection for hinge in one.hinges}
         ]
         self.solver.forget_all()
-        self._record_jump(min(_IMPULSE_STEP, 0.1 * self._sizes.size), self.solver.forget_all)
+        self._record_jump(self._instant(self._sizes.size), self.solver.forget_all)
         self._watch()
         for line in [line for line in self._pending if line.name in event.latches]:
             self._latch(line)
@@ -333,7 +335,7 @@ class Master(CoSimulation):
         if self._exchange_signals():
             solver, h = self.solver, self._sizes.size
             forget = solver.forget_all if self._signals.sets_bodies else solver.forget
-            after = min(_IMPULSE_STEP, 0.1 * h)
+            after = self._instant(h)
             before = solver.predicted(self.time, after).copy()
             forget()
             found = self._record_jump(after, forget)
@@ -355,7 +357,7 @@ class Master(CoSimulation):
         if line.kinematic:
             self._impulse()
         elif self.settings.fixed_step is None:
-            self._record_jump(min(_IMPULSE_STEP, 0.1 * size), self.solver.forget_all)
+            self._record_jump(self._instant(size), self.solver.forget_all)
         self.solver.restart()
         self._sizes.restart(size, stirred=False)
         self._begin_segment()
@@ -371,6 +373,12 @@ class Master(CoSimulation):
         """Count steps anew, where any were made since the last event."""
         if self.segments[-1]:
             self.segments.append([])
+
+    def _instant(self, size: float) -> float:
+        """A step (s) too short for motion, where the next one has a size (s), or the one that is planned."""
+        if self._plan:
+            size = self._plan.first_after(self.segments)
+        return min(_IMPULSE_STEP, _INSTANT * size)
 
     def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.

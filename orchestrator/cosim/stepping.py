@@ -180,6 +180,10 @@ class StepPlan:
         plan.extend([max(plan[-_PLAN_TAIL:])] * (position + 1 - len(plan)))
         return plan, position
 
+    def first_after(self, made: Sequence[Sequence[float]]) -> float:
+        """The first planned step (s) after an event now."""
+        return self.now([*made, []] if made[-1] else made)[0][0]
+
     def divide(self, made: Sequence[Sequence[float]]) -> None:
         """Make several steps of the next one."""
         plan, position = self.now(made)

@@ -39,6 +39,8 @@ _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1e-4
 _NO_NUMBERS = ("end time", "energy residual")
+_MOVED = 1e-12
+"""Of a number, beside its like: changes below it are rounding, of what no key moves."""
 _DOUBTFUL = 0.1
 """Of a gradient: an estimated error beyond which it is told of."""
 
@@ -235,8 +237,9 @@ def _shares(numbers: Sequence[Number], off: Vector, whole: Vector) -> Vector:
     groups: dict[str, list[float]] = {}
     for one in numbers:
         groups.setdefault(one.quantity, []).append(one.value)
-    real = [abs(one.value) > noise_floor(groups[one.quantity]) for one in numbers]
-    size = np.where(np.array(real) & (whole > 0.0), whole, nan)
+    real = np.array([abs(one.value) > noise_floor(groups[one.quantity]) for one in numbers])
+    least = _MOVED * np.array([max(map(abs, groups[one.quantity])) for one in numbers])
+    size = np.where(real & (whole > least), whole, nan)
     found: Vector = off / size
     return found
 

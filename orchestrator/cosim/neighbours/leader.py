@@ -38,6 +38,7 @@ class Leader(CompiledMaster):
         self._loop.guess = self._guess_there.ctypes.data
         self._ends_at: HingeLine | Event | None = None
         self._in_event, self._until = False, inf
+        self._instants: list[float] = []
 
     def initialize(self, *, preload: bool) -> None:
         """All of them."""
@@ -85,14 +86,14 @@ class Leader(CompiledMaster):
             super()._happen(event)
         if is_whole:
             for one in self._neighbours:
-                one.happen(event)
+                one.happen(event, self._instants)
 
     def _latch(self, line: HingeLine) -> None:
         with self._one_event() as is_whole:
             super()._latch(line)
         if is_whole:
             for one in self._neighbours:
-                one.latch(line)
+                one.latch(line, self._instants)
 
     def _renew(self, known: float = 0.0) -> None:
         super()._renew(known)
@@ -100,10 +101,16 @@ class Leader(CompiledMaster):
             for one in self._neighbours:
                 one.renew()
 
+    def _instant(self, size: float) -> float:
+        self._instants.append(super()._instant(size))
+        return self._instants[-1]
+
     @contextmanager
     def _one_event(self) -> Iterator[bool]:
         """Whether it is no part of another one, which neighbours make of themselves."""
         is_whole = not self._in_event
+        if is_whole:
+            self._instants.clear()
         self._in_event = True
         yield is_whole
         self._in_event = not is_whole

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ class Neighbour(Master):
         self.solver.tolerance = Tolerance(_ITERATED)
         self._block = Block(self._rows)
         self._start = np.zeros(len(Energies._fields))
+        self._instants: Iterator[float] = iter(())
 
     def tell(self, data: NeighbourData) -> None:
         """Where it stands, for the loop."""
@@ -82,12 +84,14 @@ class Neighbour(Master):
         self._observe(h)
         self._accept(h, solved.solution)
 
-    def latch(self, line: HingeLine) -> None:
-        """As the leader."""
+    def latch(self, line: HingeLine, instants: Sequence[float]) -> None:
+        """As the leader, whose loads just after it are those after so many seconds, for every part of an event."""
+        self._instants = iter(instants)
         self._latch(next(one for one in self._pending if one.name == line.name))
 
-    def happen(self, event: Event) -> None:
-        """As the leader."""
+    def happen(self, event: Event, instants: Sequence[float]) -> None:
+        """As the leader, see `latch`."""
+        self._instants = iter(instants)
         self._happen(self._events[event.name])
 
     def renew(self) -> None:
@@ -97,6 +101,9 @@ class Neighbour(Master):
     def release_rows(self) -> None:
         """Hand on the last row."""
         self._rows.release()
+
+    def _instant(self, size: float) -> float:
+        return next(self._instants)
 
     def _beside(self, solved: Solved, h: float) -> None:
         self.own_solver.beside(solved, self.time, h)
