@@ -38,8 +38,8 @@ from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_STEP = 1e-7
-_INSTANT = 0.01
-"""Of the step after an event: where loads are those just after it."""
+_INSTANT = 1e-3
+"""Of the step after an event: where loads are those just after it; a hundredth still showed in a peak of damping."""
 _IMPULSE_TOLERANCE = 1e-10
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6

@@ -12,7 +12,7 @@ enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
 #define ITERATION_OF_IMPULSE 1e-10
 #define IMPULSE_STEP 1e-7
 /* Of the step after an event: where loads are those just after it. */
-#define INSTANT 0.01
+#define INSTANT 1e-3
 #define LEAST_LATCH_SHARE 1e-3
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
 #define EVENT_TOLERANCE 1e-11
