@@ -32,6 +32,7 @@ def gradients(
     neighbours a key, for loads that bend much with it; twice the cost. rigid ... progress: as for `simulate`.
 
     `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
+    `errors` (numbers) tell how far the gradient of each can be trusted, `doubtful` names those that mean nothing.
     FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
     """
     options = options_of(rigid, flexible, large_deformation, until, tolerance)

@@ -38,7 +38,8 @@ CENTRAL_PART = 5e-5
 _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
 _OF_ZERO = 1e-4
-_NO_NUMBERS = ("end time", "energy residual")
+_NO_NUMBERS = ("end time", "energy residual", "numerical dissipation")
+_LOADS = ("N", "N.m")
 _MOVED = 1e-12
 """Of a number, beside its like: changes below it are rounding, of what no key moves."""
 _DOUBTFUL = 0.1
@@ -236,12 +237,17 @@ def _shares(numbers: Sequence[Number], off: Vector, whole: Vector) -> Vector:
     """(N,) errors over gradients; not a number where a number is round-off beside its like, or nothing moves it."""
     groups: dict[str, list[float]] = {}
     for one in numbers:
-        groups.setdefault(one.quantity, []).append(one.value)
-    real = np.array([abs(one.value) > noise_floor(groups[one.quantity]) for one in numbers])
-    least = _MOVED * np.array([max(map(abs, groups[one.quantity])) for one in numbers])
+        groups.setdefault(_like(one), []).append(one.value)
+    real = np.array([abs(one.value) > noise_floor(groups[_like(one)]) for one in numbers])
+    least = _MOVED * np.array([max(map(abs, groups[_like(one)])) for one in numbers])
     size = np.where(real & (whole > least), whole, nan)
     found: Vector = off / size
     return found
+
+
+def _like(number: Number) -> str:
+    """What a number is judged beside: forces beside torques, whose noise they carry in a wing without forces."""
+    return "load" if number.unit in _LOADS else number.quantity
 
 
 def _together(

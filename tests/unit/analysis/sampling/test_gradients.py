@@ -14,7 +14,9 @@ from orchestrator.analysis.sampling.neighbours import run_beside
 from orchestrator.cli.main import main
 from orchestrator.cosim import stepping
 from orchestrator.cosim.fmu import FmuParticipant
+from orchestrator.results.key_figures import headline
 from orchestrator.run.simulation import Options
+from orchestrator.views.gradients import plot_gradients
 from tests.benchmark.gradients import MET, along, differences
 from tests.unit.analysis.sampling.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
 from tests.unit.analysis.sampling.flap import INERTIA as MOMENT
@@ -60,6 +62,44 @@ def test_both_sides_are_more_accurate():
     )
     # half the second derivative, 3/4 t, over a part of 5e-6
     assert one - both == pytest.approx(0.5 * 0.75 * latch_time() * 5e-6, rel=0.2)
+
+
+def test_errors_of_one_side_are_estimated():
+    """Closed form: t of T^-1/2 J^1/2, a part e of each, to the other side: e^2 / 4 is missed of e / sqrt(2).
+
+    Slopes of one side are too small by half the second derivatives, 3/8 e and -1/8 e; both at once move nothing.
+    """
+    found = fanfold.gradients(flap(), [MOTOR, INERTIA])
+    error = found.errors[found.names.index("latch time line")]
+    assert error == pytest.approx(0.25 * 5e-6 / np.sqrt(0.5), rel=0.05)
+    assert not found.doubtful
+    assert not found.warning
+
+
+def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
+    """A latch time with noise of a part of 1e-5, as large as what the keys do to it: named, and crossed out."""
+    dice = np.random.default_rng(0)
+
+    def scattered(result):
+        found = headline(result)
+        times = {
+            line: time * (1.0 + 1e-5 * dice.standard_normal()) for line, time in found.latch_times.items()
+        }
+        return replace(found, latch_times=times)
+
+    monkeypatch.setattr("orchestrator.analysis.sampling.gradients.headline", scattered)
+    found = fanfold.gradients(flap(), [MOTOR, INERTIA])
+    assert found.doubtful == ("latch time line",)
+    assert "nobody vouches for the derivatives of latch time line" in found.warning
+    picture = plot_gradients(found, tmp_path / "doubtful.png")
+    plain = plot_gradients(replace(found, errors=0.0 * found.errors), tmp_path / "plain.png")
+    assert picture.read_bytes() != plain.read_bytes()
+
+
+def test_what_no_key_moves_has_no_error():
+    """A key that only takes part after the latch-up: the latch time is not moved at all, and not doubted."""
+    found = fanfold.gradients(flap(damping_ratio=0.0), "hinge_line.line.latch.stiffness")
+    assert np.isnan(found.errors[found.names.index("latch time line")])
 
 
 def test_a_key_of_zero_and_one_at_its_end():
@@ -165,6 +205,7 @@ def test_the_command(tmp_path):
     found = json.loads(CliRunner().invoke(main, [*asked, "--json"]).stdout)
     assert found["keys"] == [MOTOR]
     place = [number[0] for number in found["numbers"]].index("latch time")
+    assert 0.0 < found["errors"][place] < 1e-4
     assert found["relative"][place] == pytest.approx([-0.5], rel=of_steps(1e-6))
     wrong = CliRunner().invoke(main, ["analyse", "gradients", str(path), "--by", "scene.name"])
     assert wrong.exit_code == 1
