@@ -37,7 +37,8 @@ PART = 5e-6
 CENTRAL_PART = 5e-5
 _SMALLER = (1.0, 0.1, 0.01)
 """Of these parts, one after the other, where neighbours cannot follow: an event comes within a tiny step of the run."""
-_OF_ZERO = 1e-4
+_OF_ZERO = 1.0
+"""In its unit: what a key of zero is taken for, as it has no part."""
 _NO_NUMBERS = ("end time", "energy residual", "numerical dissipation")
 _LOADS = ("N", "N.m")
 _MOVED = 1e-12
@@ -295,7 +296,7 @@ def _neighbours(
     scene: Scene, options: Options, one: Parameter, part: float, *, central: bool
 ) -> list[Beside]:
     """On both sides of a parameter where both can be and are wanted, or on the first that can be."""
-    step = part * abs(one.value) or _OF_ZERO
+    step = part * (abs(one.value) or _OF_ZERO)
     found: list[Beside] = []
     refused: list[SceneError] = []
     for value in (one.value + step, one.value - step):
