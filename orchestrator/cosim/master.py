@@ -37,9 +37,6 @@ from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, 
 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
-_IMPULSE_STEP = 1e-7
-_INSTANT = 1e-3
-"""Of the step after an event: where loads are those just after it; a hundredth still showed in a peak of damping."""
 _IMPULSE_TOLERANCE = 1e-10
 _MOST_PARTS = 1024
 _FREQUENCY_SEARCH = 6
@@ -378,7 +375,7 @@ class Master(CoSimulation):
         """A step (s) too short for motion, where the next one has a size (s), or the one that is planned."""
         if self._plan:
             size = self._plan.first_after(self.segments)
-        return min(_IMPULSE_STEP, _INSTANT * size)
+        return min(stepping.IMPULSE_STEP, stepping.INSTANT * size)
 
     def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
@@ -470,16 +467,16 @@ class Master(CoSimulation):
         usual = solver.tolerance, solver.persistent
         solver.tolerance, solver.persistent = Tolerance(_IMPULSE_TOLERANCE), True
         solver.forget()
-        solution = solver.solve(self.time, _IMPULSE_STEP, solver.accepted)
+        solution = solver.solve(self.time, stepping.IMPULSE_STEP, solver.accepted)
         solver.tolerance, solver.persistent = usual
         if not solution.converged:
-            raise failure(solver, solution, self.time, _IMPULSE_STEP)
-        self.time += _IMPULSE_STEP
+            raise failure(solver, solution, self.time, stepping.IMPULSE_STEP)
+        self.time += stepping.IMPULSE_STEP
         self._save()
         self._command(IMPULSE.name, 0.0)
         self.solver.forget()
         self._observe(0.0)
-        self._record(_IMPULSE_STEP, solution.iterations)
+        self._record(stepping.IMPULSE_STEP, solution.iterations)
 
     def _save(self) -> None:
         """The present states are those to return to."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from math import inf
 from typing import Literal, NamedTuple
 
 from .result import Result, ResultError
+from .round_off import noise_floor
 
 Key = tuple[str, str]
 """Quantity and what it is of, which tell a headline number from all others of a run."""
@@ -118,10 +120,14 @@ def _shares(
 def _sizes(
     numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError]
 ) -> Iterator[tuple[Key, float]]:
-    """What a run promises and has errors of, with the sizes that these are judged by."""
+    """What a run promises and has errors of, with the sizes that these are judged by.
+
+    Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise.
+    """
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
     }
+    round_off = noise_floor(value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
     for key, value in numbers:
-        if key[0] in PROMISED and key in errors:
+        if key[0] in PROMISED and key in errors and not largest.get(key[0], inf) <= round_off:
             yield key, largest.get(key[0], abs(value))

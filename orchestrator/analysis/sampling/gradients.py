@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import nan
 from typing import NamedTuple
 
@@ -92,9 +92,20 @@ class Gradients:
             "tolerance"
         )
 
+    def plain(self) -> dict[str, object]:
+        """For JSON, which has no word for what is not a number: None."""
+        arrays = {"derivatives": self.derivatives, "relative": self.relative, "errors": self.errors}
+        return {**asdict(self), **{name: _listed(array) for name, array in arrays.items()}}
+
     def of(self, number: str, key: str) -> float:
         """Derivative of a number, such as "latch time HL1", by a key."""
         return float(self.derivatives[self.names.index(number), self.keys.index(key)])
+
+
+def _listed(numbers: Vector) -> object:
+    found = numbers.astype(object)
+    found[~np.isfinite(numbers)] = None
+    return found.tolist()
 
 
 class Parameter(NamedTuple):

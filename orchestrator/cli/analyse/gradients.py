@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-import numpy as np
 
 import orchestrator as fanfold
 
@@ -17,8 +15,6 @@ from ..progress import progress
 from ..types import Number, Picture
 
 if TYPE_CHECKING:
-    from components.contract.component import Vector
-
     from ...analysis.sampling.gradients import Gradients
 
 
@@ -63,25 +59,12 @@ def command(
 
     picture = plot_gradients(found, output or Path(f"{found.scene}.gradients.png"))
     if as_json:
-        told = {
-            **asdict(found),
-            "derivatives": _plain(found.derivatives),
-            "relative": _plain(found.relative),
-            "errors": _plain(found.errors),
-        }
-        click.echo(json.dumps(told))
+        click.echo(json.dumps(found.plain()))
     else:
         _report(found)
     if found.warning:
         click.echo(found.warning, err=True)
     click.echo(picture, err=as_json)
-
-
-def _plain(numbers: Vector) -> object:
-    """Lists for JSON, which has no word for what is not a number."""
-    plain = numbers.astype(object)
-    plain[~np.isfinite(numbers)] = None
-    return plain.tolist()
 
 
 def _report(found: Gradients) -> None:

@@ -101,7 +101,11 @@ def _scale(key: Key, true: Mapping[Key, float]) -> float:
 
 
 def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
-    return key[0] in LOADS and key in true and true[key] <= noise_floor(_load(key, true))
+    if key[0] not in LOADS or key not in true:
+        return False
+    group = _load(key, true)
+    among_all = noise_floor(v for (quantity, _), v in true.items() if quantity in (*LOADS, LATCH_TORQUE))
+    return true[key] <= noise_floor(group) or max(group) <= among_all
 
 
 def _largest(

@@ -267,7 +267,7 @@ def _kind(sentence: str) -> str:
 
 
 _OF_TRIAL = (
-    "seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference"
+    "seed", "bodies", "flexible", "free", "latches", "tolerance", "steps", "reference_steps", "reference_share"
 )  # fmt: skip
 _NOTHING = Deviation("", "", 0.0, None, None, None, None)
 
