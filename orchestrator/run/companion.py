@@ -24,12 +24,17 @@ from ..results.step_ends import errors_of_step_ends, larger
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(15.0)}
+_LONGER = 1.1
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
 def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Every two steps as one; the last of an odd number alone."""
-    return [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
+    """Every two steps as one; the last of a segment longer, so that a companion ends it at its own event or end.
+
+    Without, an event that comes a little later leaves a step so tiny that loads after it are off.
+    """
+    plan = [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
+    return [[*steps[:-1], _LONGER * steps[-1]] if steps else [] for steps in plan]
 
 
 def with_estimates(

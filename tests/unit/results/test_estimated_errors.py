@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+import orchestrator as fanfold
 from fmus import native_library
 from orchestrator.cosim.settings import Settings
 from orchestrator.results.estimated_errors import (
@@ -20,14 +21,27 @@ from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
 from orchestrator.run.companion import doubled, with_estimates
 from orchestrator.run.run import run
+from tests.unit.analysis.sampling.flap import ANGLE, STIFFNESS, flap
 from tests.unit.run.test_verify import smooth_scene
 
 needs_native = pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
 
 
 def test_doubled_steps():
-    """Closed form: two steps as one, segment by segment, that reach the same times; an odd one stands alone."""
-    assert doubled([[0.25, 0.25, 0.5], [], [1.0, 2.0]]) == [[0.5, 0.5], [], [3.0]]
+    """Closed form: two steps as one, segment by segment; an odd one stands alone; the last, which ends it, longer."""
+    assert doubled([[0.25, 0.25, 0.5], [], [1.0, 2.0]]) == [[0.5, 1.1 * 0.5], [], [1.1 * 3.0]]
+
+
+@needs_native
+def test_a_torque_that_comes_at_once_with_a_latch_up():
+    """Closed form: a latch of damping ratio z > 1/2 meets the rate sqrt(2 T a / J) with 2 z sqrt(2 k T a), its peak.
+
+    The wing has no forces but round-off, of which nothing is said.
+    """
+    found = fanfold.simulate(flap(damping_ratio=2.0), estimate=True)
+    peak = next(one for one in headline(found).numbers() if one.quantity == "latch torque peak")
+    assert peak.value == pytest.approx(4.0 * (2.0 * STIFFNESS * ANGLE) ** 0.5, rel=1e-6)
+    assert not [sentence for sentence in headline(found).warnings if "force" in sentence]
 
 
 @pytest.fixture(scope="module")
