@@ -14,22 +14,27 @@ import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
-from math import inf, isfinite, log
+from math import inf, isfinite, log, log10
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..results.estimated_errors import (
+    ESTIMATED_ERRORS,
     MOST_TOLERANCES,
     OF_LATCHES,
     EstimatedError,
     Key,
+    errors_text,
     estimated_errors,
     largest_shares,
     least_sure,
     unknown_errors,
 )
+from ..results.key_figures import headline
+from ..results.result_file import with_statistics
+from ..results.step_ends import larger
 from ..scene.schema import TOLERANCES
 from .companion import with_estimates
 from .progress import Progress, followed, silent
@@ -41,6 +46,8 @@ _PER_DECADE = 5.0
 _MOST = 0.01
 """Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
 _FALLING = 1.0 / 3.0
+_AT_THE_MOST = 2.0
+"""Times what is left where errors fall as they should."""
 _BEYOND = 1e9
 """In tolerances: an error that leads to the smallest part, where ringing that no step resolved may be resolved."""
 
@@ -74,6 +81,7 @@ def refined(
                 f"{failure.reason}"
             )
             break
+        better = _with_moves(outcome, better, tolerance / settings.tolerance)
         before, error = error, error_in_tolerances(better, asked)
         outcome, settings = better, finer
         falls = error.most <= _FALLING * before.most
@@ -124,6 +132,25 @@ def _again(
         with followed(progress, f"{name}: errors", end) as watch:
             found = with_estimates(assembly, found, settings, until, watch, load)
         return _moved(found, beside, path) if beside and path else found
+
+
+def _with_moves(outcome: Outcome, better: Outcome, part: float) -> Outcome:
+    """The repetition, whose errors are no less than what its numbers moved by leaves at a part of the tolerance.
+
+    It was made for estimates to be small, some of which are so by chance.
+    """
+    left = _PER_DECADE ** log10(part)
+    share = left / (1.0 - left)
+    before, after = dict(_numbers(outcome)), dict(_numbers(better))
+    errors = {
+        key: larger(error, EstimatedError(share * moved, _AT_THE_MOST * share * moved))
+        for key, error in estimated_errors(better.result).items()
+        for moved in [abs(after[key] - before.get(key, after[key]))]
+    }
+    if not errors:
+        return better
+    result = with_statistics(better.result, {ESTIMATED_ERRORS: errors_text(errors)})
+    return replace(better, result=result, headline=headline(result))
 
 
 def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:

@@ -13,7 +13,12 @@ import pytest
 
 from fmus import native_library
 from orchestrator.cosim.settings import Settings
-from orchestrator.results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, errors_text
+from orchestrator.results.estimated_errors import (
+    ESTIMATED_ERRORS,
+    EstimatedError,
+    errors_text,
+    estimated_errors,
+)
 from orchestrator.results.key_figures import headline
 from orchestrator.results.result import Result
 from orchestrator.results.result_file import with_statistics
@@ -55,6 +60,11 @@ def off_by(outcome, likely, most=None):
     return claiming(outcome, {("latch time", line): error})
 
 
+def numbers(outcome):
+    """Headline numbers of a run and their keys."""
+    return [(number.key, number.value) for number in outcome.headline.numbers()]
+
+
 def test_how_far_to_go():
     """Closed form: five times less error a decade of tolerance, aiming at 3 tolerances; two decades at the most."""
     assert smaller_tolerance(1e-3, 15.0) == pytest.approx(1e-4)
@@ -87,6 +97,22 @@ def test_a_run_that_misses_is_repeated(outcome, tmp_path, unknown):
     assert unknown or re.search(
         r": the latch time of \w+ is likely to be off by 60 times the tolerance", sentence
     )
+
+
+def test_a_repetition_is_no_surer_than_its_numbers_moved(outcome, monkeypatch):
+    """Closed form: a decade leaves a fifth of an error, a quarter of what a number moved by; twice that at the most."""
+    bad = off_by(outcome, 15.0)
+    key, moved = next(key for key, _ in numbers(bad) if key[0] == "latch time"), 2e-3
+    again = claiming(outcome, {key: EstimatedError(1e-9, 2e-9)})
+    before = dict(numbers(again))[key]
+    line = key[1]
+    far = replace(bad, headline=replace(bad.headline, latch_times={line: before - moved}))
+    monkeypatch.setattr(refinement, "_again", lambda *rest: again)
+    better, _ = refined(smooth_scene(), far, ASKED, UNTIL)
+    found = estimated_errors(better.result)[key]
+    # 15 tolerances of a time that is a little less make a little more than a decade
+    assert tuple(found) == pytest.approx((0.25 * moved, 0.5 * moved), rel=5e-3)
+    assert estimated_errors(Result.open(better.path) if better.path else better.result)[key] == found
 
 
 def test_numbers_of_latch_ups_are_held_to_what_they_may_be_off_by(outcome):
