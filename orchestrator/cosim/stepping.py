@@ -42,6 +42,7 @@ INSTANT = 1e-3
 EVENT_TOLERANCE = 1e-11
 """Of the distance of an event, relative: where it is taken for met."""
 _EVENT_SEARCH = 40
+_LONGER = 1.1
 _PLAN_TAIL, _PLAN_PARTS = 8, 4
 _SEARCH = "the static search before the run"
 
@@ -192,6 +193,14 @@ class StepPlan:
         """Make several steps of the next one."""
         plan, position = self.now(made)
         plan[position : position + 1] = [plan[position] / _PLAN_PARTS] * _PLAN_PARTS
+
+
+def to_own_events(segments: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Steps of a run as a plan for one whose events come a little earlier or later: the last of each is longer.
+
+    Without, an event that comes a little later leaves a step so tiny that loads after it are off.
+    """
+    return [[*steps[:-1], _LONGER * steps[-1]] if steps else [] for steps in segments]
 
 
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:

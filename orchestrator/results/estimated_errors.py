@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Literal, NamedTuple
 
@@ -82,6 +82,11 @@ def doubts(
     ]
 
 
+def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
+    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside those of the other, and of latches."""
+    return noise_floor(value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
+
+
 def largest_shares(
     numbers: Sequence[tuple[Key, float]],
     errors: Mapping[Key, EstimatedError],
@@ -127,7 +132,7 @@ def _sizes(
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
     }
-    round_off = noise_floor(value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
+    round_off = round_off_of_loads(numbers)
     for key, value in numbers:
         if key[0] in PROMISED and key in errors and not largest.get(key[0], inf) <= round_off:
             yield key, largest.get(key[0], abs(value))

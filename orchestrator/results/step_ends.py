@@ -45,10 +45,10 @@ def errors_of_step_ends(result: Result) -> dict[Key, EstimatedError]:
     return found
 
 
-def larger(a: EstimatedError | None, b: EstimatedError | None) -> EstimatedError:
-    """What is larger of two errors of one number, of which one may be unknown."""
-    both = [error for error in (a, b) if error is not None]
-    return EstimatedError(max(e.likely for e in both), max(e.most for e in both))
+def larger(*errors: EstimatedError | None) -> EstimatedError:
+    """What is largest of several errors of one number, of which all but one may be unknown."""
+    known = [error for error in errors if error is not None]
+    return EstimatedError(max(e.likely for e in known), max(e.most for e in known))
 
 
 def sampling_error(time: Vector, values: Vector, events: list[float]) -> float:

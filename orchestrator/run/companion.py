@@ -17,6 +17,7 @@ from math import sqrt
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
+from ..cosim.stepping import to_own_events
 from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
 from ..results.key_figures import Headline, headline
 from ..results.result_file import with_statistics
@@ -24,17 +25,14 @@ from ..results.step_ends import errors_of_step_ends, larger
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(15.0)}
-_LONGER = 1.1
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
 def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Every two steps as one; the last of a segment longer, so that a companion ends it at its own event or end.
-
-    Without, an event that comes a little later leaves a step so tiny that loads after it are off.
-    """
-    plan = [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
-    return [[*steps[:-1], _LONGER * steps[-1]] if steps else [] for steps in plan]
+    """Every two steps as one, as a plan for a run that meets its own events; the last of an odd number alone."""
+    return to_own_events(
+        [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
+    )
 
 
 def with_estimates(
@@ -44,10 +42,12 @@ def with_estimates(
     until: float | None = None,
     watch: Callable[[float, float], None] = lambda time, h: None,
     load: Loader = as_fmus,
+    at_least: Mapping[Key, EstimatedError] | None = None,
 ) -> Outcome:
     """The outcome whose headline numbers, and those of its file, carry estimated errors.
 
-    Explicit masters have none; where steps twice as long do not reach the end, the result says that none are known.
+    at_least: errors that are known otherwise, which none is estimated to be below. Explicit masters have none; where
+    steps twice as long do not reach the end, the result says that none are known.
     """
     if outcome.master != "implicit":
         return outcome
@@ -55,20 +55,23 @@ def with_estimates(
     plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
     with suppress(RunError):
         coarse = run(assembly, None, plan, until, watch=watch, load=load)
-        by_rows = errors_of_step_ends(outcome.result)
-        errors = _errors(outcome.headline, coarse.headline, by_rows, _SHARES[outcome.order])
+        known = (errors_of_step_ends(outcome.result), at_least or {})
+        errors = _errors(outcome.headline, coarse.headline, known, _SHARES[outcome.order])
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 
 
 def _errors(
-    fine: Headline, coarse: Headline, by_rows: Mapping[Key, EstimatedError], share: float
+    fine: Headline, coarse: Headline, known: Sequence[Mapping[Key, EstimatedError]], share: float
 ) -> dict[Key, EstimatedError]:
-    """Differences and shares of them by key, or what rows tell; what only one of both runs has is left out."""
+    """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in coarse.numbers()}
     found = {
         number.key: abs(number.value - others[number.key])
         for number in fine.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
-    return {key: larger(EstimatedError(share * d, d), by_rows.get(key)) for key, d in found.items()}
+    return {
+        key: larger(EstimatedError(share * d, d), *(errors.get(key) for errors in known))
+        for key, d in found.items()
+    }

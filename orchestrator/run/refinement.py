@@ -21,20 +21,15 @@ from tempfile import TemporaryDirectory
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..results.estimated_errors import (
-    ESTIMATED_ERRORS,
     MOST_TOLERANCES,
     OF_LATCHES,
     EstimatedError,
     Key,
-    errors_text,
     estimated_errors,
     largest_shares,
     least_sure,
     unknown_errors,
 )
-from ..results.key_figures import headline
-from ..results.result_file import with_statistics
-from ..results.step_ends import larger
 from ..scene.schema import TOLERANCES
 from .companion import with_estimates
 from .progress import Progress, followed, silent
@@ -74,14 +69,13 @@ def refined(
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
         warn(_sentence(assembly.name, outcome, asked, tolerance))
         try:
-            better = _again(assembly, outcome, finer, until, progress, load)
+            better = _again(assembly, outcome, finer, tolerance / settings.tolerance, until, progress, load)
         except RunError as failure:
             warn(
                 f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: "
                 f"{failure.reason}"
             )
             break
-        better = _with_moves(outcome, better, tolerance / settings.tolerance)
         before, error = error, error_in_tolerances(better, asked)
         outcome, settings = better, finer
         falls = error.most <= _FALLING * before.most
@@ -118,6 +112,7 @@ def _again(
     assembly: Assembly,
     outcome: Outcome,
     settings: Settings,
+    part: float,
     until: float | None,
     progress: Progress,
     load: Loader,
@@ -130,27 +125,21 @@ def _again(
         with followed(progress, name, end) as watch:
             found = run(assembly, beside, settings, until, watch=watch, load=load)
         with followed(progress, f"{name}: errors", end) as watch:
-            found = with_estimates(assembly, found, settings, until, watch, load)
+            at_least = _left(outcome, found, part)
+            found = with_estimates(assembly, found, settings, until, watch, load, at_least)
         return _moved(found, beside, path) if beside and path else found
 
 
-def _with_moves(outcome: Outcome, better: Outcome, part: float) -> Outcome:
-    """The repetition, whose errors are no less than what its numbers moved by leaves at a part of the tolerance.
+def _left(before: Outcome, after: Outcome, part: float) -> dict[Key, EstimatedError]:
+    """What is left of errors at a part of the tolerance, from what numbers moved by.
 
-    It was made for estimates to be small, some of which are so by chance.
+    A repetition is made for its estimates to be small, and some of these are so by chance.
     """
     left = _PER_DECADE ** log10(part)
     share = left / (1.0 - left)
-    before, after = dict(_numbers(outcome)), dict(_numbers(better))
-    errors = {
-        key: larger(error, EstimatedError(share * moved, _AT_THE_MOST * share * moved))
-        for key, error in estimated_errors(better.result).items()
-        for moved in [abs(after[key] - before.get(key, after[key]))]
-    }
-    if not errors:
-        return better
-    result = with_statistics(better.result, {ESTIMATED_ERRORS: errors_text(errors)})
-    return replace(better, result=result, headline=headline(result))
+    values = dict(_numbers(before))
+    moved = {key: abs(value - values[key]) for key, value in _numbers(after) if key in values}
+    return {key: EstimatedError(share * d, _AT_THE_MOST * share * d) for key, d in moved.items()}
 
 
 def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:

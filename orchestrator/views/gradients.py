@@ -30,7 +30,8 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
     shown = relative[rows]
     limit = float(np.abs(shown).max(initial=_LEAST))
     names = [found.names[i] for i in rows]
-    doubted = [i for i, name in enumerate(names) if name in found.doubtful]
+    doubtful = found.doubtful
+    doubted = [i for i, name in enumerate(names) if name in doubtful]
     with mpl.rc_context(STYLE):
         figure = empty_figure(3.6 + 1.1 * len(found.keys), 2.2 + 0.25 * len(rows), "constrained")
         axes = figure.subplots()

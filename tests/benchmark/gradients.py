@@ -47,8 +47,6 @@ DIFFERENCE = 5e-5
 """Of a key, to each side."""
 MET = 1e-14
 """Distance at which runs of their own meet events; what it leaves, a lock of 1e8 N.m/rad makes a torque of."""
-SURE = 1.1
-"""Last steps before events and the end, which these cut, are given this much longer, so that each run finds its own."""
 
 
 def least(times: int, work: Callable[[], object]) -> float:
@@ -59,14 +57,6 @@ def least(times: int, work: Callable[[], object]) -> float:
         work()
         found.append(process_time() - start)
     return min(found)
-
-
-def along(segments: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Steps of a run as a plan for one whose events come a little earlier or later."""
-    plan = [list(segment) for segment in segments]
-    for segment in plan:
-        segment[-1] *= SURE
-    return plan
 
 
 def beside(
@@ -138,7 +128,7 @@ def main() -> None:
         assembly = options.assemble(scene.check_one_run())
         followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), chosen.until)
         print(f"  {'number':26} {'gradient':>8} {'error':>8}  most in")
-        compare(scene, options, found, along(followed.segments))
+        compare(scene, options, found, stepping.to_own_events(followed.segments))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ tells how far these can be trusted, which is nothing where peaks are those of ch
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass
 from math import nan
 from typing import NamedTuple
@@ -84,10 +83,10 @@ class Gradients:
     @property
     def warning(self) -> str:
         """What to say of these; empty where there are none."""
-        if not self.doubtful:
+        if not (doubtful := ", ".join(self.doubtful)):
             return ""
         return (
-            f"{self.scene}: nobody vouches for the derivatives of {', '.join(self.doubtful)}: a small change of all "
+            f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
             "keys together is not the sum of those of each, as where ringing is chaotic or not resolved; try a smaller "
             "tolerance"
         )
@@ -277,19 +276,31 @@ def _together(
 
 
 def _all_at_once(scene: Scene, options: Options, parameters: Sequence[Parameter], steps: Vector) -> Together:
-    """All parameters changed by steps, or to the side where each of them can be."""
-    taken = steps.copy()
-    other = scene
-    for k in sorted(range(len(parameters)), key=lambda k: parameters[k].factor):
-        one = parameters[k]
-        for way in (1.0, -1.0):
-            taken[k] = way * steps[k]
-            changed = other.with_settings(one.settings(other.tree, one.value + float(taken[k])))
-            with suppress(SceneError):
-                changed.check_one_run()
-                break
-        other = changed
-    return Together(taken, options.assemble(other.check_one_run()))
+    """All parameters changed by steps, or each to the side where it can be."""
+    taken = steps
+    try:
+        found = _changed(scene, parameters, taken).check_one_run()
+    except SceneError:
+        ways = [_way(scene, one, step) for one, step in zip(parameters, steps.tolist(), strict=True)]
+        taken = steps * ways
+        found = _changed(scene, parameters, taken).check_one_run()
+    return Together(taken, options.assemble(found))
+
+
+def _way(scene: Scene, one: Parameter, step: float) -> float:
+    """1 where a parameter can be a step further, else -1."""
+    try:
+        _changed(scene, [one], np.array([step])).check_one_run()
+    except SceneError:
+        return -1.0
+    return 1.0
+
+
+def _changed(scene: Scene, parameters: Sequence[Parameter], steps: Vector) -> Scene:
+    """A scene whose parameters are steps further; factors after values, as they may be of the same keys."""
+    for one, step in sorted(zip(parameters, steps.tolist(), strict=True), key=lambda pair: pair[0].factor):
+        scene = scene.with_settings(one.settings(scene.tree, one.value + step))
+    return scene
 
 
 def _refuse(keys: Sequence[str], options: Options) -> None:

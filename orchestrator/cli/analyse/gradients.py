@@ -62,8 +62,8 @@ def command(
         click.echo(json.dumps(found.plain()))
     else:
         _report(found)
-    if found.warning:
-        click.echo(found.warning, err=True)
+    if warning := found.warning:
+        click.echo(warning, err=True)
     click.echo(picture, err=as_json)
 
 

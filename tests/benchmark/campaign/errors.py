@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from math import inf
 from typing import NamedTuple
 
-from orchestrator.results.estimated_errors import EstimatedError, Key, estimated_errors
+from orchestrator.results.estimated_errors import EstimatedError, Key, estimated_errors, round_off_of_loads
 from orchestrator.results.key_figures import Headline
 from orchestrator.results.round_off import noise_floor
 from orchestrator.run.run import Outcome
@@ -104,8 +104,7 @@ def _is_round_off(key: Key, true: Mapping[Key, float]) -> bool:
     if key[0] not in LOADS or key not in true:
         return False
     group = _load(key, true)
-    among_all = noise_floor(v for (quantity, _), v in true.items() if quantity in (*LOADS, LATCH_TORQUE))
-    return true[key] <= noise_floor(group) or max(group) <= among_all
+    return true[key] <= noise_floor(group) or max(group) <= round_off_of_loads(true.items())
 
 
 def _largest(

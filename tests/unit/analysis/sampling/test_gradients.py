@@ -17,7 +17,7 @@ from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.results.key_figures import headline
 from orchestrator.run.simulation import Options
 from orchestrator.views.gradients import plot_gradients
-from tests.benchmark.gradients import MET, along, differences
+from tests.benchmark.gradients import MET, differences
 from tests.unit.analysis.sampling.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
 from tests.unit.analysis.sampling.flap import INERTIA as MOMENT
 
@@ -124,7 +124,8 @@ def test_amos3_against_runs_of_their_own(monkeypatch):
     assembly = options.assemble(scene.check_one_run())
     followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), 12.0)
     monkeypatch.setattr(stepping, "EVENT_TOLERANCE", MET)
-    true = [differences(scene, options, parameter(scene.tree, key), along(followed.segments)) for key in KEYS]
+    plan = stepping.to_own_events(followed.segments)
+    true = [differences(scene, options, parameter(scene.tree, key), plan) for key in KEYS]
     for name, number, row in zip(found.names, found.numbers, found.derivatives, strict=True):
         if number.key in true[0]:
             wanted = np.array([one[number.key] for one in true]) * found.values
