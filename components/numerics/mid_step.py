@@ -11,7 +11,7 @@ from typing import Generic, NamedTuple, TypeVar
 import numpy as np
 
 from ..contract.component import Vector
-from .scheme import ROUGH
+from .scheme import INSTANT, ROUGH
 
 T = TypeVar("T", float, Vector)
 
@@ -25,13 +25,14 @@ class StepMean(NamedTuple, Generic[T]):
 
 
 def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
-    """Value at the end of the last of two steps; the mean with its slope where a size is not above 0.
+    """Value at the end of the last of two steps; the mean with its slope where there is but one.
 
     What slopes tell goes on as a parabola, and what they do not know of the change of means, such as the part of
     friction, along a line. Without slopes that is the line through both means. Behind a jump, rates of a short step say
     nothing of the long one before: after a longer one, that part is no more than the gap between the lines of both.
+    In an instant nothing but a jump can have changed a load, and its own step tells it.
     """
-    if last.h <= 0.0 or previous.h <= 0.0:
+    if last.h <= INSTANT or previous.h <= 0.0:
         return last.mean + last.slope
     between = 0.5 * (last.h + previous.h)
     rate, rate_before = last.slope * (2.0 / last.h), previous.slope * (2.0 / previous.h)

@@ -11,5 +11,9 @@ ROUGH = 1e-2
 """Roughness of a motion from which on means tell its load better than its end."""
 LEAST_CHANGE = 1e-5
 """Change of a coordinate (m, rad) below which a discrete gradient is the force at the middle."""
+INSTANT = 1e-7
+"""Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
+INSTANT_SHARE = 1e-3
+"""Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
 STOPPED = -1.0
 """Size of a step in the record of a load where the step was an impulse, which is no load that lasts."""

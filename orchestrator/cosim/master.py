@@ -8,6 +8,7 @@ from math import inf, sqrt
 import numpy as np
 
 from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
+from components.numerics.scheme import INSTANT, INSTANT_SHARE
 
 from ..assembly import Event, HingeLine
 from . import stepping
@@ -375,7 +376,7 @@ class Master(CoSimulation):
         """A step (s) too short for motion, where the next one has a size (s), or the one that is planned."""
         if self._plan:
             size = self._plan.first_after(self.segments)
-        return min(stepping.IMPULSE_STEP, stepping.INSTANT * size)
+        return min(INSTANT, INSTANT_SHARE * size)
 
     def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
@@ -467,16 +468,16 @@ class Master(CoSimulation):
         usual = solver.tolerance, solver.persistent
         solver.tolerance, solver.persistent = Tolerance(_IMPULSE_TOLERANCE), True
         solver.forget()
-        solution = solver.solve(self.time, stepping.IMPULSE_STEP, solver.accepted)
+        solution = solver.solve(self.time, INSTANT, solver.accepted)
         solver.tolerance, solver.persistent = usual
         if not solution.converged:
-            raise failure(solver, solution, self.time, stepping.IMPULSE_STEP)
-        self.time += stepping.IMPULSE_STEP
+            raise failure(solver, solution, self.time, INSTANT)
+        self.time += INSTANT
         self._save()
         self._command(IMPULSE.name, 0.0)
         self.solver.forget()
         self._observe(0.0)
-        self._record(stepping.IMPULSE_STEP, solution.iterations)
+        self._record(INSTANT, solution.iterations)
 
     def _save(self) -> None:
         """The present states are those to return to."""

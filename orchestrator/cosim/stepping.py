@@ -35,10 +35,6 @@ TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may lea
 STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
-IMPULSE_STEP = 1e-7
-"""In which nothing moves, s."""
-INSTANT = 1e-3
-"""Of the step after an event: where loads are those just after it; a hundredth still showed in a peak of damping."""
 EVENT_TOLERANCE = 1e-11
 """Of the distance of an event, relative: where it is taken for met."""
 _EVENT_SEARCH = 40

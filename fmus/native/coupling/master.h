@@ -7,12 +7,10 @@
 #include <stdio.h>
 
 #include "latch_up.h"
+#include "scheme.h"
 
 enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
 #define ITERATION_OF_IMPULSE 1e-10
-#define IMPULSE_STEP 1e-7
-/* Of the step after an event: where loads are those just after it. */
-#define INSTANT 1e-3
 #define LEAST_LATCH_SHARE 1e-3
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
 #define EVENT_TOLERANCE 1e-11
@@ -247,18 +245,18 @@ static int make_impulse(Master *m) {
     n->tolerance.relative = ITERATION_OF_IMPULSE;
     s->persistent = 1;
     forget_stiffnesses(s);
-    const int status = solve(s, IMPULSE_STEP, n->accepted);
+    const int status = solve(s, INSTANT, n->accepted);
     n->tolerance.relative = m->usual_relative;
     s->persistent = 0;
-    if (status != CONVERGED) return say_failure(m, IMPULSE_STEP);
-    m->loop.time += IMPULSE_STEP;
+    if (status != CONVERGED) return say_failure(m, INSTANT);
+    m->loop.time += INSTANT;
     if (!coupling_save(n)) return 0;
     watch_all(m);
     command_all(m, 0.0);
     forget_stiffnesses(s);
     if (!observe_all(m)) return 0;
     note_energies(&m->loop);
-    add_row(m, m->loop.time, IMPULSE_STEP);
+    add_row(m, m->loop.time, INSTANT);
     return 1;
 }
 
@@ -330,7 +328,7 @@ static int latch_line(Master *m, HingeLine *line) {
     const double size = engage(m, line);
     if (size == 0.0) return 0;
     forget_stiffnesses(&m->solver);
-    if (line->is_kinematic ? !make_impulse(m) : !record_jump(m, fmin(IMPULSE_STEP, INSTANT * size), forget_all)) return 0;
+    if (line->is_kinematic ? !make_impulse(m) : !record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;
     coupling_restart(&m->network);
     restart_sizes(m, size, 0);
     begin_segment(m);
@@ -369,7 +367,7 @@ static int supply(Master *m, double before) {
 /* Go on after something jumped: latches that were commanded with it engage at once. */
 static int go_on(Master *m, const size_t *latch, size_t latches) {
     forget_all(&m->solver);
-    if (!record_jump(m, fmin(IMPULSE_STEP, INSTANT * size_now(&m->loop)), forget_all)) return 0;
+    if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
     watch_all(m);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending && !latch_line(m, m->line + latch[i])) return 0;

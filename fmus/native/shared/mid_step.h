@@ -12,11 +12,11 @@ typedef struct StepMean {
     double mean, slope, h;
 } StepMean;
 
-/* Value at the end of the last of two steps; the mean with its slope where a size is not above 0. What slopes tell goes
-   on as a parabola, and what they do not know of the change of means along a line; after a longer step, no more than the
-   gap between the lines of both. */
+/* Value at the end of the last of two steps; the mean with its slope where there is but one, or it is an instant. What
+   slopes tell goes on as a parabola, and what they do not know of the change of means along a line; after a longer step,
+   no more than the gap between the lines of both. */
 static inline double extrapolated(StepMean last, StepMean previous) {
-    if (last.h <= 0.0 || previous.h <= 0.0) return last.mean + last.slope;
+    if (last.h <= INSTANT || previous.h <= 0.0) return last.mean + last.slope;
     const double between = 0.5 * (last.h + previous.h);
     const double rate = last.slope * (2.0 / last.h), rate_before = previous.slope * (2.0 / previous.h);
     const double bend = (rate - rate_before) / between;
@@ -39,9 +39,10 @@ static inline double between(StepMean before, StepMean after) {
 /* Means over the last two steps, then the sizes of both, 0 where there is none. */
 enum { MID_STEP_SIZE = 4 };
 
-/* Value at the communication point, on the line through both means; the last mean where a step is missing. */
+/* Value at the communication point, on the line through both means; the last mean where a step is missing or an
+   instant. */
 static inline double mid_step_now(const double means[MID_STEP_SIZE]) {
-    if (means[2] == 0.0 || means[3] == 0.0) return means[0];
+    if (means[2] <= INSTANT || means[3] == 0.0) return means[0];
     return means[0] + (means[0] - means[1]) * (means[2] / (means[2] + means[3]));
 }
 

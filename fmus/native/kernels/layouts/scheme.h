@@ -9,6 +9,8 @@
 #define LEAST_RATE 1e-30
 #define ROUGH 0.01
 #define LEAST_CHANGE 1e-05
+#define INSTANT 1e-07
+#define INSTANT_SHARE 0.001
 #define STOPPED -1.0
 
 #endif

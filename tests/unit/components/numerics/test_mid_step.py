@@ -7,6 +7,7 @@ import pytest
 from numpy.polynomial import Polynomial
 
 from components.numerics.mid_step import MidStep, MidStepSlope, StepMean, between, extrapolated
+from components.numerics.scheme import INSTANT
 
 SIZES = [(0.1, 0.1), (0.05, 0.2), (0.3, 0.01)]
 
@@ -42,10 +43,16 @@ def test_line_without_slopes_is_exact(h, previous_h):
 
 def test_a_jump_before_a_short_step_leaves_no_more_than_its_share():
     """Property: behind a jump, and however fast a load fades, its own step tells it but for the share of its size."""
-    h, previous_h, start, end = 2.7e-8, 4e-3, 1500.0, 1365.0
+    h, previous_h, start, end = 2.7e-6, 4e-3, 1500.0, 1365.0
     last = StepMean(0.5 * (start + end), 0.5 * (end - start), h)
     found = extrapolated(last, StepMean(0.0, 0.0, previous_h))
     assert found == pytest.approx(end, abs=1.1 * start * h / previous_h)
+
+
+@pytest.mark.parametrize("previous_h", [4e-12, 1e-9, 1e-3])
+def test_a_jump_before_an_instant_is_all_that_its_load_shows(previous_h):
+    """Rule: nothing moves in an instant, and a step before it, however short, belongs to what was before the jump."""
+    assert extrapolated(StepMean(70.0, 0.0, INSTANT), StepMean(0.0, 0.0, previous_h)) == 70.0
 
 
 @pytest.mark.parametrize(("h", "previous_h"), SIZES)
