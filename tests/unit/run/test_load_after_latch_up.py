@@ -30,7 +30,7 @@ def latch_time(assembly):
 def test_a_short_step_before_it_does_not_show(assembly, latch_time, short, compiled):
     """Closed form: the latch brakes with c w at once, w from the motor's work; the base bears it and the motor.
 
-    In the instant after it (1e-8 s) braking fades by 3e-7. The load was extrapolated from the short step: twice as much.
+    In the instant after it (1e-8 s) braking fades by 3e-7. The load was extrapolated from the short step: doubled.
     """
     plan = [[(latch_time - short) / 500] * 500 + [1e-3], [1e-5]]
     settings = Settings(1e-6, step_plan=plan, compiled=compiled)
