@@ -3,9 +3,9 @@
 The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
 it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
 the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
-of friction or of a count of swings. The estimate is the middle of both, 2^n - 1 and 1, in the logarithm; at the most
-the error is the whole difference. What the companion meets by chance only, as where ringing is not resolved, the rows
-of the run itself tell (`results/step_ends.py`); the larger of both errors counts.
+of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
+difference. Where both numbers are near each other by chance, the rows around them differ by more
+(`near_peaks`), and where ringing is not resolved, the rows of the run itself tell what both miss alike (`step_ends`).
 """
 
 from __future__ import annotations
@@ -18,13 +18,17 @@ from math import sqrt
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
+from ..results.error_sources.near_peaks import differences_near
+from ..results.error_sources.step_ends import errors_of_step_ends, larger
 from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
-from ..results.key_figures import Headline, headline
+from ..results.key_figures import headline
 from ..results.result_file import with_statistics
-from ..results.step_ends import errors_of_step_ends, larger
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARES = {2: 1.0 / sqrt(3.0), 4: 1.0 / sqrt(15.0)}
+_SHARES = {2: 1.0 / sqrt(3.0), 4: 0.3}
+"""Of the difference, by order, between 1 / (2^n - 1) and 1: where most random wings lie, in the middle of order 2."""
+_BY_CHANCE = 3.0
+"""Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
 
 
@@ -56,22 +60,24 @@ def with_estimates(
     with suppress(RunError):
         coarse = run(assembly, None, plan, until, watch=watch, load=load)
         known = (errors_of_step_ends(outcome.result), at_least or {})
-        errors = _errors(outcome.headline, coarse.headline, known, _SHARES[outcome.order])
+        errors = _errors(outcome, coarse, known)
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 
 
 def _errors(
-    fine: Headline, coarse: Headline, known: Sequence[Mapping[Key, EstimatedError]], share: float
+    fine: Outcome, coarse: Outcome, known: Sequence[Mapping[Key, EstimatedError]]
 ) -> dict[Key, EstimatedError]:
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
-    others = {number.key: number.value for number in coarse.numbers()}
+    others = {number.key: number.value for number in coarse.headline.numbers()}
+    near, share = differences_near(fine.result, coarse.result), _SHARES[fine.order]
     found = {
         number.key: abs(number.value - others[number.key])
-        for number in fine.numbers()
+        for number in fine.headline.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
+    widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
     return {
         key: larger(EstimatedError(share * d, d), *(errors.get(key) for errors in known))
-        for key, d in found.items()
+        for key, d in widest.items()
     }

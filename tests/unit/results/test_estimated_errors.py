@@ -36,11 +36,11 @@ def test_doubled_steps():
 def test_a_torque_that_comes_at_once_with_a_latch_up():
     """Closed form: a latch of damping ratio z > 1/2 meets the rate sqrt(2 T a / J) with 2 z sqrt(2 k T a), its peak.
 
-    The wing has no forces but round-off, of which nothing is said.
+    Within ten tolerances, which are promised. The wing has no forces but round-off, of which nothing is said.
     """
     found = fanfold.simulate(flap(damping_ratio=2.0), estimate=True)
     peak = next(one for one in headline(found).numbers() if one.quantity == "latch torque peak")
-    assert peak.value == pytest.approx(4.0 * (2.0 * STIFFNESS * ANGLE) ** 0.5, rel=1e-6)
+    assert peak.value == pytest.approx(4.0 * (2.0 * STIFFNESS * ANGLE) ** 0.5, rel=1e-5)
     assert not [sentence for sentence in headline(found).warnings if "force" in sentence]
 
 

@@ -11,7 +11,7 @@ from fmus import native_library
 from orchestrator.assembly import HingeLine
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
-from orchestrator.results.step_ends import latching_rate_error, sampling_error
+from orchestrator.results.error_sources.step_ends import latching_rate_error, sampling_error
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.run import run
 from tests.references.random_wings import load_wing

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from components.contract.roles import INTERFACE_LOAD
 
-from ..assembly import HingeLine
-from .estimated_errors import EstimatedError, Key
-from .key_figures import extremes, jumps, latch_times, line_latch_torque
-from .lines.latch_impulse import latch_impulse
-from .result import Result, Vector
-from .signal import EVENT_WIDTH
+from ...assembly import HingeLine
+from ..estimated_errors import EstimatedError, Key
+from ..key_figures import extremes, jumps, latch_times, line_latch_torque
+from ..lines.latch_impulse import latch_impulse
+from ..result import Result, Vector
+from ..signal import EVENT_WIDTH
 
 _LOADS = {"N": "interface force peak", "N.m": "interface torque peak"}
 _OF_SAMPLING, _OF_RATES = 1.0 / 15.0, 0.25
@@ -34,7 +34,7 @@ def errors_of_step_ends(result: Result) -> dict[Key, EstimatedError]:
     """By how much latch torque peaks and interface load peaks (N.m, N) are off, each by what it is off most."""
     found: dict[Key, EstimatedError] = {}
     events = jumps(result)
-    for key, values in _promised_peaks(result):
+    for key, values in promised_peaks(result):
         moves = sampling_error(result.time, values, events)
         found[key] = larger(found.get(key), EstimatedError(_OF_SAMPLING * moves, moves))
     for line in result.hinge_lines:
@@ -97,7 +97,7 @@ def _steps_before(result: Result, at: float) -> list[int]:
     return rows
 
 
-def _promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
+def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
     """Signals (N,) whose largest magnitudes a run promises, by headline number."""
     times = latch_times(result)
     for line in result.hinge_lines:

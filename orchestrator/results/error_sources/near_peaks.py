@@ -1,0 +1,92 @@
+"""How far apart two runs of a scene are around what one of them promises, where one difference alone is chance.
+
+Peaks of two runs that ring with other phases are alike as often as not, and so are two rates at the instant of a
+latch-up. What they differ by in the rows around is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimated_errors import Key
+from ..key_figures import jumps, latch_times
+from ..lines.latch_impulse import latch_impulse
+from ..result import Result, Vector
+from ..signal import EVENT_WIDTH
+from .step_ends import promised_peaks
+
+_ROWS = 16
+"""That are compared, half of them on either side of a peak."""
+
+
+def differences_near(one: Result, other: Result) -> dict[Key, float]:
+    """Root mean square differences around the promised peaks and impulses of one result, in the numbers' units.
+
+    other: a run along some of its steps, segment by segment between events; times count from each. Numbers around which
+    no rows of both belong together are left out.
+    """
+    rows = _pair(one.time, sorted(jumps(one)), other.time, sorted(jumps(other)))
+    theirs = dict(promised_peaks(other))
+    found = {
+        key: rows.difference(values, theirs[key], int(np.argmax(np.abs(values))))
+        for key, values in promised_peaks(one)
+        if key in theirs
+    }
+    found.update(_of_impulses(one, other, rows))
+    return {key: difference for key, difference in found.items() if difference is not None}
+
+
+@dataclass(frozen=True)
+class _Pairs:
+    """Rows of one run and of another that belong together, shape (n,), and the segment of every row of one."""
+
+    ours: NDArray[np.intp]
+    theirs: NDArray[np.intp]
+    segments: NDArray[np.intp]
+
+    def difference(self, ours: Vector, theirs: Vector, row: int) -> float | None:
+        """Root mean square difference of two signals (N,) around a row of the first, in its segment."""
+        inside = np.flatnonzero(self.segments[self.ours] == self.segments[row])
+        place = int(np.searchsorted(self.ours[inside], row))
+        near = inside[max(0, place - _ROWS // 2) : place + _ROWS // 2]
+        if not near.size:
+            return None
+        return sqrt(float(np.mean((ours[self.ours[near]] - theirs[self.theirs[near]]) ** 2)))
+
+
+def _pair(time: Vector, events: Sequence[float], other: Vector, other_events: Sequence[float]) -> _Pairs:
+    """Rows (s) as long after the same event, the start being the first."""
+    segments, others = (
+        np.searchsorted(starts, times + EVENT_WIDTH, side="right") - 1
+        for times, starts in ((time, events), (other, other_events))
+    )
+    # a gap between segments, so that no row is near one of another
+    gap = max(float(time[-1]), float(other[-1])) + 1.0
+    ours = time - np.take(events, segments) + gap * segments
+    theirs = other - np.take(other_events, others) + gap * others
+    after = np.clip(np.searchsorted(ours, theirs), 1, max(len(ours) - 1, 1))
+    nearest = np.where(theirs - ours[after - 1] < ours[after] - theirs, after - 1, after)
+    together = np.abs(ours[nearest] - theirs) < EVENT_WIDTH
+    return _Pairs(nearest[together], np.flatnonzero(together), segments)
+
+
+def _of_impulses(one: Result, other: Result, rows: _Pairs) -> Iterator[tuple[Key, float | None]]:
+    """A lock's impulse is off as the rates of its hinges are, before they latch."""
+    for line in one.hinge_lines:
+        latched = latch_times(one).get(line.name)
+        impulse = None if latched is None else latch_impulse(one, line, latched)
+        if latched is None or impulse is None:
+            continue
+        row = int(np.searchsorted(one.time, latched - EVENT_WIDTH)) - 1
+        shares = []
+        for hinge in line.hinges:
+            rates, others = one.signal(hinge, "angular_rate"), other.signal(hinge, "angular_rate")
+            difference = rows.difference(rates, others, row)
+            if difference is not None and rates[row]:
+                shares.append(difference / abs(float(rates[row])))
+        yield ("latch impulse", line.name), max(shares) * impulse if shares else None
