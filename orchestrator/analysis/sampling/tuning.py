@@ -183,11 +183,11 @@ class _Search:
 
     @property
     def _costs_of_neighbours(self) -> int:
-        """In runs; differences cost as many as there are keys."""
-        return 1 + ceil(_OF_A_NEIGHBOUR * len(self.varied))
+        """In runs, with the neighbour that tells errors; differences cost as many as there are keys."""
+        return 1 + ceil(_OF_A_NEIGHBOUR * (len(self.varied) + 1))
 
     def _by_neighbours(self, point: Vector) -> Vector:
-        """Of one run; FanfoldError where that cannot be, or has not all numbers."""
+        """Of one run; FanfoldError where that cannot be, or does not tell those of all numbers."""
         scene = self.task.scene.with_settings(self.settings(point))
         found = gradients(scene, self.task.options, [one.name for one in self.varied])
         self.runs += self._costs_of_neighbours
@@ -195,6 +195,8 @@ class _Search:
         names = [one.number for one in self.targets]
         if missing := sorted({*names} - {*found.names}):
             raise StudyError(f"{self._named(point)}: the run has no {', '.join(missing)}")
+        if {*names} & {*found.doubtful}:
+            raise StudyError(found.warning)
         rows = found.derivatives[[found.names.index(name) for name in names]]
         units = [found.numbers[found.names.index(name)].unit for name in names]
         sizes = [abs(one.value(unit)) or 1.0 for one, unit in zip(self.targets, units, strict=True)]

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -9,8 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
+from orchestrator.analysis.sampling import tuning
+from orchestrator.analysis.sampling.gradients import gradients
 from orchestrator.cli.main import main
-from tests.unit.analysis.sampling.flap import ANGLE, INERTIA, MOTOR, flap
+from tests.unit.analysis.sampling.flap import ANGLE, ENDS, INERTIA, MOTOR, flap
 
 pytestmark = pytest.mark.slow
 
@@ -69,6 +72,35 @@ def test_what_targets_do_not_tell_is_named():
     found = fanfold.tune(flap(), vary, {"line.latch_time": 1.75}, accuracy=1e-5)
     assert found.reached
     assert found.blind == ("hinge_line.line.latch.damping_ratio",)
+
+
+SEVEN = {
+    **dict(zip(ENDS, ("uniform(0.95 N.m, 3 N.m)", "uniform(0.3 N.m, 0.9 N.m)"), strict=True)),
+    "hinge_line.line.latch.damping_ratio": "uniform(0.01, 0.5)",
+    "hinge_line.line.latch.stiffness*": "uniform(0.5, 2)",
+    "hinge_line.line.latch.effective_inertia*": "uniform(0.5, 2)",
+    "body.flap.rigid.mass*": "uniform(0.5, 2)",
+    "body.flap.rigid.inertia*": "uniform(0.5, 2)",
+}
+
+
+@pytest.mark.parametrize("doubtful", [False, True])
+def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, doubtful):
+    """Rule: one run with neighbours takes the place of a run a key, unless it says that its derivatives mean nothing."""
+    made = []
+
+    def spy(*arguments):
+        found = gradients(*arguments)
+        made.append(found)
+        return replace(found, errors=np.ones_like(found.errors)) if doubtful else found
+
+    monkeypatch.setattr(tuning, "gradients", spy)
+    found = fanfold.tune(flap(), SEVEN, {"line.latch_time": 1.75}, accuracy=1e-5)
+    assert found.reached
+    assert made
+    # 1 + 0.6 (7 + 1), rounded up, for every set of derivatives, and one run a key where these are worth nothing
+    evaluations = found.runs - len(made) * (6 + doubtful * len(SEVEN))
+    assert 2 <= evaluations <= 12
 
 
 def test_a_target_beyond_the_range_is_not_reached():
