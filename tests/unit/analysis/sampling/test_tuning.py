@@ -86,7 +86,7 @@ SEVEN = {
 
 @pytest.mark.parametrize("doubtful", [False, True])
 def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, doubtful):
-    """Rule: one run with neighbours takes the place of a run a key, unless it says that its derivatives mean nothing."""
+    """Rule: one run with neighbours replaces a run a key, unless it says that its derivatives mean nothing."""
     made = []
 
     def spy(*arguments):
