@@ -95,7 +95,7 @@ def assembly_line(
         latches=latch.kind != "none",
         kinematic=latch.kind == "kinematic",
         rigid=not any(flexible.get(body, False) for body in (line.inboard, line.outboard)),
-        deployed_angle=line.deployed_angle if line.latch is None and line.end_stop is None else None,
+        deployed_angle=line.deployed_angle if line.is_open_ended else None,
         parts=parts,
         axis=axis,
     )

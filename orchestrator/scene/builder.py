@@ -177,10 +177,12 @@ class Scene:
         """Add an eddy-current damper at a hinge, [[damper]]: damping_coefficient, peak_rate."""
         return self._add("damper", Damper, {"name": name, "hinge": hinge, **keys})
 
-    def connection(self, name: str, kind: str, *, ports: Mapping[str, object], **keys: object) -> str:
+    def connection(
+        self, name: str, kind: str | None = None, *, ports: Mapping[str, object], **keys: object
+    ) -> str:
         """Add any registered component, [[connection]]: its ports as (body, point), or tables that have an offset too.
 
-        Further keys: structure, parameters, preset, axes.
+        Further keys: structure, parameters, preset, which a hinge has and which needs no kind, axes.
         """
         seats = {
             port: dict(zip(("body", "point"), seat, strict=True))
@@ -188,7 +190,9 @@ class Scene:
             else seat
             for port, seat in ports.items()
         }
-        return self._add("connection", Connection, {"name": name, "kind": kind, "ports": seats, **keys})
+        kind = "hinge" if kind is None and "preset" in keys else kind
+        of_kind = {} if kind is None else {"kind": kind}
+        return self._add("connection", Connection, {"name": name, **of_kind, "ports": seats, **keys})
 
     def fmu(self, name: str, file: str | Path, **keys: object) -> str:
         """Add an FMU of another tool, [[fmu]], by its file: inputs and outputs as the table has them."""

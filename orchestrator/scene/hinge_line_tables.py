@@ -379,6 +379,19 @@ class HingeLine(Table):
         return self.friction_preload > 0.0 or any(any(loop.half) for loop in loops if loop is not None)
 
     @property
+    def is_pivot(self) -> bool:
+        """Whether it opens to nowhere, as a joint within a linkage: without a motor and what ends its motion."""
+        bare = (
+            self.motor is None and self.latch is None and self.end_stop is None and self.latch_angle is None
+        )
+        return bare and self.deployed_angle <= self.stowed_angle
+
+    @property
+    def is_open_ended(self) -> bool:
+        """Whether it opens to an angle where nothing keeps it."""
+        return self.latch is None and self.end_stop is None and not self.is_pivot
+
+    @property
     def motor_law(self) -> Law:
         """Torque of its motor while it opens, and its potential, over the hinge angle; no torque without one."""
         motor = self.motor
@@ -416,7 +429,7 @@ class HingeLine(Table):
             raise ValueError("only one hinge of a line can carry the sensor")
         if (self.harness is not None) != any(hinge.harness for hinge in self.hinges):
             raise ValueError("give a table harness and mark the hinges that carry it, or neither")
-        if not self.deployed_angle > self.stowed_angle:
+        if not self.is_pivot and not self.deployed_angle > self.stowed_angle:
             raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
         if self.stop_angle is not None and not 0.0 < self.stop_angle - self.initial_angle < LONGEST_TO_STOP:
             stop, start = degrees(self.stop_angle), degrees(self.initial_angle)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
@@ -43,4 +43,5 @@ class Runs:
         return Result.open(self(*scene, **options).path)  # type: ignore[arg-type]
 
 
-RUNS = Runs(Path(mkdtemp(prefix="fanfold_runs_")), {})
+_FOLDER = TemporaryDirectory(prefix="fanfold_runs_")  # goes with the session
+RUNS = Runs(Path(_FOLDER.name), {})

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+import numpy as np
+
 from components import REGISTRY, SUPPLIED_ENERGY
 
 from ...scene import CheckedScene
@@ -11,7 +13,7 @@ from ...scene.component_connections import component_values
 from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
 
-_CABLE, _DRIVE = "ccl", "drive"
+_CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
 MOTOR_TORQUE = "motor_torque"
 """Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
 
@@ -20,7 +22,7 @@ def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
     """Connections that tell a motor torque, and the lines that each opens: those between its own two bodies."""
     found = {}
     for connection in scene.connections:
-        if MOTOR_TORQUE in _observed(connection):
+        if MOTOR_TORQUE in _observed(connection) and not _lacks_motor(connection):
             ends = tuple(
                 connection.ports[side].body for side in ("inboard", "outboard") if side in connection.ports
             )
@@ -49,6 +51,14 @@ def _observed(connection: Connection) -> set[str]:
     return {
         quantity.name for quantity in REGISTRY[connection.kind](**structure).observation_layout.quantities
     }
+
+
+def _lacks_motor(connection: Connection) -> bool:
+    """Whether it could have a motor, by keys of that name, and was given none: a joint of a linkage."""
+    structure, start = component_values(connection, "mean")
+    declared = REGISTRY[connection.kind](**structure).parameter_layout.quantities
+    given = (value for name, value in (structure | start).items() if name.startswith(_MOTOR))
+    return any(one.name.startswith(_MOTOR) for one in declared) and not any(np.any(value) for value in given)
 
 
 def _drives(connection: Connection) -> bool:

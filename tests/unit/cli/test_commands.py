@@ -37,6 +37,7 @@ KEYS = {
 LONG_RUN = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # whatever runs the tests may ignore both
 from orchestrator.cli.main import main
 main()
 """

@@ -1,0 +1,72 @@
+"""A parallelogram of four bars whose pivots are hinge lines that open to nowhere: closed forms of its motion."""
+
+from __future__ import annotations
+
+import warnings
+from math import cos, radians, sqrt
+
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.analysis.torque_margin.undriven import uncounted, without_margin
+from orchestrator.scene import read_scene
+
+CRANK, COUPLER, MASSES, INERTIA = 0.5, 1.0, (2.0, 3.0), 0.05
+TORQUE, FROM, TO, END = 0.5, radians(30.0), radians(80.0), 1.5
+
+
+def _bar(mass, length):
+    return {
+        "mass": mass,
+        "center_of_mass": (0.5 * length, 0, 0),
+        "inertia": (0.01, INERTIA, INERTIA),
+        "points": {"root": (0, 0, 0), "tip": (length, 0, 0)},
+    }
+
+
+def _scene():
+    """Two cranks on the base, one with a motor, and a coupler that stays parallel to the base, closed by a sphere."""
+    scene = fanfold.Scene("four_bar", until=END, tolerance=1e-6)
+    scene.joint(axial_stiffness=1e7, radial_stiffness=1e7, cross_stiffness=1e5)
+    base = scene.base(points={"a": (0, 0, 0), "b": (COUPLER, 0, 0)})
+    near, far = (scene.body(name, rigid=_bar(MASSES[0], CRANK)) for name in ("near", "far"))
+    coupler = scene.body("coupler", rigid=_bar(MASSES[1], COUPLER))
+    angles = {"aligned_angle": "0 rad", "stowed_angle": f"{FROM} rad"}
+    scene.hinge_line(
+        "driven", base, near, axis="-y", hinges={"driven_hinge": ("a", "root")}, latch_angle=f"{TO} rad",
+        motor={"stowed": TORQUE, "deployed": TORQUE}, latch={"stiffness": 500}, **angles,
+    )  # fmt: skip
+    scene.hinge_line("pivot", base, far, axis="-y", hinges={"pivot_hinge": ("b", "root")}, **angles)
+    scene.hinge_line("elbow", near, coupler, axis="+y", hinges={"elbow_hinge": ("tip", "root")}, **angles)
+    scene.connection(
+        "closing", preset="spherical",
+        ports={"inboard": ("coupler", "tip"), "outboard": ("far", "tip")},
+    )  # fmt: skip
+    return scene
+
+
+def test_a_parallelogram_turns_as_one_crank():
+    """Closed form: J = 2 (I + m l^2 / 4) + M l^2 with a coupler that only translates; t = sqrt(2 J angle / T).
+
+    Joints of 1e7 N/m give way by 1e-6. Pivots pass the angle where axes are parallel without a word.
+    """
+    cranks = 2.0 * (INERTIA + MASSES[0] * (0.5 * CRANK) ** 2)
+    inertia = cranks + MASSES[1] * CRANK**2
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error")
+        warnings.filterwarnings("ignore", message="driven has not latched")
+        result = fanfold.simulate(_scene(), estimate=False)
+    opened = 0.5 * TORQUE / inertia * END**2
+    for hinge, sign in (("driven_hinge", 1.0), ("pivot_hinge", 1.0), ("elbow_hinge", 1.0)):
+        assert result[hinge, "angle"][-1] == pytest.approx(FROM + sign * opened, abs=2e-6)
+    tip = result["coupler", "frame_position"][-1]
+    assert tip[0] == pytest.approx(CRANK * cos(FROM + opened), abs=3e-6)
+    later = fanfold.simulate(_scene().with_settings({"scene.until": "2.2 s"}), estimate=False)
+    assert later.latch_times["driven"] == pytest.approx(sqrt(2.0 * inertia * (TO - FROM) / TORQUE), rel=3e-6)
+
+
+def test_joints_without_a_motor_drive_nothing():
+    """Rule: the joint that closes the loop was said to drive; pivots have no margin."""
+    scene = read_scene("four_bar.toml", _scene().tree)
+    assert uncounted(scene) == {}
+    assert sorted(without_margin(scene)) == ["elbow", "pivot"]
