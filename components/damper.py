@@ -9,7 +9,7 @@ from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, LOAD, ORDER
 from .numerics.axial import AxialConnection, Turn
 from .numerics.mid_step import MidStep
-from .numerics.workless_pair import viscous_load
+from .numerics.workless_pair import gauss_rates, viscous_load
 
 
 class _Parameters(NamedTuple):
@@ -52,7 +52,8 @@ class EddyCurrentDamper(AxialConnection[_Parameters, _State, Impulse]):
         (turn, rate), is_impulse = self._turn(u, s.turn.angle), u.commands.impulse > 0.5
         is_paired = self._is_paired(c.order) and not is_impulse
         arc = self._arc(s.turn, turn, u, is_paired)
-        load = viscous_load(c.torque, arc.change, arc.moment, h)
+        rates = before, after = gauss_rates(arc.change, arc.moment, h)
+        load = viscous_load(rates, (c.torque(before), c.torque(after)), h)
         felt = s.rate.after(arc.change / h, h)
         if is_paired or is_impulse:
             felt = MidStep.starting(rate if is_impulse else (arc.change + 3.0 * arc.moment) / h)

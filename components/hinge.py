@@ -208,7 +208,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             loads = impulse_loads(c, old, moved, h)
         else:
             stiff = stiff_loads(c, old, motions)
-            loads = mean_loads(c, old, moved, motions, stiff, h)
+            loads = mean_loads(c, old, moved, motions, stiff)
             if c.paired:
                 turn = motions[3]
                 lasting = self._loads(c, old, stiff, loads.driving, h)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import NamedTuple
 
 from ..contract.frames import Vector3
 from ..numerics.laws import static_factor, stiction_factors
 from ..numerics.presliding import Presliding, instant_force, step_force, within
+from ..numerics.stiff_coordinate import MeanLoad, StepMotion
+from ..numerics.workless_pair import gauss_rates, viscous_load
 from .state import Constants
 from .variables import State
 
@@ -48,18 +51,44 @@ def _largest(c: Constants, found: _Magnitudes, rate: float) -> float:
 
 
 def step_friction(
-    c: Constants, old: State, angle: float, force: Vector3, bending: tuple[float, float], h: float
-) -> Presliding:
-    """Mean torque over a step to an angle, positive opening."""
-    change = angle - old.angle
-    found = _magnitudes(c, old.latched > 0.5, force, bending, 0.5 * (old.angle + angle))
+    c: Constants, old: State, bushing: Sequence[MeanLoad], turn: StepMotion
+) -> tuple[Presliding, float]:
+    """Mean torque over a step, positive opening, and its slope: zero of order 2 and of friction that sticks."""
+    if c.paired and c.p.presliding_stiffness == 0.0:
+        return _sloped_friction(c, old, bushing, turn)
+    return _mean_friction(c, old, [load.force for load in bushing], turn), 0.0
+
+
+def _sloped_friction(
+    c: Constants, old: State, bushing: Sequence[MeanLoad], turn: StepMotion
+) -> tuple[Presliding, float]:
+    """Smooth friction at both points of Gauss' rule, along lines of the bushing's loads and of the rate."""
+    angle, place = 0.5 * (turn.start + turn.end), sqrt(1.0 / 3.0)
+    rates = before, after = gauss_rates(turn.end - turn.start, turn.moment, turn.h)
+    torques = (
+        _smooth(c, _pressed(c, old, [load.force - place * load.slope for load in bushing], angle), before),
+        _smooth(c, _pressed(c, old, [load.force + place * load.slope for load in bushing], angle), after),
+    )
+    found = viscous_load(rates, torques, turn.h)
+    return Presliding(found.force, found.heat, 0.0), found.slope
+
+
+def _mean_friction(c: Constants, old: State, load: Sequence[float], turn: StepMotion) -> Presliding:
+    """From the mean loads of the bushing and from the mean rate."""
+    change = turn.end - turn.start
+    found = _pressed(c, old, load, 0.5 * (turn.start + turn.end))
     if c.p.presliding_stiffness == 0.0:
-        torque = _smooth(c, found, change / h)
+        torque = _smooth(c, found, change / turn.h)
         return Presliding(torque, -torque * change, 0.0)
     if old.holding:
-        return _taking_over(c, found, angle - old.hold_angle)
-    most = _largest(c, found, change / h)
-    return step_force(c.p.presliding_stiffness, c.p.presliding_damping, most, old.presliding, change, h)
+        return _taking_over(c, found, turn.end - old.hold_angle)
+    most = _largest(c, found, change / turn.h)
+    return step_force(c.p.presliding_stiffness, c.p.presliding_damping, most, old.presliding, change, turn.h)
+
+
+def _pressed(c: Constants, old: State, load: Sequence[float], angle: float) -> _Magnitudes:
+    """By loads of the bushing in the six coordinates."""
+    return _magnitudes(c, old.latched > 0.5, (load[0], load[1], load[2]), (load[4], load[5]), angle)
 
 
 def _taking_over(c: Constants, found: _Magnitudes, held: float) -> Presliding:

@@ -28,9 +28,9 @@ def extrapolated(last: StepMean[T], previous: StepMean[T]) -> T:
     """Value at the end of the last of two steps; the mean with its slope where there is but one.
 
     What slopes tell goes on as a parabola, and what they do not know of the change of means, such as the part of
-    friction, along a line. Without slopes that is the line through both means. Behind a jump, rates of a short step say
-    nothing of the long one before: after a longer one, that part is no more than the gap between the lines of both.
-    In an instant nothing but a jump can have changed a load, and its own step tells it.
+    friction that sticks, along a line. Without slopes that is the line through both means. Behind a jump, rates of
+    a short step say nothing of the long one before: after a longer one, that part is no more than the gap between
+    the lines of both. In an instant nothing but a jump can have changed a load, and its own step tells it.
     """
     if last.h <= INSTANT or previous.h <= 0.0:
         return last.mean + last.slope

@@ -26,7 +26,6 @@ by a share of 250 M / (k h^2) only.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import sqrt
 
 from .laws import Law, mean_force
@@ -63,14 +62,19 @@ def workless_law(law: Law, damping: float, m: StepMotion, roughness: float = 0.0
     return workless_load(mean_force(law, m.start, m.end), law.tangent(m.start, m.end), damping, m, roughness)
 
 
-def viscous_load(law: Callable[[float], float], change: float, moment: float, h: float) -> MeanLoad:
-    """Load of a law of the rate that only brakes, along a rate that is linear in time.
-
-    By Gauss' rule with two points, hence of order 4; its heat is a sum of the law's own at both.
-    """
+def gauss_rates(change: float, moment: float, h: float) -> tuple[float, float]:
+    """A rate that is linear in time at both points of Gauss' rule."""
     mean, bend = change / h, sqrt(3.0) * moment / h
-    before, after = law(mean - bend), law(mean + bend)
-    heat = -0.5 * h * (before * (mean - bend) + after * (mean + bend))
+    return mean - bend, mean + bend
+
+
+def viscous_load(rates: tuple[float, float], forces: tuple[float, float], h: float) -> MeanLoad:
+    """Load of a law of the rate that only brakes, from its forces at `gauss_rates`.
+
+    Gauss' rule with two points is of order 4; the heat is a sum of the law's own at both, and never negative.
+    """
+    (before, after), (rate, later) = forces, rates
+    heat = -0.5 * h * (before * rate + after * later)
     return MeanLoad(0.5 * (before + after), heat, 0.0, 0.5 * sqrt(3.0) * (after - before))
 
 

@@ -47,15 +47,47 @@ static inline Presliding taking_over(const Hinge *hinge, Magnitudes found, real 
     return (Presliding){0.0, 0.0, torque / p[P_PRESLIDING_STIFFNESS]};
 }
 
-/* Mean torque over a step, positive opening. */
-static inline Presliding step_friction(const Hinge *hinge, const Grip *grip, const real *load, const StepMotion *turn) {
+/* Torque over a step, positive opening, and its slope: zero at order 2 and of friction that sticks. */
+typedef struct StepFriction {
+    Presliding mean;
+    real slope;
+} StepFriction;
+
+/* Smooth friction of order 4: at both Gauss points of the step, along lines of the bushing's loads and of the rate. */
+static inline StepFriction sloped_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
+                                           const StepMotion *turn) {
+    const real angle = 0.5 * (turn->start + turn->end), change = turn->end - turn->start;
+    real rates[2], torques[2];
+    gauss_rates(change, turn->moment, turn->h, rates);
+    for (int k = 0; k < 2; k++) {
+        const double place = k ? sqrt(1.0 / 3.0) : -sqrt(1.0 / 3.0);
+        real load[COORDINATE_COUNT];
+        for (int i = 0; i < COORDINATE_COUNT; i++)
+            load[i] = stiff->bushing[i].force + place * stiff->bushing[i].slope;
+        torques[k] = smooth_friction(hinge, friction_magnitudes(hinge, grip, load, angle), rates[k], 0.0).force;
+    }
+    const MeanLoad found = viscous_load(rates, torques, turn->h);
+    return (StepFriction){{found.force, found.heat, 0.0}, found.slope};
+}
+
+/* Friction from the mean loads of the bushing and from the mean rate. */
+static inline Presliding mean_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
+                                       const StepMotion *turn) {
     const double *p = hinge->base.p;
-    real change = turn->end - turn->start, rate = change / turn->h;
+    real change = turn->end - turn->start, rate = change / turn->h, load[COORDINATE_COUNT];
+    for (int i = 0; i < COORDINATE_COUNT; i++) load[i] = stiff->bushing[i].force;
     Magnitudes found = friction_magnitudes(hinge, grip, load, 0.5 * (turn->start + turn->end));
     if (p[P_PRESLIDING_STIFFNESS] == 0.0) return smooth_friction(hinge, found, rate, change);
     if (grip->holding != 0.0) return taking_over(hinge, found, turn->end - grip->hold_angle);
     return step_force(p[P_PRESLIDING_STIFFNESS], p[P_PRESLIDING_DAMPING], largest_friction(hinge, found, rate),
                       grip->presliding, change, turn->h);
+}
+
+static inline StepFriction step_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
+                                         const StepMotion *turn) {
+    if (hinge->base.paired && hinge->base.p[P_PRESLIDING_STIFFNESS] == 0.0)
+        return sloped_friction(hinge, grip, stiff, turn);
+    return (StepFriction){mean_friction(hinge, grip, stiff, turn), 0.0};
 }
 
 /* Torque of one instant; heat as power. */

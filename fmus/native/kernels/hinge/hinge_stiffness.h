@@ -88,24 +88,36 @@ static inline void differentiate_loads(const Hinge *hinge, const Grip *grip, con
     if (grip->holding != 0.0) drives->force[0] -= hinge->base.p[P_HOLD_STIFFNESS];
 }
 
-/* Adds what friction changes in the torque about the hinge line, as mean loads of the bushing and the angle move. */
+/* Adds what friction changes in the torque about the hinge line and in its slope, as one of the numbers that it follows
+   from moves, which has been seeded. */
+static inline void add_friction_by(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff, const StepMotion *turn,
+                                   const double *moved, double *twist, double *twist_slope) {
+    const StepFriction friction = step_friction(hinge, grip, stiff, turn);
+    const double mean = cimag(friction.mean.force) / FANFOLD_INFINITESIMAL;
+    const double slope = cimag(friction.slope) / FANFOLD_INFINITESIMAL;
+    for (int j = 0; j < COLUMNS && (mean != 0.0 || slope != 0.0); j++) {
+        twist[j] += mean * moved[j];
+        twist_slope[j] += slope * moved[j];
+    }
+}
+
+/* The same as loads of the bushing, `mean` and their slopes `sloped`, and the angle with its moment move. */
 static inline void add_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff, const StepMotion *turn,
-                                const double *const mean[COORDINATE_COUNT], const double *angle, double *twist) {
-    real load[COORDINATE_COUNT];
-    for (int i = 0; i < COORDINATE_COUNT; i++) load[i] = stiff->bushing[i].force;
+                                const double *const mean[COORDINATE_COUNT], const double *const sloped[COORDINATE_COUNT],
+                                const double *angle, const double *moment, double *twist, double *twist_slope) {
+    StepMotion by_end = *turn, by_moment = *turn;
+    by_end.end = seeded_number(turn->end);
+    by_moment.moment = seeded_number(turn->moment);
+    add_friction_by(hinge, grip, stiff, &by_end, angle, twist, twist_slope);
+    add_friction_by(hinge, grip, stiff, &by_moment, moment, twist, twist_slope);
+    if (hinge->base.p[P_FRICTION_COEFFICIENT] == 0.0) return;
     for (int i = 0; i < COORDINATE_COUNT; i++) {
-        const int by_angle = i == HINGE_ANGLE; /* the load about the hinge line itself does not press */
-        const real kept = load[i];
-        StepMotion seeded = *turn;
-        if (by_angle)
-            seeded.end = seeded_number(turn->end);
-        else
-            load[i] = seeded_number(load[i]);
-        const real friction = step_friction(hinge, grip, load, &seeded).force;
-        const double slope = cimag(friction) / FANFOLD_INFINITESIMAL;
-        const double *moved = by_angle ? angle : mean[i];
-        load[i] = kept;
-        for (int j = 0; j < COLUMNS && slope != 0.0; j++) twist[j] += slope * moved[j];
+        if (i == HINGE_ANGLE) continue; /* the load about the hinge line itself does not press */
+        StiffLoads by_force = *stiff, by_slope = *stiff;
+        by_force.bushing[i].force = seeded_number(stiff->bushing[i].force);
+        by_slope.bushing[i].slope = seeded_number(stiff->bushing[i].slope);
+        add_friction_by(hinge, grip, &by_force, turn, mean[i], twist, twist_slope);
+        add_friction_by(hinge, grip, &by_slope, turn, sloped[i], twist, twist_slope);
     }
 }
 
@@ -128,7 +140,7 @@ static inline void move_loads(const Hinge *hinge, const Grip *grip, const StepMo
                               Transverse swing, const real about_line[2], const Columns moved[4], Columns change[4]) {
     Slopes bushing[COORDINATE_COUNT] = {{{0.0}, {0.0}}}, drives = {{0.0}, {0.0}};
     Columns rotations[2] = {{{{0.0}}}};
-    const double *mean[COORDINATE_COUNT];
+    const double *mean[COORDINATE_COUNT], *sloped[COORDINATE_COUNT];
     differentiate_loads(hinge, grip, motions, bushing, &drives);
     for (int i = 0; i < COORDINATE_COUNT; i++) {
         const double *by_end = moved[i / 3].row[i % 3], *by_moment = moved[2 + i / 3].row[i % 3];
@@ -138,14 +150,16 @@ static inline void move_loads(const Hinge *hinge, const Grip *grip, const StepMo
             slope[j] = bushing[i].slope[0] * by_end[j] + bushing[i].slope[1] * by_moment[j];
         }
         mean[i] = force;
+        sloped[i] = slope;
     }
     const double *angle = moved[1].row[0], *moment = moved[3].row[0];
-    double twist[COLUMNS];
+    double twist[COLUMNS], twist_slope[COLUMNS];
     memcpy(twist, rotations[0].row[0], sizeof twist);
-    add_friction(hinge, grip, stiff, motions + HINGE_ANGLE, mean, angle, twist);
+    memcpy(twist_slope, rotations[1].row[0], sizeof twist_slope);
+    add_friction(hinge, grip, stiff, motions + HINGE_ANGLE, mean, sloped, angle, moment, twist, twist_slope);
     for (int j = 0; j < COLUMNS; j++) {
         rotations[0].row[0][j] = twist[j] + drives.force[0] * angle[j] + drives.force[1] * moment[j];
-        rotations[1].row[0][j] += drives.slope[0] * angle[j] + drives.slope[1] * moment[j];
+        rotations[1].row[0][j] = twist_slope[j] + drives.slope[0] * angle[j] + drives.slope[1] * moment[j];
     }
     for (int k = 0; k < 2; k++) {
         const MeanLoad *y = stiff->bushing + 4, *z = stiff->bushing + 5;

@@ -15,7 +15,7 @@ INERTIA, FRICTION = 6.2514, 0.5
 ITERATED = 1e-10  # relative to the largest torque and 1 N.m
 
 
-def sliding_rotor(steps, rate=1.0, transition=0.0167, torque=0.0):
+def sliding_rotor(steps, rate=1.0, transition=0.0167, torque=0.0, order=2):
     """A rotor on a fixed base under 0.5 N.m of constant friction and a constant torque."""
     parts = [
         base(p=(0, 0, 0)),
@@ -25,7 +25,7 @@ def sliding_rotor(steps, rate=1.0, transition=0.0167, torque=0.0):
             {**STIFF, "friction_preload": FRICTION, "stiction_velocity": transition},
         ),
     ]  # fmt: skip
-    settings = Settings(step_plan=[steps])
+    settings = Settings(step_plan=[steps], order=order)
     links = between("hinge", "base.p", "rotor.p")
     return completed(sum(steps), parts, links, settings=settings, iteration=Tolerance(ITERATED))
 
@@ -53,6 +53,17 @@ def test_coulomb_friction_stops_the_rotor(transition):
     stop = run.signal("hinge", "angle")[-1]
     assert stop - angle == pytest.approx(overrun, abs=resolved)
     assert run.signal("hinge", "friction_energy")[-1] == pytest.approx(0.5 * INERTIA, rel=3 * ITERATED)
+
+
+def test_smooth_friction_is_of_fourth_order():
+    """Order: halved steps leave a sixteenth of what is off, and of the heat; of second order it would be a quarter.
+
+    The friction fades with the rate all the way.
+    """
+    runs = [sliding_rotor([h] * round(10.0 / h), transition=2.0, order=4) for h in (1.0, 0.5, 0.0625)]
+    for signal in ("angle", "friction_energy"):
+        coarse, fine, true = (run.signal("hinge", signal)[-1] for run in runs)
+        assert 12.0 < (coarse - true) / (fine - true) < 20.0
 
 
 def test_rotor_sticks_below_the_friction_torque_and_slides_above():
