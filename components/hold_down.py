@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .contract.component import ComponentError, Vector
@@ -21,8 +22,10 @@ from .contract.roles import (
     ORDER,
     POTENTIAL_ENERGY,
     RELEASE_COMMAND,
+    TIME_TO_BREAK,
 )
 from .numerics.mid_step import MidStep
+from .numerics.motion_law import NEVER
 from .numerics.relative_motion import Passage, pair, unit_direction
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 from .numerics.workless_pair import remembered_path, workless_spring
@@ -113,14 +116,15 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
     axis: direction of the preload in the axes of the inboard port. Displacements count from the ports' offset at
     the start, where the force on the outboard port is the preload against the axis: the bolt pulls it inboard. The
     release comes at the start of a step whose command says so, or at the end of the step that reaches the release
-    time; that step is held throughout. The bolt keeps the elastic energy of that instant as heat. The clock starts
-    at zero, when the scene does, and stands still while `hold` is 1.
+    time; that step is held throughout, so a master should end one there, as the time to the break tells. The bolt
+    keeps the elastic energy of that instant as heat. The clock starts at zero, when the scene does, and stands
+    still while `hold` is 1.
     """
 
-    kind, noun, indicator_count = "hold_down", "hold-down", 1
+    kind, noun, indicator_count, own_outputs = "hold_down", "hold-down", 1, (TIME_TO_BREAK,)
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(_Commands), Record(_Observations)
-    scheme: ClassVar = {"REACHED": _REACHED}
+    scheme: ClassVar = {"REACHED": _REACHED, "NEVER": NEVER}
 
     def __init__(self, axis: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
         self._direction = unit_direction(axis, "axis", "the hold-down's preload")
@@ -227,6 +231,19 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
             return workless_spring(stiffness, damping, moved)
         return bushing_load(stiffness, damping, moved, c.p.end_weight)
 
+    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
+        """Wrenches on both ports, time to the release, slopes of mean wrenches."""
+        s = self.states.read(x)
+        left = c.p.release_time - s.clock if self._is_awaited(c, s) else NEVER
+        if self.endpoint:
+            return np.array((*self.wrenches(c, s, self.inputs(u)), left))
+        return np.array((*s.wrench, left, *s.slopes))
+
+    @staticmethod
+    def _is_awaited(c: _Constants, s: _State) -> bool:
+        """Whether a release by time is to come."""
+        return not s.released and c.p.release_time > 0.0
+
     def wrenches(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Of the present displacement and its rate."""
         if s.released:
@@ -261,8 +278,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
 
     def indicate(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Time left to the release; one where none is coming."""
-        is_awaited = not s.released and c.p.release_time > 0.0
-        return (c.p.release_time - s.clock if is_awaited else 1.0,)
+        return (c.p.release_time - s.clock if self._is_awaited(c, s) else 1.0,)
 
     def follow(self, c: _Constants, s: _State, u: Inputs[_Commands], at_event: bool) -> _State:
         """At an event, the release that is commanded or due."""

@@ -138,12 +138,22 @@ int NAME(hold_down_step)(void *self, const double *x, const real *u, double h, r
     return 1;
 }
 
-/* Wrenches on both ports, slopes of mean wrenches. */
+/* Whether a release by time is to come. */
+static inline int awaits_release(const HoldDown *hold_down, const real *x) {
+    return value_of(x[X_RELEASED]) == 0.0 && hold_down->base.p[P_RELEASE_TIME] > 0.0;
+}
+
+/* Wrenches on both ports, time to the release, slopes of mean wrenches. */
 void NAME(hold_down_outputs)(void *self, const real *x, const real *u, real *y) {
     const HoldDown *hold_down = self;
-    if (gives_means(&hold_down->base, x, y)) return;
-    for (int i = 0; i < OUTPUTS; i++) y[i] = 0.0;
-    if (value_of(x[X_RELEASED]) != 0.0) return;
+    const int mean = !hold_down->base.endpoint;
+    for (int i = 0; i < MOMENTS; i++) {
+        y[i] = mean ? x[X_WRENCH + i] : 0.0;
+        if (mean) y[OUTPUTS + i] = x[X_SLOPES + i];
+    }
+    y[Y_TIME_TO_BREAK] = NEVER;
+    if (awaits_release(hold_down, x)) y[Y_TIME_TO_BREAK] = hold_down->base.p[P_RELEASE_TIME] - x[X_CLOCK];
+    if (mean || value_of(x[X_RELEASED]) != 0.0) return;
     Instant now = hold_down_instant(u, x + X_START);
     Vector3 zero = {0.0, 0.0, 0.0}, force = force_of(hold_down, now.displacement, now.rate);
     store_pair(quaternion_rotate(now.frame, force), zero, now.gap, y);
@@ -215,11 +225,6 @@ static void hold_down_observe(void *self, const double *x, const double *u, doub
     z[Z_POTENTIAL_ENERGY] = released ? 0.0 : elastic_energy(hold_down, now.displacement);
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT] + x[X_RELEASE_HEAT];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
-}
-
-/* Whether a release by time is to come. */
-static int awaits_release(const HoldDown *hold_down, const double *x) {
-    return x[X_RELEASED] == 0.0 && hold_down->base.p[P_RELEASE_TIME] > 0.0;
 }
 
 /* Time left to the release; one where none is coming. */
