@@ -36,9 +36,24 @@ def signal_fmus(
             found.append(_Reader(table, parts, lines, problems).fmu())
         except _NoFmuError as error:
             problems.append(f"fmu.{table.name}.file: {table.file} {error}")
+    problems += _set_twice(found)
     if problems:
         raise SceneError([f"{scene.file}: {problem}" for problem in problems])
     return tuple(found)
+
+
+def _set_twice(fmus: Sequence[SignalFmu]) -> Iterator[str]:
+    """Parameters that more than one output sets, of which the last would win."""
+    setters: dict[tuple[str, str, int], str] = {}
+    for fmu in fmus:
+        for signal in fmu.outputs:
+            here, target = f"{fmu.name}.{signal.variable}", (signal.part, signal.quantity, signal.index)
+            first = setters.setdefault(target, here)
+            if first != here:
+                yield (
+                    f"fmu.{fmu.name}.outputs.{signal.variable}: {signal.part}.{signal.quantity} is set by {first} "
+                    "already; one output sets a parameter, give each a load or another component of its own"
+                )
 
 
 class _NoFmuError(FanfoldError):
@@ -86,7 +101,10 @@ class _Reader:
         step = self._table.step or said
         if not (step >= SMALLEST_STEP and isfinite(step)):
             self._note(
-                "step", f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one"
+                "step",
+                f"is {step:g} s; it must be finite, and {SMALLEST_STEP:g} s at least"
+                if self._table.step
+                else f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one",
             )
         return step
 

@@ -38,13 +38,15 @@ class StateSpace(NamedTuple):
 class Appendage:
     """What a base carries in a configuration, about a point of the base, in world axes.
 
-    point: its name, at position (3,) m. frequency: (k,) Hz, 0 of free motions of the wing. damping: (k,) damping over
+    unbalanced: largest force (N) and torque (N.m) on a body that nothing balances there. point: its name, at position
+    (3,) m. frequency: (k,) Hz, 0 of free motions of the wing. damping: (k,) damping over
     modal mass, 2 zeta w, rad/s. participation: L (k, 6), kg^1/2 and kg^1/2.m. rigid_mass: D (6, 6), kg, kg.m, kg.m2.
     """
 
     scene: str
     configuration: Configuration
     held: tuple[str, ...]
+    unbalanced: tuple[float, float]
     point: str
     position: Vector
     frequency: Vector
@@ -122,6 +124,8 @@ class Appendage:
             "scene": self.scene,
             **self.configuration.as_dict(),
             "held": list(self.held),
+            "unbalanced_force_n": self.unbalanced[0],
+            "unbalanced_torque_nm": self.unbalanced[1],
             "point": self.point,
             **{name: values.tolist() for name, values in self.arrays().items()},
         }
@@ -150,7 +154,15 @@ def find_appendages(
     modes = normal_modes(model, model.base_constraints)
     _refuse_unstable(scene, modes)
     return [
-        Appendage(scene.header.name, target, held, name, place, *_matrices(model, modes, count, place))
+        Appendage(
+            scene.header.name,
+            target,
+            held,
+            model.unbalanced,
+            name,
+            place,
+            *_matrices(model, modes, count, place),
+        )
         for name, place in places.items()
     ]
 

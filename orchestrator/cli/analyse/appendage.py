@@ -104,6 +104,8 @@ def _print(found: Appendage) -> None:
     center = ", ".join(f"{x:.4g}" for x in found.center_of_mass)
     console.print(f"{found.mass:.5g} kg with their centre at ({center}) m from the point; world axes")
     console.print(str(found.configuration) + (f"; held: {', '.join(found.held)}" if found.held else ""))
+    force, torque = found.unbalanced
+    console.print(f"nothing balances {force:.3g} N and {torque:.3g} N.m in this configuration")
     free = int((found.frequency == 0.0).sum())
     if free:
         console.print(

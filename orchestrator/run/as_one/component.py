@@ -93,7 +93,9 @@ class AssembledScene(Component, registered=False):
         self._declare(
             {},
             (),
-            parameters=_of_parts(self._names, [c.parameter_layout for _, c in self._parts]),
+            parameters=self._with_own_order(
+                _of_parts(self._names, [c.parameter_layout for _, c in self._parts])
+            ),
             inputs=[*(quantity for _, quantity in commands), *_drives(assembly)],
             outputs=(
                 *_TOLD,
@@ -102,6 +104,12 @@ class AssembledScene(Component, registered=False):
             ),
             observations=_of_parts(self._names, observed),
         )
+
+    def _with_own_order(self, parameters: Iterable[Quantity]) -> Iterator[Quantity]:
+        """The order of the coupling is the master's: a component of another would not fit."""
+        for one in parameters:
+            is_order = one.name.endswith(f".{_ORDER}")
+            yield replace(one, minimum=self._order, maximum=self._order) if is_order else one
 
     def start(self) -> dict[str, tuple[float, ...]]:
         """Start values of all parameters, by name."""
@@ -191,7 +199,12 @@ def _drives(assembly: Assembly) -> Iterator[Quantity]:
 
 
 def _told_of(line: HingeLine) -> Iterator[Quantity]:
-    yield Quantity(f"{line.name}.latch_time", "s", f"{line.name}: time of latch-up; -1 before", start=-1.0)
+    yield Quantity(
+        f"{line.name}.latch_time",
+        "s",
+        f"{line.name}: time of latch-up, from the start time on; -1 before",
+        start=-1.0,
+    )
     yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
 
 

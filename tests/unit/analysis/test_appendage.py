@@ -74,6 +74,9 @@ def test_free_lines_are_free_motions_unless_held():
     (held,) = fanfold.appendage("workbench", hold="all", **rigid)
     assert (free.frequency < 0.1).sum() == 1
     assert (held.frequency > 1.0).all()
+    motor = fanfold.modes("workbench", **rigid).unbalanced[1]
+    np.testing.assert_allclose(free.unbalanced[1], motor, rtol=1e-9)
+    assert motor > 0.1
     np.testing.assert_allclose(free.rigid_mass, held.rigid_mass, rtol=1e-9)
 
 

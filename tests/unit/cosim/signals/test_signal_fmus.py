@@ -152,6 +152,17 @@ WRONG = {
 }
 
 
+def test_a_parameter_has_one_setter(controller):
+    """Regression: of two outputs on one parameter the last of the file won, without a word."""
+    scene = controlled(controller)
+    joined = {"inputs": {"angle": "craft.attitude[2]"}, "outputs": {"torque": "wheel.added_torque"}}
+    scene.fmu("second", controller, step=STEP, **joined)
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"second.outputs.torque: wheel.added_torque is set by controller"
+    ):
+        fanfold.simulate(scene)
+
+
 @pytest.mark.parametrize("kind", WRONG)
 def test_what_cannot_be_joined_is_told_before_the_run(controller, kind):
     keys, sentence = WRONG[kind]

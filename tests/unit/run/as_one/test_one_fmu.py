@@ -122,6 +122,12 @@ def test_parameters_before_the_start(path):
     assert fast == pytest.approx(usual * (2.0 / 3.0) ** 0.5, rel=1e-4)
 
 
+def test_the_order_of_the_coupling_is_its_own(path):
+    """Regression: a component set to another order than its master's gave half the torque, without a word."""
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        Host(path).start(**{"root.order": 2.0})
+
+
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
 def test_other_tools_find_nothing_wrong(fmi, tmp_path):
     """The checker of the project, and FMPy's plain command."""
