@@ -18,6 +18,7 @@ from ..run.simulation import python_sentence
 from ..run.system_structure import check_ssp, write_ssp
 from ..scene.builder import Names, listed
 from ..scene.component_connections import WrenchMode
+from ..scene.layers import files_besides
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
 from .simulate import SceneLike, load
@@ -85,7 +86,14 @@ def export(
     paths = run.export(
         assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
     )
-    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)] if ssp is not None else paths
+    if ssp is None:
+        return paths
+    if files := ", ".join(files_besides(dict(assembly.scene_tree))):
+        warn(
+            f"{assembly.name}: its scene goes along in {Path(ssp).name}, but not the files that it is made of besides, "
+            f"which `fanfold run` of it takes from where they are: {files}"
+        )
+    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)]
 
 
 def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -125,26 +125,37 @@ def _bare_text(text: str, problem: str) -> str:
 
 def with_absolute_files(tree: Tree, folder: Path) -> Tree:
     """The tree of a scene file in a folder, variants included, with absolute paths of what it is made of besides."""
-    variants = tree.get("variant")
-    layers = [tree, *(variants.values() if isinstance(variants, dict) else ())]
-    for layer in layers:
-        bodies = layer.get("body") if isinstance(layer, dict) else None
-        for body in bodies if isinstance(bodies, list) else ():
-            _make_absolute(body.get("import") if isinstance(body, dict) else None, NAMES, folder)
-        fmus = layer.get("fmu") if isinstance(layer, dict) else None
-        for fmu in fmus if isinstance(fmus, list) else ():
-            _make_absolute(fmu, ("file",), folder)
-        header = layer.get("scene") if isinstance(layer, dict) else None
-        plugins = header.get("plugins") if isinstance(header, dict) else None
-        if isinstance(header, dict) and isinstance(plugins, list):
-            header["plugins"] = [str((folder / p).resolve()) if isinstance(p, str) else p for p in plugins]
+    for table, key in _places_of_files(tree):
+        table[key] = str((folder / table[key]).resolve())
     return tree
 
 
-def _make_absolute(table: Any, keys: Iterable[str], folder: Path) -> None:  # noqa: ANN401 - whatever a TOML file gives
+def files_besides(tree: Tree) -> list[str]:
+    """Paths of the files that a scene is made of besides its own, in order."""
+    return list(dict.fromkeys(table[key] for table, key in _places_of_files(tree)))
+
+
+def _places_of_files(tree: Tree) -> Iterator[tuple[Any, Any]]:
+    """Tables and lists, and where in them a text names a file."""
+    variants = tree.get("variant")
+    for layer in (tree, *(variants.values() if isinstance(variants, dict) else ())):
+        for body in _entries(layer, "body"):
+            yield from _named_by(body.get("import") if isinstance(body, dict) else None, NAMES)
+        for fmu in _entries(layer, "fmu"):
+            yield from _named_by(fmu, ("file",))
+        plugins = _entries(layer.get("scene") if isinstance(layer, dict) else None, "plugins")
+        yield from ((plugins, k) for k, plugin in enumerate(plugins) if isinstance(plugin, str))
+
+
+def _entries(table: Any, key: str) -> list[Any]:  # noqa: ANN401 - whatever a TOML file gives
+    found = table.get(key) if isinstance(table, dict) else None
+    return found if isinstance(found, list) else []
+
+
+def _named_by(table: Any, keys: Iterable[str]) -> Iterator[tuple[Any, Any]]:  # noqa: ANN401 - whatever a TOML file gives
     for key in keys if isinstance(table, dict) else ():
         if isinstance(table.get(key), str) and table[key]:
-            table[key] = str((folder / table[key]).resolve())
+            yield table, key
 
 
 def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
