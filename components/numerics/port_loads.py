@@ -47,9 +47,11 @@ class PortLoads:
         ]
 
     def after(self, record: Vector, wrenches: Vector, slopes: Vector, h: float, impulse: bool) -> Vector:
-        """The record after a step; an impulse is no load that lasts, and starts it anew."""
+        """The record after a step; an impulse is no load that lasts: it starts anew from what was there before."""
         if impulse:
-            return np.concatenate(((STOPPED,), np.zeros(self.size - 1)))
+            (h, h_before), parts = record[:_SIZES].tolist(), record[_SIZES:].reshape(4, self._numbers)
+            now = extrapolated(StepMean(parts[0], parts[1], h), StepMean(parts[2], parts[3], h_before))
+            return np.concatenate(((STOPPED, 0.0), now, np.zeros(3 * self._numbers)))
         last = record[_SIZES : _SIZES + 2 * self._numbers]
         return np.concatenate(((h, record[0]), wrenches, slopes, last))
 

@@ -19,7 +19,7 @@ from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
 from ..scene.layers import Setting
 from ..scene.table import SceneError
-from ..scene.units import Sign, to_si
+from ..scene.units import Sign, written
 from .progress import chosen
 from .result import Result
 from .warnings import warn
@@ -184,6 +184,6 @@ def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> f
     if value is None:
         return None
     try:
-        return to_si(value, unit, sign)
+        return written(value, unit, sign)
     except ValueError as error:
         raise SceneError([f"{what} {error}"]) from None

@@ -35,6 +35,8 @@ _GAINS: Final = {
 }
 _ALLOWED = 2.0
 """Relative error of an energy over that of the velocities."""
+_NOTHING = 1e-12
+"""J: what rounding leaves of the energies of what rests."""
 _SCENE = "scene"
 
 
@@ -55,7 +57,9 @@ class EnergyLedger(NamedTuple):
     def warnings(self) -> tuple[str, ...]:
         """A sentence where the balance is off by more than the tolerance allows."""
         relative = self.relative_residual
-        if self.tolerance is None or relative is None or relative <= _ALLOWED * self.tolerance:
+        if self.tolerance is None or relative is None or self.residual <= _NOTHING:
+            return ()
+        if relative <= _ALLOWED * self.tolerance:
             return ()
         return (
             f"the energy balance is off by {self.residual:.3g} J, {relative:.2g} of the {self.exchanged:.3g} J "

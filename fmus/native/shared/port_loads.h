@@ -19,18 +19,33 @@ static inline size_t port_loads_record(size_t ports) { return STEP_SIZES + 4 * W
 /* Sum and ports, now and one step earlier. */
 static inline size_t port_loads_told(size_t ports) { return 2 * WRENCH_SIZE * (1 + ports); }
 
-/* The record after a step; an impulse is no load that lasts, and starts it anew. */
+/* Starts a record anew from the wrenches that were there before an impulse, which is no load that lasts. */
+static inline void store_port_loads_before(size_t n, const double *old, real *record) {
+    const double *last = old + STEP_SIZES, *previous = last + 2 * n;
+    record[0] = STOPPED;
+    record[1] = 0.0;
+    for (size_t i = 0; i < 4 * n; i++)
+        record[STEP_SIZES + i] = i >= n ? 0.0
+                                        : extrapolated((StepMean){last[i], last[n + i], old[0]},
+                                                       (StepMean){previous[i], previous[n + i], old[1]});
+}
+
+/* The record after a step. */
 static inline void store_port_loads(size_t ports, const double *old, const real *wrenches, const real *slopes, double h,
                                     int impulse, real *record) {
     const size_t n = WRENCH_SIZE * ports;
-    record[0] = impulse ? STOPPED : h;
-    record[1] = impulse ? 0.0 : old[0];
+    if (impulse) {
+        store_port_loads_before(n, old, record);
+        return;
+    }
+    record[0] = h;
+    record[1] = old[0];
     record += STEP_SIZES;
     for (size_t i = 0; i < n; i++) {
-        record[i] = impulse ? 0.0 : wrenches[i];
-        record[n + i] = impulse ? 0.0 : slopes[i];
+        record[i] = wrenches[i];
+        record[n + i] = slopes[i];
     }
-    for (size_t i = 0; i < 2 * n; i++) record[2 * n + i] = impulse ? 0.0 : old[STEP_SIZES + i];
+    for (size_t i = 0; i < 2 * n; i++) record[2 * n + i] = old[STEP_SIZES + i];
 }
 
 #ifndef FANFOLD_COMPLEX

@@ -27,8 +27,8 @@ from .varied import Settings
 class Task:
     """What all samples of a study share.
 
-    signals: patterns of those to keep, at so many `points` of time from 0 to the end of the run. estimate: tell the
-    errors of headline numbers, and repeat runs that are likely to miss their tolerance.
+    signals: patterns of those to keep, at so many `points` of time from 0 to the end of the run, or at given `times`
+    (s). estimate: tell the errors of headline numbers, and repeat runs that are likely to miss their tolerance.
     """
 
     scene: Scene
@@ -36,6 +36,7 @@ class Task:
     estimate: bool = False
     signals: tuple[str, ...] = ()
     points: int = 201
+    times: tuple[float, ...] = ()
 
     @property
     def until(self) -> float:
@@ -48,7 +49,7 @@ class Sample:
     """How one run went.
 
     message: why it failed, empty where it did not. numbers: value, unit and estimated error (None for none) of
-    headline numbers, by their names. latched: of every line with a latch. signals: (points,) by COMPONENT.VARIABLE.
+    headline numbers, by their names. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
     """
 
     index: int
@@ -108,9 +109,9 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
 
 
 def _signals(result: Result, task: Task) -> dict[str, tuple[Sequence[float], str]]:
-    """Chosen signals at even times, linear between rows; components of vectors have a number."""
+    """Chosen signals at the task's times, linear between rows; components of vectors have a number."""
     found: dict[str, tuple[Sequence[float], str]] = {}
-    times = np.linspace(0.0, task.until, task.points)
+    times = task.times or np.linspace(0.0, task.until, task.points)
     for name in result.components if task.signals else ():
         for variable in result.variables(name):
             if any(matches((name, variable), one) for one in task.signals):

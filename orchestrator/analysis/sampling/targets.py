@@ -75,17 +75,22 @@ class Curve:
         """What a sample keeps for it."""
         return self.signal.partition("[")[0]
 
-    def off(self, sample: Sample, until: float) -> Vector:
-        """Differences (N,) over the measured range, such that a curve weighs as much as a number."""
+    def off(self, sample: Sample) -> Vector:
+        """Differences (N,) over the measured range, such that a curve weighs as much as a number.
+
+        The sample kept its signals at the measured times.
+        """
         values, _ = sample.signals[self.signal]
-        times = np.linspace(0.0, until, len(values))
         size = float(np.ptp(self.values)) or 1.0
-        found: Vector = (np.interp(self.times, times, values) - self.values) / (size * sqrt(len(self.times)))
+        found: Vector = (np.array(values) - self.values) / (size * sqrt(len(self.times)))
         return found
 
 
 def curves(path: Path) -> tuple[Curve, ...]:
-    """Of a CSV file: times (s) in the first column, others headed by their signals; StudyError for anything else."""
+    """Of a CSV file: times (s) in the first column, others headed by their signals; StudyError for anything else.
+
+    All have the same times.
+    """
     try:
         with path.open(encoding="utf-8", newline="") as file:
             rows = [row for row in csv.reader(file) if row]

@@ -32,6 +32,7 @@ _STEP = 2e-3
 _ACCURACY = 1e-4
 _OF_A_NEIGHBOUR = 0.6
 """What a neighbour costs, in runs (`python -m tests.benchmark.gradients`)."""
+_BEYOND_END = 1.0 + 1e-9
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
 _BLIND = 1e-4
@@ -133,7 +134,7 @@ class _Search:
         if sample.message:  # as far off as nothing: the search goes back
             return np.ones(len(self.targets) + sum(len(one.times) for one in self.curves))
         parts = [np.array([one.off(sample) for one in self.targets])]
-        parts += [one.off(sample, self.task.until) for one in self.curves]
+        parts += [one.off(sample) for one in self.curves]
         return np.concatenate(parts)
 
     def _named(self, point: Vector) -> str:
@@ -248,8 +249,9 @@ def tune(
     targets. watch: takes how many runs were made, and the smallest residual among them.
     """
     _refuse(varied, targets, curves, workers)
+    _refuse_late(curves, task.until)
     patterns = tuple(dict.fromkeys(curve.pattern for curve in curves))
-    task = replace(task, signals=patterns, points=max([task.points, *(8 * len(c.times) for c in curves)]))
+    task = replace(task, signals=patterns, times=curves[0].times if curves else ())
     start = np.array([_start(task, one) for one in varied])
     with nullcontext(None) if workers == 1 else local(workers) as executor:
         search = _Search(task, varied, targets, curves, accuracy, most_runs, executor, watch)
@@ -326,6 +328,15 @@ def _refuse(
     keys = [key for one in varied for key in one.keys]
     if twice := sorted({key for key in keys if keys.count(key) > 1}):
         raise StudyError(f"{', '.join(twice)}: varied twice; a key gets one value")
+
+
+def _refuse_late(curves: Sequence[Curve], until: float) -> None:
+    for curve in curves:
+        if curve.times[-1] > _BEYOND_END * until:
+            raise StudyError(
+                f"curve {curve.signal}: it goes to {curve.times[-1]:g} s, and runs end at {until:g} s; let them run "
+                "longer, or leave later rows out"
+            )
 
 
 def _start(task: Task, one: Varied) -> float:

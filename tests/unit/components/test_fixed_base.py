@@ -49,6 +49,22 @@ def test_every_port_tells_its_own_load(lagged):
     assert np.concatenate(told) == pytest.approx(u[:12], rel=1e-13)
 
 
+def test_an_impulse_leaves_the_load_that_was_there():
+    """Regression: loads fell to zero in the rows of a kinematic latch-up; the step after it starts anew."""
+    component = base()
+    x = component.initial(None, wrench(component, 0.0))
+    for time in (0.05, 0.15):
+        x = component.step(None, x, wrench(component, time), 0.1)
+    before = now(component, x, wrench(component, 0.15))
+    impulse = wrench(component, 7.0)
+    impulse[component.input_layout["impulse"]] = 1.0
+    for _ in range(2):
+        x = component.step(None, x, impulse, 1e-7)
+        assert now(component, x, impulse) == pytest.approx(before, rel=1e-12)
+    x = component.step(None, x, wrench(component, 3.0), 0.1)
+    assert now(component, x, impulse) == pytest.approx(load(wrench(component, 3.0)), rel=1e-12)
+
+
 def test_ports_never_move():
     """Definition of a fixed base, whatever acts on it: poses, rates and first moments of its ports."""
     component = base()

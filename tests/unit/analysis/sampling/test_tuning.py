@@ -50,6 +50,28 @@ def test_a_torque_from_a_measured_curve(tmp_path):
     assert found.reached
 
 
+def test_a_curve_of_a_short_swing_is_compared_where_it_was_measured(tmp_path):
+    """Regression: the run's own samples of its latch torque were 0.3 off, beside samples spread over the whole run."""
+    made = fanfold.simulate(flap(), estimate=False)
+    times = 2.52 + 0.01 * np.arange(30)
+    torques = made["left", "latch_torque"].at(times)
+    rows = [
+        "time,left.latch_torque",
+        *(f"{t!r},{v!r}" for t, v in zip(times.tolist(), torques.tolist(), strict=True)),
+    ]
+    (tmp_path / "swing.csv").write_text("\n".join(rows), encoding="utf-8")
+    key = "hinge_line.line.latch.stiffness"
+    found = fanfold.tune(flap(), {key: "uniform(60 N.m/rad, 140 N.m/rad)"}, curve=tmp_path / "swing.csv")
+    assert found.start_residual < 1e-4
+
+
+def test_rows_after_the_end_are_refused(tmp_path):
+    """Regression: they were compared with the last value of the run."""
+    (tmp_path / "late.csv").write_text("time,left.angle\n1,0.2\n30,1.6\n", encoding="utf-8")
+    with pytest.raises(fanfold.FanfoldError, match=r"left.angle: it goes to 30 s, and runs end at 5 s"):
+        fanfold.tune(flap(), {MOTOR: RANGE}, curve=tmp_path / "late.csv")
+
+
 @pytest.mark.filterwarnings("ignore:the latch torque of HL.* run longer")  # times alone are compared
 def test_the_data_sheet_of_amos3_from_its_latch_times():
     """Data sheet: 1.648, 1.591 and 2.021 N.m, found within 1e-3 from three latch times in less than thirty runs."""
