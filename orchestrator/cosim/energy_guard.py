@@ -18,6 +18,8 @@ SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
 ROUNDED = 1e-12
 """Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest."""
+LEAST_KINETIC = 1e-9
+"""J in motion, for steps of what hardly moves yet, where all is rounding; as steps are judged by their error."""
 STEADY = 2.0
 ALLOWANCE = 2.0
 
@@ -25,8 +27,8 @@ ALLOWANCE = 2.0
 class EnergyGuard(Structure):
     """Whether the balance of energy of a step is closed well enough for the step to stand.
 
-    A jump is measured against the energy in motion: the largest kinetic energy so far, or what changes hands in the
-    step itself, whichever is more. Energy that was stored all the time says nothing about a step.
+    A jump is measured against the energy in motion: the largest kinetic energy so far, a least one, or what changes
+    hands in the step itself, whichever is more. Energy that was stored all the time says nothing about a step.
 
     What smaller steps do not cure is not for them to cure: a jump that goes with the length of the step is a power
     that a participant does not account for, and one that stays at the smallest step is rounding. Both are let
@@ -42,7 +44,7 @@ class EnergyGuard(Structure):
     trials: int
 
     def __init__(self, start: Energies) -> None:
-        super().__init__(last=tuple(start), kinetic=start.kinetic)
+        super().__init__(last=tuple(start), kinetic=max(start.kinetic, LEAST_KINETIC))
 
     def allows(self, found: Energies, h: float) -> bool:
         """Whether a step of size h (s) from the last accepted one to these energies stands."""
