@@ -23,6 +23,9 @@ from .ports import PortPlaces, Width
 _LONG_STEP = 100.0
 """Step (s) over which damping and friction add nothing to a connection's stiffness."""
 _LEAST_STIFFENING = 1e-12
+_FREQUENCY_SEARCH = 6
+_LONGEST_SWING = 0.02
+"""Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
 
 class Stiffening(NamedTuple):
@@ -147,6 +150,36 @@ def stiffened_line(solver: Solver, hinges: tuple[Stiffening, ...], h: float) -> 
     damping = max(hinge.damping / hinge.stiffness for hinge in hinges)
     energy = 0.5 * float(stiffness @ rates**2) / square
     return StiffenedLine(float(np.sqrt(square)), damping * square, energy, hinges)
+
+
+def swinging(
+    solver: Solver, time: float, hinges: tuple[Stiffening, ...], largest: float
+) -> tuple[StiffenedLine, float]:
+    """How a latched line swings as a whole, and the longest step size (s) that tells, `largest` at the most."""
+    size = min(largest, _LONGEST_SWING)
+    for _ in range(_FREQUENCY_SEARCH):
+        solver.linearize(time, size)
+        line = stiffened_line(solver, hinges, size)
+        if line.fastest:
+            break
+        size *= 0.5
+    return line, size
+
+
+def resolving(solver: Solver, time: float, line: StiffenedLine, size: float, h: float, angle: float) -> float:
+    """A step (s), h at the most, in which what swings fastest at the start turns by an angle (rad) of its circle.
+
+    size (s): of the step that told how the line swings. What turns at first may be much less than what swings later:
+    the rotation is followed to shorter times.
+    """
+    found = line
+    for _ in range(_FREQUENCY_SEARCH):
+        if found.fastest * size < 2.0:
+            break
+        size = max(1.0 / found.fastest, 0.1 * size)
+        solver.linearize(time, size)
+        found = stiffened_line(solver, found.hinges, size)
+    return angle / found.fastest if found.fastest * h > angle else h
 
 
 def _turned(solver: Solver, loaded: Stiffening, hinges: Sequence[Stiffening]) -> list[float]:

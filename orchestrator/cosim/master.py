@@ -22,11 +22,11 @@ from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
 from .latch_up import (
     StiffenedLine,
-    Stiffening,
+    resolving,
     slopes,
-    stiffened_line,
     stiffened_line_of,
     stiffenings,
+    swinging,
     watched_torques,
 )
 from .network import Network
@@ -40,10 +40,7 @@ ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_TOLERANCE = 1e-10
 _MOST_PARTS = 1024
-_FREQUENCY_SEARCH = 6
 _LEAST_LATCH_SHARE = 1e-3
-_LONGEST_SWING = 0.02
-"""Time (s) over which a latched wing swings as a whole; in steps many swings long, derivatives tell no inertia."""
 
 
 class Master(CoSimulation):
@@ -315,6 +312,7 @@ class Master(CoSimulation):
 
     def _happen(self, event: Event) -> None:
         """Let an event act at this instant, and go on as after any other."""
+        self._note_roughness()
         self._act(event)
         free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
         self._latched = [
@@ -349,6 +347,8 @@ class Master(CoSimulation):
         if line.kinematic:
             # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
             self._impulse()
+        elif self.settings.fixed_step is None:
+            self._note_roughness()
         self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
         size = self._engage(line)
         self.solver.forget()
@@ -378,6 +378,16 @@ class Master(CoSimulation):
             size = self._plan.first_after(self.segments)
         return min(INSTANT, INSTANT_SHARE * size)
 
+    def _note_roughness(self) -> None:
+        """Before an event acts: an instant on, so that `_record_jump` tells what the event makes of loads only."""
+        solver, after = self.solver, min(INSTANT, INSTANT_SHARE * self._sizes.size)
+        solver.restore()
+        if solver.solve(self.time, after, solver.accepted).converged:
+            self._observe(after)
+            self._rows.note_roughness(self.time)
+        solver.restore()
+        solver.forget_all()
+
     def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
 
@@ -388,6 +398,7 @@ class Master(CoSimulation):
         if solver.solve(self.time, after, solver.accepted).converged:
             found = solver.wrenches.copy()
             self._observe(after)
+            self._rows.smooth()
         else:
             solver.restore()
             self._observe()
@@ -413,41 +424,16 @@ class Master(CoSimulation):
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            slow, size = self._swinging(hinges)
+            slow, size = swinging(solver, self.time, hinges, self._sizes.largest)
             self._latched.append(slow)
             if slow.frequency:
                 self.statistics.latch_damping[line.name] = 0.5 * slow.decay / slow.frequency
             self._judge_latches()
-            h = self._resolving(slow, size, h) if slow.fastest else min(h, self.settings.event_step)
+            wanted = self._error.resolved_angle
+            resolved = resolving(solver, self.time, slow, size, h, wanted) if slow.fastest else None
+            h = resolved or min(h, self.settings.event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
-
-    def _swinging(self, hinges: tuple[Stiffening, ...]) -> tuple[StiffenedLine, float]:
-        """How a latched line swings as a whole, and the step size (s) that tells: the longest that does."""
-        size = min(self._sizes.largest, _LONGEST_SWING)
-        for _ in range(_FREQUENCY_SEARCH):
-            self.solver.linearize(self.time, size)
-            line = stiffened_line(self.solver, hinges, size)
-            if line.fastest:
-                break
-            size *= 0.5
-        return line, size
-
-    def _resolving(self, line: StiffenedLine, size: float, h: float) -> float:
-        """A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s).
-
-        What turns at first may be much less than what swings later: the rotation is followed to shorter times.
-        """
-        found = line
-        for _ in range(_FREQUENCY_SEARCH):
-            if found.fastest * size < 2.0:
-                break
-            swing = 1.0 / found.fastest
-            size = max(swing, 0.1 * size)
-            self.solver.linearize(self.time, size)
-            found = stiffened_line(self.solver, found.hinges, size)
-        wanted = self._error.resolved_angle
-        return wanted / found.fastest if found.fastest * h > wanted else h
 
     def _judge_latches(self) -> None:
         """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""

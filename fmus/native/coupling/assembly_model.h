@@ -492,6 +492,8 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
         return refuse(why, "the assembly records what it has not");
     r->observations = all;
     r->corrections = corrected / 2;
+    m->roughness = allocate(memory, (r->corrections + 1) * sizeof(double));
+    if (!m->roughness) return 0;
     a->row_size = 2 + r->columns + CHANNELS;
     r->times = allocate(memory, 4 * sizeof(double));
     r->values = allocate(memory, 4 * a->row_size * sizeof(double));

@@ -57,7 +57,7 @@ typedef struct Master Master;
    saved state; steps, rejected, happened: counts. segment: stretch between events that steps are in; event_time (s): of the
    last event or latch-up, negative before, is_crossed: whether a distance was to be met for it; tried (s): size of the step that ended last, before anything crossed in it;
    stalled: correction, over the largest wrench, that may be left; repeats: whether steps stand that are made as others
-   were. */
+   were. roughness (corrections,): of loads, between `note_roughness` and `smooth`, else zeros. */
 struct Master {
     Network network;
     Loop loop;
@@ -70,6 +70,7 @@ struct Master {
     Event *event;
     Crossing *crossing;
     Watched *watched;
+    double *roughness;
     const Place *impulse;
     const size_t *latch_distance, *latch_command;
     void (*row)(void *taker, double time, double segment, const double *values);
@@ -222,12 +223,41 @@ static int is_solved(const Master *m, int status) {
     return status == CONVERGED || (status == NOT_CONVERGED && n->correction * n->tolerance.relative <= m->stalled);
 }
 
+/* Before an event acts, an instant on: what loads of an instant are off those that steps tell, so that `record_jump` tells
+   what the event makes of them, and no more. */
+static int note_roughness(Master *m) {
+    Network *n = &m->network;
+    const RowBlock *r = &m->loop.rows;
+    if (!restore_all(n)) return 0;
+    if (is_solved(m, solve(&m->solver, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), n->accepted))) {
+        if (!observe_all(m)) return 0;
+        for (size_t i = 0; i < r->corrections && r->held && r->held_time == m->loop.time; i++) {
+            const size_t place = r->corrected[2 * i + 1];
+            m->roughness[i] = n->observations[place] - r->held_observations[place];
+        }
+    }
+    if (!restore_all(n)) return 0;
+    forget_all(&m->solver);
+    return 1;
+}
+
+/* Loads of the instant after an event are those before it and its jump; one of zero is that of a joint that let go. */
+static void smooth(Master *m) {
+    const RowBlock *r = &m->loop.rows;
+    for (size_t i = 0; i < r->corrections; i++) {
+        double *load = m->network.observations + r->corrected[2 * i + 1];
+        if (*load != 0.0) *load -= m->roughness[i];
+        m->roughness[i] = 0.0;
+    }
+}
+
 /* A row with what an event makes of loads, from a step too short for motion, which is then taken back. */
 static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     Network *n = &m->network;
     if (!restore_all(n)) return 0;
     if (is_solved(m, solve(&m->solver, after, n->accepted))) {
         if (!observe_all(m)) return 0;
+        smooth(m);
     } else if (!restore_all(n) || !observe_all(m)) {
         return 0;
     }
@@ -325,7 +355,7 @@ static int latch_line(Master *m, HingeLine *line) {
     *line->pending = 0.0;
     *line->latch_time = m->loop.time;
     /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
-    if (line->is_kinematic && !make_impulse(m)) return 0;
+    if (line->is_kinematic ? !make_impulse(m) : !note_roughness(m)) return 0;
     const double size = engage(m, line);
     if (size == 0.0) return 0;
     forget_stiffnesses(&m->solver);
@@ -385,6 +415,7 @@ static void release_one(Master *m, const Place *release) {
 /* Let an event act at this instant. */
 static int happen(Master *m, Event *event) {
     double before = 0.0;
+    if (!note_roughness(m)) return 0;
     *event->pending = 0.0;
     m->happened++;
     for (size_t i = 0; i < event->releases; i++) release_one(m, event->release + i);

@@ -24,7 +24,7 @@ class Posed(TypedDict):
     """A configuration by what functions call its parts."""
 
     configuration: Named
-    angles: Mapping[str, float] | None
+    angles: Mapping[str, str]
     latched: tuple[str, ...] | None
 
 
@@ -40,7 +40,8 @@ class ConfigurationChoice:
     @property
     def posed(self) -> Posed:
         """Its parts."""
-        return {"configuration": self.named, "angles": self.angles, "latched": self.latched}
+        angles = {line: f"{angle!r} rad" for line, angle in (self.angles or {}).items()}
+        return {"configuration": self.named, "angles": angles, "latched": self.latched}
 
 
 def angles_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, float]:

@@ -47,7 +47,7 @@ def test_a_configuration_comes_after_the_scene_and_other_options_by_name():
     arguments = ("--configuration", "deployed", "--angle", "HL1=0.5rad", "--latched", "HL2", "--count", "3")
     wanted = ConfigurationChoice("deployed", {"HL1": 0.5}, ("HL2",))
     assert given(decorated, "amos3", *arguments) == ((SceneChoice("amos3"), wanted), {"count": 3})
-    assert wanted.posed == {"configuration": "deployed", "angles": {"HL1": 0.5}, "latched": ("HL2",)}
+    assert wanted.posed == {"configuration": "deployed", "angles": {"HL1": "0.5 rad"}, "latched": ("HL2",)}
     assert given(decorated, "amos3")[0][1] == ConfigurationChoice("current", {}, None)
 
 

@@ -47,6 +47,21 @@ def test_a_step_corrects_the_row_before():
     assert len(recorder.times) == 2
 
 
+def test_a_jump_of_loads_is_that_of_the_event():
+    """Regression: an instant finds joints anywhere in their ringing, which made spikes of loads after a latch-up."""
+    recorder, observations, scene, held = rows()
+    observations[:] = (1, 2, 3, 0, 0, 4, 0)
+    held.hold(0.1, continues=False)
+    observations[:2] = 1.75, 2.5
+    held.note_roughness(0.1)
+    observations[:2] = 11.75, 0.0  # ten more, and of a joint that has let go
+    held.smooth()
+    assert observations[:2].tolist() == [11.0, 0.0]
+    held.note_roughness(0.2)  # what is held back is not of this time
+    held.smooth()
+    assert observations[:2].tolist() == [11.0, 0.0]
+
+
 def test_rows_beside_an_event_stand():
     """The row before an event, that of the event and the first one after it are those that were given, in order."""
     recorder, observations, _, held = rows()
