@@ -18,8 +18,8 @@ SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
 ROUNDED = 1e-12
 """Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest."""
-LEAST_KINETIC = 1e-9
-"""J in motion, for steps of what hardly moves yet, where all is rounding; as steps are judged by their error."""
+_LEAST_KINETIC = 1e-15
+"""J in motion, for steps of what hardly moves yet, where all is rounding."""
 STEADY = 2.0
 ALLOWANCE = 2.0
 
@@ -44,7 +44,7 @@ class EnergyGuard(Structure):
     trials: int
 
     def __init__(self, start: Energies) -> None:
-        super().__init__(last=tuple(start), kinetic=max(start.kinetic, LEAST_KINETIC))
+        super().__init__(last=tuple(start), kinetic=max(start.kinetic, _LEAST_KINETIC))
 
     def allows(self, found: Energies, h: float) -> bool:
         """Whether a step of size h (s) from the last accepted one to these energies stands."""

@@ -9,7 +9,6 @@ from math import ceil, floor, log, sqrt
 
 from components import FanfoldError
 
-from .energy_guard import LEAST_KINETIC
 from .implicit.convergence import Solution
 from .implicit.solver import Solver
 from .native.fields import fields
@@ -21,6 +20,7 @@ _ERROR_SHARE = 0.0025
 _LOOSE = {2: 0.0, 4: 0.25}
 """Power of the tolerance that the allowed error of a step falls behind above 1e-4, where steps resolve less ringing."""
 _LEAST_KINETIC_SHARE = 1e-3
+_LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
 """Below it, largest step and allowed error go with higher powers of the tolerance."""
 GROWTH_MARGIN = 0.5
@@ -140,7 +140,7 @@ class ErrorEstimate(Structure):
     energy: float
 
     def __init__(self, tolerance: float, stored: float, driving: float = 0.0, order: Order = 2) -> None:
-        energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, LEAST_KINETIC)
+        energy = max(_LEAST_KINETIC_SHARE * abs(stored), driving, _LEAST_KINETIC_ENERGY)
         super().__init__(_allowed(tolerance, order), _allowed(tolerance, 2), energy)
 
     @property

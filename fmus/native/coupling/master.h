@@ -12,7 +12,7 @@
 enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
 #define ITERATION_OF_IMPULSE 1e-10
 #define LEAST_LATCH_SHARE 1e-3
-#define LEAST_KINETIC 1e-9 /* J, see orchestrator/cosim/energy_guard.py */
+#define LEAST_KINETIC 1e-15 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
 #define EVENT_TOLERANCE 1e-11
 #define TO_CONVERGE (1.0 / 64.0)
@@ -594,7 +594,7 @@ static int begin_run(Master *m, const double *wrenches) {
     if (!coupling_save(n)) return 0;
     watch_all(m);
     m->error.energy = fmax(1e-3 * fabs(n->energies[KINETIC] + n->energies[POTENTIAL]),
-                           fmax(m->driving_energy, LEAST_KINETIC));
+                           fmax(m->driving_energy, 1e-9));
     restart_sizes(m, fmin(m->start_step, m->sizes.largest), 1);
     return 1;
 }

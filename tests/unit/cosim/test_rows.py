@@ -49,7 +49,7 @@ def test_a_step_corrects_the_row_before():
 
 def test_a_jump_of_loads_is_that_of_the_event():
     """Regression: an instant finds joints anywhere in their ringing, which made spikes of loads after a latch-up."""
-    recorder, observations, scene, held = rows()
+    _, observations, _, held = rows()
     observations[:] = (1, 2, 3, 0, 0, 4, 0)
     held.hold(0.1, continues=False)
     observations[:2] = 1.75, 2.5
