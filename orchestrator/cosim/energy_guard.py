@@ -18,7 +18,7 @@ SHARE = 1e-4
 """Largest jump over the energy in motion; sound steps of any length leave 2.5e-5 or less, spurious roots up to 1."""
 ROUNDED = 1e-12
 """Of all energies: rounding of their sums, and what solutions that agree to the iteration's tolerance leave at rest."""
-_LEAST_KINETIC = 1e-18
+_LEAST_KINETIC = 1e-17
 """J in motion, for steps of what hardly moves yet, where all is rounding."""
 STEADY = 2.0
 ALLOWANCE = 2.0

@@ -12,7 +12,7 @@
 enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
 #define ITERATION_OF_IMPULSE 1e-10
 #define LEAST_LATCH_SHARE 1e-3
-#define LEAST_KINETIC 1e-18 /* J, see orchestrator/cosim/energy_guard.py */
+#define LEAST_KINETIC 1e-17 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
 #define EVENT_TOLERANCE 1e-11
 #define TO_CONVERGE (1.0 / 64.0)
