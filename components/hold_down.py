@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, ClassVar, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from .contract.component import ComponentError, Vector
@@ -25,8 +24,8 @@ from .contract.roles import (
     TIME_TO_BREAK,
 )
 from .numerics.mid_step import MidStep
-from .numerics.motion_law import NEVER
 from .numerics.relative_motion import Passage, pair, unit_direction
+from .numerics.scheme import NEVER
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 from .numerics.workless_pair import remembered_path, workless_spring
 
@@ -124,7 +123,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
     kind, noun, indicator_count, own_outputs = "hold_down", "hold-down", 1, (TIME_TO_BREAK,)
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(_Commands), Record(_Observations)
-    scheme: ClassVar = {"REACHED": _REACHED, "NEVER": NEVER}
+    scheme: ClassVar = {"REACHED": _REACHED}
 
     def __init__(self, axis: Sequence[float] = (0.0, 0.0, 1.0), wrench_mode: str = "mean") -> None:
         self._direction = unit_direction(axis, "axis", "the hold-down's preload")
@@ -231,13 +230,9 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
             return workless_spring(stiffness, damping, moved)
         return bushing_load(stiffness, damping, moved, c.p.end_weight)
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports, time to the release, slopes of mean wrenches."""
-        s = self.states.read(x)
-        left = c.p.release_time - s.clock if self._is_awaited(c, s) else NEVER
-        if self.endpoint:
-            return np.array((*self.wrenches(c, s, self.inputs(u)), left))
-        return np.array((*s.wrench, left, *s.slopes))
+    def own(self, c: _Constants, s: _State) -> Sequence[float]:
+        """Time to the release."""
+        return (c.p.release_time - s.clock if self._is_awaited(c, s) else NEVER,)
 
     @staticmethod
     def _is_awaited(c: _Constants, s: _State) -> bool:

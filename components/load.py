@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from .contract.component import ComponentError, Vector
@@ -152,13 +151,9 @@ class Load(Connection[_Parameters, _State, _Commands]):
         means, slopes = zip(*found, strict=True)
         return means, slopes
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrench, time to the next break, slopes of the mean wrench."""
-        s = self.states.read(x)
-        left = min(law.time_to_break(s.clock) for law in self._laws)
-        if self.endpoint:
-            return np.array((*self.wrenches(c, s, self.inputs(u)), left))
-        return np.array((*s.wrench, left, *s.slopes))
+    def own(self, c: _Constants, s: _State) -> Sequence[float]:
+        """Time to the next break."""
+        return (min(law.time_to_break(s.clock) for law in self._laws),)
 
     def wrenches(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Of the present time and orientation."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from .contract.component import Vector
@@ -177,13 +176,9 @@ class PointMotion(Connection[_Parameters, _State, _Commands]):
             slopes,
         )
 
-    def outputs(self, c: _Constants, x: Vector, u: Vector) -> Vector:
-        """Wrenches on both ports, time to the next break, slopes of mean wrenches."""
-        s = self.states.read(x)
-        left = self._law.time_to_break(s.clock)
-        if self.endpoint:
-            return np.array((*self.wrenches(c, s, self.inputs(u)), left))
-        return np.array((*s.wrench, left, *s.slopes))
+    def own(self, c: _Constants, s: _State) -> Sequence[float]:
+        """Time to the next break."""
+        return (self._law.time_to_break(s.clock),)
 
     def wrenches(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Of the present deflection and its rate."""

@@ -50,6 +50,7 @@ class Connection(Component, Generic[P, S, C]):
         start(c, u)         -> S               the state at the start
         advance(c, s, u, h) -> S               over a step of size h
         wrenches(c, s, u)   -> wrenches        of all ports at the present inputs
+        own(c, s)           -> own outputs     that come after them
         record(c, s, u)     -> observations
         powers(c, s, u)     -> rates           of the states that have them, in their order
         follow(c, s, u, at_event) -> S         what a state remembers of a solver's step, and what happens at an event
@@ -125,6 +126,10 @@ class Connection(Component, Generic[P, S, C]):
         """End-point wrenches on all ports."""
         raise NotImplementedError
 
+    def own(self, c: Any, s: S) -> Sequence[float]:  # noqa: ANN401
+        """Own outputs."""
+        return ()
+
     def record(self, c: Any, s: S, u: Inputs[C]) -> tuple[Any, ...]:  # noqa: ANN401
         """Observations."""
         raise NotImplementedError
@@ -150,11 +155,12 @@ class Connection(Component, Generic[P, S, C]):
         return self.states.write(self.advance(c, self.states.read(x), self.inputs(u), h))
 
     def outputs(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
-        """Wrenches on all ports, of order 4 with their slopes."""
+        """Wrenches on all ports, own outputs, of order 4 slopes of the wrenches."""
+        own = self.own(c, self.states.read(x)) if self.own_outputs else ()
         if self.endpoint:
-            return np.array(self.wrenches(c, self.states.read(x), self.inputs(u)))
-        at = self.state_layout
-        return np.concatenate([x[at[name]] for name in ("wrench", "slopes")[: self.order // 2]])
+            return np.array((*self.wrenches(c, self.states.read(x), self.inputs(u)), *own))
+        wrench, *slopes = (x[self.state_layout[name]] for name in ("wrench", "slopes")[: self.order // 2])
+        return np.concatenate([wrench, own, *slopes])
 
     def observe(self, c: Any, x: Vector, u: Vector) -> Vector:  # noqa: ANN401
         """Observations."""

@@ -16,10 +16,9 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from ..contract.component import ComponentError
+from .scheme import NEVER
 
 DEGREE = 5
-NEVER = 1e300
-"""Time (s) of what does not come."""
 _REACHED = 1e-9  # distance (s) from a break that sums of step sizes may leave
 _SAME = 1e-12  # distance (s) of breaks that are one
 _GAUSS = 0.6**0.5

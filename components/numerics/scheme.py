@@ -15,5 +15,7 @@ INSTANT = 1e-7
 """Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
 INSTANT_SHARE = 1e-3
 """Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
+NEVER = 1e300
+"""Time (s) to what is not to come."""
 STOPPED = -1.0
 """Size of a step in the record of a load where the step was an impulse, which is no load that lasts."""

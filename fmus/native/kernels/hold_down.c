@@ -146,14 +146,11 @@ static inline int awaits_release(const HoldDown *hold_down, const real *x) {
 /* Wrenches on both ports, time to the release, slopes of mean wrenches. */
 void NAME(hold_down_outputs)(void *self, const real *x, const real *u, real *y) {
     const HoldDown *hold_down = self;
-    const int mean = !hold_down->base.endpoint;
-    for (int i = 0; i < MOMENTS; i++) {
-        y[i] = mean ? x[X_WRENCH + i] : 0.0;
-        if (mean) y[OUTPUTS + i] = x[X_SLOPES + i];
-    }
     y[Y_TIME_TO_BREAK] = NEVER;
     if (awaits_release(hold_down, x)) y[Y_TIME_TO_BREAK] = hold_down->base.p[P_RELEASE_TIME] - x[X_CLOCK];
-    if (mean || value_of(x[X_RELEASED]) != 0.0) return;
+    if (gives_means(&hold_down->base, x, y)) return;
+    for (int i = 0; i < WRENCHES; i++) y[i] = 0.0;
+    if (value_of(x[X_RELEASED]) != 0.0) return;
     Instant now = hold_down_instant(u, x + X_START);
     Vector3 zero = {0.0, 0.0, 0.0}, force = force_of(hold_down, now.displacement, now.rate);
     store_pair(quaternion_rotate(now.frame, force), zero, now.gap, y);

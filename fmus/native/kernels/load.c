@@ -85,11 +85,7 @@ void NAME(load_outputs)(void *self, const real *x, const real *u, real *y) {
     const Load *load = self;
     real force_left = motion_time_to_break(&load->force, x[X_CLOCK]);
     real torque_left = motion_time_to_break(&load->torque, x[X_CLOCK]);
-    if (load->base.endpoint) store_present(load, x, u, y);
-    for (int i = 0; i < MOMENTS && !load->base.endpoint; i++) {
-        y[i] = x[X_WRENCH + i];
-        y[OUTPUTS + i] = x[X_SLOPES + i];
-    }
+    if (!gives_means(&load->base, x, y)) store_present(load, x, u, y);
     y[Y_TIME_TO_BREAK] = value_of(force_left) <= value_of(torque_left) ? force_left : torque_left;
 }
 

@@ -90,15 +90,11 @@ int NAME(point_motion_step)(void *self, const double *x, const real *u, double h
 /* Wrenches on both ports, time to the next break, slopes of mean wrenches. */
 void NAME(point_motion_outputs)(void *self, const real *x, const real *u, real *y) {
     const PointMotion *motion = self;
-    if (motion->base.endpoint) {
+    if (!gives_means(&motion->base, x, y)) {
         const Vector3 zero = {0.0, 0.0, 0.0};
         Instant now = point_motion_instant(motion, u, x[X_CLOCK]);
         Vector3 force = {motion_force(motion, now.deflection, now.deflection_rate), 0.0, 0.0};
         store_pair(quaternion_rotate(now.frame, force), zero, now.gap, y);
-    }
-    for (int i = 0; i < MOMENTS && !motion->base.endpoint; i++) {
-        y[i] = x[X_WRENCH + i];
-        y[OUTPUTS + i] = x[X_SLOPES + i];
     }
     y[Y_TIME_TO_BREAK] = motion_time_to_break(&motion->law, x[X_CLOCK]);
 }

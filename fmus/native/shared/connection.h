@@ -18,10 +18,13 @@ static inline int commanded(const real *u, int input) { return value_of(u[input]
 
 #ifdef MOMENTS /* not where the number of ports varies */
 
+/* Own outputs come between the wrenches and their slopes, which only laws of order 4 have. */
+enum { WRENCHES = MOMENTS ? MOMENTS : OUTPUTS };
+
 /* Gives the mean wrenches of all ports and, at order 4, their slopes; 0 in end-point mode, which has none. */
 static inline int gives_means(const Connection *connection, const real *x, real *y) {
     if (connection->endpoint) return 0;
-    for (int i = 0; i < OUTPUTS; i++) y[i] = x[X_WRENCH + i];
+    for (int i = 0; i < WRENCHES; i++) y[i] = x[X_WRENCH + i];
 #if MOMENTS
     for (int i = 0; i < MOMENTS; i++) y[OUTPUTS + i] = x[X_SLOPES + i];
 #endif

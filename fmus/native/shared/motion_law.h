@@ -8,10 +8,10 @@
 
 #include "frames.h"
 #include "laws.h"
+#include "scheme.h"
 
 enum { LAW_COEFFICIENTS = 6, LAW_SINE = 6 };
 
-#define LAW_NEVER 1e300
 #define LAW_REACHED 1e-9 /* distance (s) from a break that sums of step sizes may leave */
 
 /* Breaks; coefficients of the pieces, one more than breaks, by rising power of the time since a piece began, the first
@@ -95,7 +95,7 @@ static inline double motion_rate_moment(const MotionLaw *law, double start, doub
 static inline real motion_time_to_break(const MotionLaw *law, real time) {
     const size_t next = law_breaks_before(law, value_of(time) + LAW_REACHED);
     if (next < law->breaks) return law->time[next] - time;
-    return LAW_NEVER;
+    return NEVER;
 }
 
 #ifndef FANFOLD_COMPLEX

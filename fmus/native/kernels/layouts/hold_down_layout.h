@@ -5,9 +5,8 @@
 #define FANFOLD_HOLD_DOWN_LAYOUT_H
 
 #define KIND "hold_down"
-#define LAYOUT_DIGEST "ec87df4c5f04ed2a"
+#define LAYOUT_DIGEST "55e1f3006ee79e0a"
 #define REACHED 1e-09
-#define NEVER 1e+300
 #define MOMENTS 12
 #define CONTINUOUS 2
 #define CONTINUOUS_PLACES {X_CLOCK, X_HEAT}

@@ -11,6 +11,7 @@
 #define LEAST_CHANGE 1e-05
 #define INSTANT 1e-07
 #define INSTANT_SHARE 0.001
+#define NEVER 1e+300
 #define STOPPED -1.0
 
 #endif
