@@ -312,14 +312,14 @@ class Master(CoSimulation):
 
     def _happen(self, event: Event) -> None:
         """Let an event act at this instant, and go on as after any other."""
-        self._note_roughness()
+        roughness = self._roughness()
         self._act(event)
         free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
         self._latched = [
             one for one in self._latched if not free & {hinge.connection for hinge in one.hinges}
         ]
         self.solver.forget_all()
-        self._record_jump(self._instant(self._sizes.size), self.solver.forget_all)
+        self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, roughness)
         self._watch()
         for line in [line for line in self._pending if line.name in event.latches]:
             self._latch(line)
@@ -344,18 +344,19 @@ class Master(CoSimulation):
     def _latch(self, line: HingeLine) -> None:
         """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
         self._pending.remove(line)
+        roughness = None
         if line.kinematic:
             # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
             self._impulse()
         elif self.settings.fixed_step is None:
-            self._note_roughness()
+            roughness = self._roughness()
         self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
         size = self._engage(line)
         self.solver.forget()
         if line.kinematic:
             self._impulse()
         elif self.settings.fixed_step is None:
-            self._record_jump(self._instant(size), self.solver.forget_all)
+            self._record_jump(self._instant(size), self.solver.forget_all, roughness)
         self.solver.restart()
         self._sizes.restart(size, stirred=False)
         self._begin_segment()
@@ -378,17 +379,20 @@ class Master(CoSimulation):
             size = self._plan.first_after(self.segments)
         return min(INSTANT, INSTANT_SHARE * size)
 
-    def _note_roughness(self) -> None:
-        """Before an event acts: an instant on, so that `_record_jump` tells what the event makes of loads only."""
-        solver, after = self.solver, min(INSTANT, INSTANT_SHARE * self._sizes.size)
+    def _roughness(self) -> Vector | None:
+        """Before an event acts: what loads of an instant are off, for `_record_jump` to tell the event's part alone."""
+        solver, after, found = self.solver, min(INSTANT, INSTANT_SHARE * self._sizes.size), None
         solver.restore()
         if solver.solve(self.time, after, solver.accepted).converged:
             self._observe(after)
-            self._rows.note_roughness(self.time)
+            found = self._rows.roughness(self.time)
         solver.restore()
         solver.forget_all()
+        return found
 
-    def _record_jump(self, after: float, forget: Callable[[], None]) -> Vector | None:
+    def _record_jump(
+        self, after: float, forget: Callable[[], None], roughness: Vector | None = None
+    ) -> Vector | None:
         """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
 
         The wrenches of that step; None where it does not converge.
@@ -398,7 +402,8 @@ class Master(CoSimulation):
         if solver.solve(self.time, after, solver.accepted).converged:
             found = solver.wrenches.copy()
             self._observe(after)
-            self._rows.smooth()
+            if roughness is not None:
+                self._rows.smooth(roughness)
         else:
             solver.restore()
             self._observe()
@@ -429,9 +434,10 @@ class Master(CoSimulation):
             if slow.frequency:
                 self.statistics.latch_damping[line.name] = 0.5 * slow.decay / slow.frequency
             self._judge_latches()
-            wanted = self._error.resolved_angle
-            resolved = resolving(solver, self.time, slow, size, h, wanted) if slow.fastest else None
-            h = resolved or min(h, self.settings.event_step)
+            if slow.fastest:
+                h = resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
+            else:
+                h = min(h, self.settings.event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
 

@@ -52,7 +52,6 @@ class Rows:
         pairs = [pair for a, layout in zip(first, layouts, strict=False) for pair in _pairs(a, layout)]
         self.corrections = np.array(pairs, dtype=np.uintp).reshape(-1, 2)
         self._known, self._corrected = self.corrections.T
-        self._roughness = np.zeros(len(pairs))
 
     def add(self, time: float) -> None:
         """A row that stands as it is."""
@@ -68,22 +67,23 @@ class Rows:
         observations[:], scene[:] = self._now
         self._time = time
 
-    def note_roughness(self, time: float) -> None:
-        """Keep what loads of an instant (now) are off those held back, which steps up to the same time tell.
+    def roughness(self, time: float) -> Vector | None:
+        """What loads of an instant (now) are off those held back, which steps up to the same time tell, if any do.
 
         Where steps do not resolve how joints ring, an instant finds them anywhere in their ringing.
         """
-        if self._time == time:
-            self._roughness[:] = self._now[0][self._corrected] - self._held[0][self._corrected]
+        if self._time != time:
+            return None
+        found: Vector = self._now[0][self._corrected] - self._held[0][self._corrected]
+        return found
 
-    def smooth(self) -> None:
-        """Take what was kept off loads of the instant after an event, which then are those before it and its jump.
+    def smooth(self, roughness: Vector) -> None:
+        """Take it off loads of the instant after an event, which then are those before it and its jump.
 
         A load of zero is that of a joint that has let go.
         """
         found = self._now[0][self._corrected]
-        self._now[0][self._corrected] = np.where(found == 0.0, 0.0, found - self._roughness)
-        self._roughness[:] = 0.0
+        self._now[0][self._corrected] = np.where(found == 0.0, 0.0, found - roughness)
 
     def release(self) -> None:
         """Hand on what is held."""

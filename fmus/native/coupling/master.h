@@ -258,8 +258,9 @@ static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     if (is_solved(m, solve(&m->solver, after, n->accepted))) {
         if (!observe_all(m)) return 0;
         smooth(m);
-    } else if (!restore_all(n) || !observe_all(m)) {
-        return 0;
+    } else {
+        memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
+        if (!restore_all(n) || !observe_all(m)) return 0;
     }
     note_energies(&m->loop);
     add_row(m, m->loop.time + after, after);
