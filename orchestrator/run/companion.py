@@ -19,7 +19,7 @@ from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
 from ..results.error_sources.near_peaks import differences_near
-from ..results.error_sources.step_ends import errors_of_step_ends, larger
+from ..results.error_sources.step_ends import errors_of_step_ends, larger, promised_peaks
 from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
 from ..results.key_figures import headline
 from ..results.result_file import with_statistics
@@ -59,18 +59,21 @@ def with_estimates(
     plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
     with suppress(RunError):
         coarse = run(assembly, None, plan, until, watch=watch, load=load)
-        known = (errors_of_step_ends(outcome.result), at_least or {})
-        errors = _errors(outcome, coarse, known)
+        errors = _errors(outcome, coarse, at_least or {})
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 
 
 def _errors(
-    fine: Outcome, coarse: Outcome, known: Sequence[Mapping[Key, EstimatedError]]
+    fine: Outcome, coarse: Outcome, at_least: Mapping[Key, EstimatedError]
 ) -> dict[Key, EstimatedError]:
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in coarse.headline.numbers()}
-    near, share = differences_near(fine.result, coarse.result), _SHARES[fine.order]
+    peaks, share = list(promised_peaks(fine.result)), _SHARES[fine.order]
+    by_rows, near = (
+        errors_of_step_ends(fine.result, peaks),
+        differences_near(fine.result, peaks, coarse.result),
+    )
     found = {
         number.key: abs(number.value - others[number.key])
         for number in fine.headline.numbers()
@@ -78,6 +81,6 @@ def _errors(
     }
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
     return {
-        key: larger(EstimatedError(share * d, d), *(errors.get(key) for errors in known))
+        key: larger(EstimatedError(share * d, d), by_rows.get(key), at_least.get(key))
         for key, d in widest.items()
     }

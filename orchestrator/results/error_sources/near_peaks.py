@@ -18,23 +18,23 @@ from ..key_figures import jumps, latch_times
 from ..lines.latch_impulse import latch_impulse
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
-from .step_ends import promised_peaks
+from .step_ends import Peaks, promised_peaks
 
 _ROWS = 16
 """That are compared, half of them on either side of a peak."""
 
 
-def differences_near(one: Result, other: Result) -> dict[Key, float]:
+def differences_near(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
     """Root mean square differences around the promised peaks and impulses of one result, in the numbers' units.
 
-    other: a run along some of its steps, segment by segment between events; times count from each. Numbers around which
-    no rows of both belong together are left out.
+    peaks: of one. other: a run along some of its steps, segment by segment between events; times count from each.
+    Numbers around which no rows of both belong together are left out.
     """
     rows = _pair(one.time, sorted(jumps(one)), other.time, sorted(jumps(other)))
     theirs = dict(promised_peaks(other))
     found = {
         key: rows.difference(values, theirs[key], int(np.argmax(np.abs(values))))
-        for key, values in promised_peaks(one)
+        for key, values in peaks
         if key in theirs
     }
     found.update(_of_impulses(one, other, rows))
@@ -77,10 +77,11 @@ def _pair(time: Vector, events: Sequence[float], other: Vector, other_events: Se
 
 def _of_impulses(one: Result, other: Result, rows: _Pairs) -> Iterator[tuple[Key, float | None]]:
     """A lock's impulse is off as the rates of its hinges are, before they latch."""
-    for line in one.hinge_lines:
-        latched = latch_times(one).get(line.name)
-        impulse = None if latched is None else latch_impulse(one, line, latched)
-        if latched is None or impulse is None:
+    times = latch_times(one)
+    for line in (line for line in one.hinge_lines if line.name in times):
+        latched = times[line.name]
+        impulse = latch_impulse(one, line, latched)
+        if impulse is None:
             continue
         row = int(np.searchsorted(one.time, latched - EVENT_WIDTH)) - 1
         shares = []

@@ -8,7 +8,7 @@ arrive, and the damping of the latch makes a torque of them at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +30,15 @@ _STEPS = 2
 """Steps before a latch-up that tell its rates; more would ring themselves."""
 
 
-def errors_of_step_ends(result: Result) -> dict[Key, EstimatedError]:
+Peaks = Sequence[tuple[Key, Vector]]
+"""What `promised_peaks` gives."""
+
+
+def errors_of_step_ends(result: Result, peaks: Peaks) -> dict[Key, EstimatedError]:
     """By how much latch torque peaks and interface load peaks (N.m, N) are off, each by what it is off most."""
     found: dict[Key, EstimatedError] = {}
     events = jumps(result)
-    for key, values in promised_peaks(result):
+    for key, values in peaks:
         moves = sampling_error(result.time, values, events)
         found[key] = larger(found.get(key), EstimatedError(_OF_SAMPLING * moves, moves))
     for line in result.hinge_lines:

@@ -10,6 +10,7 @@ import pytest
 from components.contract.roles import INTERFACE_LOAD
 from orchestrator.assembly import HingeLine
 from orchestrator.results.error_sources.near_peaks import differences_near
+from orchestrator.results.error_sources.step_ends import promised_peaks
 
 STEP, FREQUENCY = 0.01, 20.0
 
@@ -30,6 +31,10 @@ def _run(time, force, events=(), **of_hinge):
     )
 
 
+def _differences(one, other):
+    return differences_near(one, list(promised_peaks(one)), other)
+
+
 def _ringing(time, phase):
     return 100.0 + 3.0 * np.sin(FREQUENCY * time + phase)
 
@@ -38,7 +43,7 @@ def test_ringing_of_another_phase_shows_beside_equal_peaks():
     """Closed form: sines of amplitude a, p apart, differ by sqrt(2) a sin(p / 2) in the mean; their peaks do not."""
     fine, coarse = STEP * np.arange(401), 2.0 * STEP * np.arange(201)
     one, other = _run(fine, _ringing(fine, 0.0)), _run(coarse, _ringing(coarse, 1.0))
-    found = differences_near(one, other)
+    found = _differences(one, other)
     # 16 rows are 1.02 periods
     assert found["interface force peak", "x"] == pytest.approx(np.sqrt(2.0) * 3.0 * np.sin(0.5), rel=0.03)
     assert found["interface force peak", "y"] == 0.0
@@ -52,7 +57,7 @@ def test_rows_belong_together_by_the_time_since_an_event():
         time = np.concatenate([before, [event], event + 1e-8 + step * np.arange(100)])
         return _run(time, np.where(time <= event, 1.0, 100.0 - (time - event) ** 2), [event])
 
-    found = differences_near(late(STEP, 1.0), late(2.0 * STEP, 1.0037))
+    found = _differences(late(STEP, 1.0), late(2.0 * STEP, 1.0037))
     assert found["interface force peak", "x"] == pytest.approx(0.0, abs=1e-9)
 
 
@@ -66,7 +71,7 @@ def test_an_impulse_is_off_as_the_rates_before_it():
         energy = np.where(time <= 1.0, 0.0, 2.0)
         return _run(time, 0.0 * time, [1.0], angular_rate=rate, latch_energy=energy, latch_torque=0.0 * time)
 
-    found = differences_near(latching(STEP, 1.0), latching(2.0 * STEP, -1.0))
+    found = _differences(latching(STEP, 1.0), latching(2.0 * STEP, -1.0))
     assert found["latch impulse", "L"] == pytest.approx(8.0 * 0.08 / np.sqrt(2.0), rel=0.05)
 
 
@@ -74,6 +79,6 @@ def test_what_only_one_run_comes_to_has_no_difference():
     """Rule: a peak after an event that the other run does not meet is left out."""
     time = STEP * np.arange(401)
     one = _run(time, np.where(time <= 1.0, 0.0, _ringing(time, 0.0)), [1.0])
-    found = differences_near(one, _run(time, 0.0 * time))
+    found = _differences(one, _run(time, 0.0 * time))
     assert ("interface force peak", "x") not in found
     assert found["interface force peak", "y"] == 0.0
