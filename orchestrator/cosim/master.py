@@ -38,7 +38,7 @@ from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, 
 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
-_IMPULSE_TOLERANCE = 1e-10
+_IMPULSE_TOLERANCE = Tolerance(1e-10, residual=1.0)
 _MOST_PARTS = 1024
 _LEAST_LATCH_SHARE = 1e-3
 
@@ -458,7 +458,7 @@ class Master(CoSimulation):
         self._command(IMPULSE.name, 1.0)
         solver = self.solver
         usual = solver.tolerance, solver.persistent
-        solver.tolerance, solver.persistent = Tolerance(_IMPULSE_TOLERANCE), True
+        solver.tolerance, solver.persistent = _IMPULSE_TOLERANCE, True
         solver.forget()
         solution = solver.solve(self.time, INSTANT, solver.accepted)
         solver.tolerance, solver.persistent = usual

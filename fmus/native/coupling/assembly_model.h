@@ -581,7 +581,7 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     *r = (Rules){rule[0],  rule[1],  rule[2],  rule[3],  rule[4],  rule[5],  (ptrdiff_t)rule[6],
                  (ptrdiff_t)rule[7],  (ptrdiff_t)rule[8],  (ptrdiff_t)rule[9],  (ptrdiff_t)rule[10],
                  rule[11], rule[12], rule[13], rule[14], rule[15], rule[16], rule[17], rule[18]};
-    n->tolerance = (Tolerance){own[0], own[1], own[2]};
+    n->tolerance = (Tolerance){own[0], own[1], own[2], 0.0};
     m->usual_relative = own[0];
     m->sizes.order = (size_t)own[3];
     m->sizes.largest = own[4];

@@ -170,9 +170,9 @@ static double largest_of(const double *values, size_t size, size_t *row) {
     return fmax(largest, 0.0);
 }
 
-/* Whether residuals are rounding: of motions times stiffness, and of the largest wrench itself. */
+/* Whether residuals are rounding: of motions times stiffness, and of the largest wrench itself, or as small as is asked. */
 static int within_round_off(const Network *n) {
-    const double wrenches = n->limits.round_off / n->tolerance.relative;
+    const double wrenches = fmax(n->tolerance.residual, n->limits.round_off / n->tolerance.relative);
     for (size_t i = 0; i < n->size; i++)
         if (!(fabs(n->residual[i]) <= n->round_off[i] + wrenches * n->scale[i])) return 0;
     return 1;

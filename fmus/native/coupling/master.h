@@ -11,6 +11,7 @@
 
 enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
 #define ITERATION_OF_IMPULSE 1e-10
+#define RESIDUAL_OF_IMPULSE 1.0
 #define LEAST_LATCH_SHARE 1e-3
 #define LEAST_KINETIC 1e-17 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
@@ -273,12 +274,14 @@ static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
 static int make_impulse(Master *m) {
     Network *n = &m->network;
     Solver *s = &m->solver;
+    const Tolerance usual = n->tolerance;
     command_all(m, 1.0);
     n->tolerance.relative = ITERATION_OF_IMPULSE;
+    n->tolerance.residual = RESIDUAL_OF_IMPULSE;
     s->persistent = 1;
     forget_stiffnesses(s);
     const int status = solve(s, INSTANT, n->accepted);
-    n->tolerance.relative = m->usual_relative;
+    n->tolerance = usual;
     s->persistent = 0;
     if (status != CONVERGED) return say_failure(m, INSTANT);
     m->loop.time += INSTANT;

@@ -23,7 +23,7 @@ typedef struct {
 } Limits;
 
 typedef struct {
-    double relative, force, torque;
+    double relative, force, torque, residual;
 } Tolerance;
 
 enum { POINTS = 3 };

@@ -55,11 +55,16 @@ class Solution(NamedTuple):
 
 @dataclass(slots=True)
 class Tolerance:
-    """When the correction of the wrenches is small: relative to the largest force and torque, and to these."""
+    """When the correction of the wrenches is small: relative to the largest force and torque, and to these.
+
+    residual: of this many tolerances, it tells that a larger correction is rounding, as are those between joints that
+    constrain a loop more than once.
+    """
 
     relative: float
     force: float = 1.0
     torque: float = 1.0
+    residual: float = 0.0
 
     def scale(self, wrenches: Vector) -> Vector:
         """What a correction of 1 means for every row."""

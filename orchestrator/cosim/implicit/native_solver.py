@@ -248,7 +248,7 @@ class NativeSolver(Solver):
 
     def _allow(self) -> None:
         allowed = self.tolerance
-        self._data.tolerance = Allowed(allowed.relative, allowed.force, allowed.torque)
+        self._data.tolerance = Allowed(allowed.relative, allowed.force, allowed.torque, allowed.residual)
 
     def _provide(self, key: Key, time: float, *, again: bool) -> None:
         """Have the matrices of a step in use, as the iteration wants; again: others than those it has."""

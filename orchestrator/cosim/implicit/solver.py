@@ -240,5 +240,6 @@ class Solver(ABC):
         """
         if correction <= 1.0:
             return is_credible(self.wrenches, residual)
-        rounded = self._round_off + ROUND_OFF / self.tolerance.relative * scale
+        let = self.tolerance
+        rounded = self._round_off + max(let.residual, ROUND_OFF / let.relative) * scale
         return self.tolerance.is_near(correction) and bool(np.all(np.abs(residual) <= rounded))

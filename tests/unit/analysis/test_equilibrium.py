@@ -105,6 +105,42 @@ def test_deflection_of_a_latch_is_torque_over_stiffness(tmp_path):
     assert found.base_load[4] == pytest.approx(0.0, abs=1e-6)
 
 
+CLAMPED = """
+scene = {{ name = "beam", until = "1 s", gravity = [0, 0, -9.81] }}
+base = {{ name = "wall", points = {{ p = [0, 0, 0] }} }}
+joint = {{ axial_stiffness = {0}, radial_stiffness = {0}, cross_stiffness = {1} }}
+[[body]]
+name = "boom"
+place = {{ body = "wall", point = "p" }}
+[body.beam]
+length = "2.5 m"
+tube = {{ diameter = "20 mm", wall = "0.5 mm", youngs_modulus = "70 GPa", poisson_ratio = 0.3, density = 2700 }}
+attachment_points = {{ root = 0, tip = "2.5 m" }}
+[[connection]]
+name = "clamp"
+preset = "fixed"
+axes = {{ x = [1, 0, 0], z = [0, 0, 1] }}
+ports = {{ inboard = {{ body = "wall", point = "p" }}, outboard = {{ body = "boom", point = "root" }} }}
+"""
+
+
+@pytest.mark.parametrize("translation, rotation", [(1e7, 1e5), (1e10, 1e9), (1e12, 1e11)])
+def test_a_clamp_carries_the_weight_however_stiff(translation, rotation, tmp_path):
+    """Closed form: m g, its lever, and nothing along the beam; 1e-12 of what a clamp does in a metre is rounding.
+
+    A stiff clamp hardly moves, so its motion told the search that a beam half bent was at rest.
+    """
+    path = tmp_path / "beam.toml"
+    path.write_text(CLAMPED.format(translation, rotation), encoding="utf-8")
+    mechanism, found = equilibrium(load_scene(path), (), (), Configuration({}, ()), ())
+    data = mechanism.bodies["boom"].body.data
+    tip = mechanism.bodies["boom"].position[0]
+    rounding = 1e-16 * translation
+    assert found.base_load[2] == pytest.approx(-9.81 * data.mass, rel=1e-8, abs=rounding)
+    assert found.base_load[4] == pytest.approx(9.81 * data.mass * tip, rel=1e-4, abs=rounding)
+    assert found.base_load[:2] == pytest.approx([0.0, 0.0], abs=1e-7 + rounding)
+
+
 def test_hanging_pair_stands_against_its_motor(tmp_path):
     """Closed form: m g a cos = motor torque where the root line is free; the middle line is held.
 
