@@ -14,7 +14,8 @@ from ..scene.bodies import motions
 from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
-from .simulate import Quantity, SceneLike, in_si, load
+from .quantities import Quantity, in_si
+from .simulate import SceneLike, load
 from .warnings import warn
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.restart import CaseRestart
     from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
+    from ..scene.hinge_line_tables import HingeLine
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
@@ -293,9 +295,11 @@ def latch_tuning(
     from ..analysis.latch_tuning import find_line, tune
 
     checked = load(scene).check_one_run()
+    found = find_line(checked, line)
+    _tell_of_locks(found)
     return tune(
         checked,
-        find_line(checked, line),
+        found,
         bending(checked, listed(rigid), listed(flexible)),
         in_si(frequency, "Hz", "the frequency", "positive"),
         stiffness_of,
@@ -315,10 +319,22 @@ def wing_latch_tuning(
 
     frequency: to meet, Hz; by default that of the flexible wing's lowest mode in the direction of the rigid one's.
     """
+    from ..analysis.latch_tuning import find_line
     from ..analysis.latch_tuning_of_wing import tune_wing
 
     wanted = in_si(frequency, "Hz", "the frequency", "positive")
-    return tune_wing(load(scene).check_one_run(), line, listed(rigid), listed(flexible), wanted)
+    checked = load(scene).check_one_run()
+    _tell_of_locks(find_line(checked, line))
+    return tune_wing(checked, line, listed(rigid), listed(flexible), wanted)
+
+
+def _tell_of_locks(line: HingeLine) -> None:
+    """FanfoldWarning where a latch has no use for a stiffness."""
+    if line.latch is not None and line.latch.kind == "kinematic":
+        warn(
+            f"hinge_line.{line.name}: its latch is kinematic and locks whatever its stiffness; what is found here acts "
+            'once latch.kind is "spring" or "by_fidelity"'
+        )
 
 
 def mode_study(

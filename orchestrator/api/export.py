@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import get_args
 
 from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 
@@ -35,7 +36,7 @@ def export(
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
-    wrench_mode: WrenchMode = "endpoint",
+    wrench_mode: WrenchMode | None = None,
     fmi: FmiVersion = "2.0",
     sources: bool = False,
     backend: Backend | None = None,
@@ -50,8 +51,8 @@ def export(
     Of a scene with preload, bodies start in static equilibrium, which other tools do not search for. The default
     experiment lasts as long as the scene, at the largest step at which tools that do not iterate are stable, if there
     is one. Events of a scene are its master's and no part of FMUs; a FanfoldWarning tells so.
-    wrench_mode: "endpoint" for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back end.
-    sources: add the C sources, to be compiled on other platforms. platforms: names of `fmus.PLATFORMS`, or "all":
+    wrench_mode: "endpoint" (default) for other tools, "mean" for the implicit master. fmi: "3.0" needs the native back
+    end. sources: add the C sources, to be compiled on other platforms. platforms: names of `fmus.PLATFORMS`, or "all":
     libraries of these in place of the one of here, compiled by Zig (the extra `platforms`); `watch` is told of each
     before, as the first time takes half a minute. as_one: one native FMU of the whole scene, events included, with the
     master that couples its components: inside it steps as the scene's tolerance asks, whatever the communication step.
@@ -59,18 +60,14 @@ def export(
     communication points as smoothly as their rates can. ssp: a file that takes all FMUs of FMI 2.0 with
     end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
     """
+    _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and ssp is None and backend != "python")
+    wrench_mode = wrench_mode or "endpoint"
     checked = load(scene).check_one_run()
     if ssp is not None:
         _check_ssp(Path(ssp), fmi, wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
     if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
         warn(sentence)
-    if as_one and (ssp is not None or backend == "python"):
-        raise SceneError(
-            ["a scene as one FMU is a native one and has no system structure; leave ssp and backend out"]
-        )
-    if driven_base and not as_one:
-        raise SceneError(["a driven base is part of a scene as one FMU; ask for that (as_one) as well"])
 
     def assembled(mode: WrenchMode) -> Assembly:
         return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
@@ -94,6 +91,23 @@ def export(
             f"which `fanfold run` of it takes from where they are: {files}"
         )
     return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)]
+
+
+def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool) -> None:
+    """SceneError where what is asked for does not go together; plain: whether nothing is that one FMU has not."""
+    if fmi not in get_args(FmiVersion):
+        raise SceneError(
+            [f"there is no version {fmi!r} of FMI here; versions are {', '.join(get_args(FmiVersion))}"]
+        )
+    if as_one and not plain:
+        raise SceneError(
+            [
+                "a scene as one FMU is a native one, couples its components itself and has no system structure; leave "
+                "backend, wrench_mode and ssp out"
+            ]
+        )
+    if driven_base and not as_one:
+        raise SceneError(["a driven base is part of a scene as one FMU; ask for that (as_one) as well"])
 
 
 def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:

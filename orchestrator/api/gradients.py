@@ -9,7 +9,8 @@ from ..analysis.sampling.gradients import gradients as _gradients
 from ..run.progress import Progress, followed
 from ..scene.builder import Names
 from .progress import chosen
-from .simulate import Quantity, SceneLike, load, options_of
+from .quantities import Quantity
+from .simulate import SceneLike, load, options_of
 
 
 def gradients(

@@ -21,6 +21,7 @@ from ..run.run import RunError
 from ..run.simulation import Simulation
 from ..run.verify import Verified
 from .progress import chosen, in_notebook
+from .quantities import Quantity, in_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,14 +62,14 @@ class Result(Record):
         text = "Latch torque, sum over the hinges of the line"
         return Signal(torque, self.time, "N.m", f"{line}.latch_torque", text, tuple(self.events))
 
-    def at(self, time: float, side: Side = "after") -> Instant:
-        """All signals at one time (s): `result.at(7.5)["panel", "frame_position"]`.
+    def at(self, time: Quantity, side: Side = "after") -> Instant:
+        """All signals at one time: `result.at(7.5)["panel", "frame_position"]`, in s or with a unit.
 
         Between communication points values are interpolated linearly. An event has several rows of one time, or
         within 2e-7 s of it, as a latch impulse takes 1e-7 s: near an event the values are those after all of them,
         or with side="before" those before. ResultError outside of the run.
         """
-        return instant(self, time, side)
+        return instant(self, in_si(time, "s", "the time"), side)
 
     @cached_property
     def headline(self) -> Headline:
@@ -122,7 +123,7 @@ class Result(Record):
         return plot_all(self, folder, format)
 
     def to_dataframe(self, components: Sequence[str] | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
-        """Signals as a table (pandas.DataFrame) over time, columns COMPONENT.VARIABLE, or [0], [1], ... of vectors.
+        """Signals as a table (pandas.DataFrame) over time: columns COMPONENT.VARIABLE, of vectors with [1], [2], ...
 
         components: by name; by default all. ResultError where pandas is not installed.
         """
@@ -137,7 +138,7 @@ class Result(Record):
             for variable in self.variables(component):
                 values = self.signal(component, variable)
                 name = f"{component}.{variable}"
-                vector = {f"{name}[{k}]": column for k, column in enumerate(values.T)}
+                vector = {f"{name}[{k}]": column for k, column in enumerate(values.T, 1)}
                 columns |= {name: values} if values.ndim == 1 else vector
         return pd.DataFrame(columns, index=pd.Index(self.time, name="time, s"))
 

@@ -19,8 +19,8 @@ from ..scene import list_scenes
 from ..scene.builder import Names, Scene, listed
 from ..scene.layers import Setting
 from ..scene.table import SceneError
-from ..scene.units import Sign, written
 from .progress import chosen
+from .quantities import Quantity, in_si
 from .result import Result
 from .warnings import warn
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 SceneLike = Scene | str | Path
 """A scene, or the name or file of one."""
-Quantity = float | str
-"""A number in SI units, or a text with its unit such as "90 deg"."""
 
 
 def scenes() -> tuple[str, ...]:
@@ -66,7 +64,7 @@ def options_of(
         flexible=frozenset(listed(flexible)),
         large_deformation=frozenset(listed(large_deformation)),
         until=in_si(until, "s", "until"),
-        tolerance=tolerance,
+        tolerance=in_si(tolerance, "1", "tolerance"),
     )
 
 
@@ -177,13 +175,3 @@ def check_scene(
         return look_at(checked, listed(rigid), listed(flexible), listed(large_deformation))
     except SceneError as error:
         return SceneCheck(scene.name if isinstance(scene, Scene) else Path(scene).stem, tuple(error.problems))
-
-
-def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> float | None:
-    """A quantity in its SI unit, None for none; SceneError where it is no such quantity."""
-    if value is None:
-        return None
-    try:
-        return written(value, unit, sign)
-    except ValueError as error:
-        raise SceneError([f"{what} {error}"]) from None

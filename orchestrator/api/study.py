@@ -15,7 +15,8 @@ from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
 from ..analysis.sampling.varied import varied
 from ..scene.builder import Names, listed
-from .simulate import Quantity, SceneLike, load, options_of
+from .quantities import Quantity
+from .simulate import SceneLike, load, options_of
 
 
 class Study(Record):

@@ -11,7 +11,8 @@ from ..analysis.sampling.tuning import Tuned
 from ..analysis.sampling.tuning import tune as _tune
 from ..analysis.sampling.varied import varied
 from ..scene.builder import Names
-from .simulate import Quantity, SceneLike, load, options_of
+from .quantities import Quantity
+from .simulate import SceneLike, load, options_of
 
 
 def tune(

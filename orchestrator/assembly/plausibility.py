@@ -15,10 +15,13 @@ from ..scene.bodies import body_definition, scene_points
 from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.locked_groups import joined
+from ..scene.loops.closing import left_open
 from ..scene.schema import CheckedScene
 
 _ANGLES = 181
 """Places on a line's way that are looked at."""
+_CLOSED = 1e-6
+"""m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _THICK = 0.2
 """Thickness of a plate over its shorter side, from which on plate theory does not hold by far."""
 _FLAT = 1e-3
@@ -44,6 +47,8 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_held_by_friction(scene),
         *_through_one_another(scene),
         *_unlike_travels(scene),
+        *_open_at_the_start(scene),
+        *_free_along_the_line(scene),
         *_struck_by_preload(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
@@ -101,6 +106,29 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
                 f"friction and harness take {taken[k]:.4g} N.m; unless something else drives it, it stops there"
+            )
+
+
+def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
+    """Joints between what lines carry, where start angles do not bring their points together."""
+    for name, size in left_open(scene, scene_points(scene)).items():
+        if size > _CLOSED:
+            yield (
+                f"connection.{name}: hinge lines carry its bodies, and their start angles leave it open by "
+                f"{1e3 * size:.4g} mm (or mrad), which its stiffness turns into load; check the stowed_angle of each "
+                "line of the loop and its digits, or place a body of the loop instead"
+            )
+
+
+def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose hinges all let their body slide, where nothing else could hold it."""
+    if scene.loops or scene.connections:
+        return
+    for line in scene.hinge_lines:
+        if not line.held and {hinge.kind for hinge in line.hinges} == {"cylindrical"}:
+            yield (
+                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
+                "freely; make one of them revolute"
             )
 
 

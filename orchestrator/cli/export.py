@@ -43,7 +43,7 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
     "-o", "--output", type=click.Path(path_type=Path, file_okay=False), required=True, help="Folder."
 )
 @click.option(
-    "--wrench-mode", type=click.Choice(["endpoint", "mean"]), default="endpoint", show_default=True,
+    "--wrench-mode", type=click.Choice(["endpoint", "mean"]),
     help="endpoint for other tools, mean for the implicit master.",
 )  # fmt: skip
 @click.option(
@@ -72,7 +72,7 @@ def command(
     choice: SceneChoice,
     large_deformation: frozenset[str],
     output: Path,
-    wrench_mode: WrenchMode,
+    wrench_mode: WrenchMode | None,
     fmi: FmiVersion,
     ssp: Path | None,
     sources: bool,
@@ -102,7 +102,7 @@ def command(
         )
     for path in paths:
         click.echo(path)
-    if wrench_mode == "endpoint" and not as_one:
+    if wrench_mode != "mean" and not as_one:
         from fmpy import read_model_description
 
         if step := read_model_description(str(paths[0])).defaultExperiment.stepSize:

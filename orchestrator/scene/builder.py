@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, Self
@@ -309,7 +309,9 @@ class Scene:
 
 
 def listed(names: Names) -> tuple[str, ...]:
-    """Names in their order."""
+    """Names in their order; SceneError where they are none."""
+    if not isinstance(names, Iterable):
+        raise SceneError([f"{names!r} is no name, and no list of names"])
     return (names,) if isinstance(names, str) else tuple(names)
 
 

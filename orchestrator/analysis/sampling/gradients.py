@@ -29,7 +29,7 @@ from ...scene.builder import Scene
 from ...scene.layers import Tree
 from .distributions import StudyError
 from .neighbours import Followed, run_beside
-from .varied import Settings, keys_of, multiplied, own_value, value_at, written_to
+from .varied import Settings, keys_of, meant, multiplied, own_value, value_at, written_to
 
 PART = 5e-6
 """Of a key: what it differs by. The second derivative errs with it, the rounding of stiff joints against it."""
@@ -143,7 +143,9 @@ def parameter(tree: Tree, text: str) -> Parameter:
     found = {key: value_at(tree, key) for key in keys}
     for key, value in found.items():
         if value is None:
-            raise StudyError(f"{key}: the scene has no value there; give it one, such as with --set")
+            raise StudyError(
+                f"{key}: the scene has no value there{meant(tree, key)}; give it one, such as with --set"
+            )
     if factor:
         return Parameter(text, keys, 1.0, "", True)
     own = {key: own_value(value) for key, value in found.items()}

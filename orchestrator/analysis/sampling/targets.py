@@ -62,6 +62,12 @@ def target(text: str) -> Target:
     return Target(" ".join(filter(None, (quantity.replace("_", " "), of))), wanted.strip())
 
 
+def _as_written(number: str) -> str:
+    """How a target is given whose number is called so in studies; see `target`."""
+    quantity, _, of = number.rpartition(" ")
+    return f"{of}.{quantity.replace(' ', '_')}"
+
+
 @dataclass(frozen=True, slots=True)
 class Curve:
     """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s), in its unit."""
@@ -141,10 +147,11 @@ def _unknown(
         line = next(
             (name for name, latched in lines.items() if one.number.endswith(f" {name}") and not latched), None
         )
+        given = _as_written(one.number)
         yield (
-            f"target {one.number}: {unknown(one.number, list(sample.numbers), 'number')}"
+            f"target {given}: {unknown(given, [_as_written(name) for name in sample.numbers], 'number')}"
             if line is None
-            else f"target {one.number}: {line} does not latch with the values that the search starts from; vary it "
+            else f"target {given}: {line} does not latch with the values that the search starts from; vary it "
             "from where it does"
         )
     for curve in measured:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 
 from ...scene.layers import Tree
 from ...scene.units import QUANTITY
@@ -85,7 +86,7 @@ def _to_scale(tree: Tree, key: str) -> object:
     found = value_at(tree, key)
     if found is None:
         raise StudyError(
-            f"{key}: the scene has no value there to multiply; give it one, or vary it without *"
+            f"{key}: the scene has no value there to multiply{meant(tree, key)}; give it one, or vary it without *"
         )
     return found
 
@@ -102,6 +103,25 @@ def value_at(tree: Tree, key: str) -> object:
         else:
             return None
     return found
+
+
+def meant(tree: Tree, key: str) -> str:
+    """A question for the nearest key that has a value, where there is one that looks alike."""
+    near = get_close_matches(key, list(_keys(tree)), 1)
+    return f" (did you mean {near[0]}?)" if near else ""
+
+
+def _keys(found: object, before: str = "") -> Iterator[str]:
+    """All keys below that have a value, as `value_at` takes them."""
+    if isinstance(found, Mapping):
+        for step, below in found.items():
+            yield from _keys(below, f"{before}{step}.")
+    elif isinstance(found, list) and any(isinstance(one, Mapping) for one in found):
+        for one in found:
+            if isinstance(one, Mapping) and "name" in one:
+                yield from _keys(one, f"{before}{one['name']}.")
+    else:
+        yield before.removesuffix(".")
 
 
 def _scaled(key: str, value: object, factor: float) -> object:

@@ -57,7 +57,7 @@ def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indice
         definition = body_definition(table)
         sheets = definition.face_sheets
         if sheets is None:
-            raise ComponentError(_NO_SHEETS)
+            raise ComponentError(_NO_PANEL if definition.panel is None else _NO_SHEETS)
         model = definition.finite_elements(table.masses)
         data = body_model(table, flexible=True)
         shapes = run_shapes(result, body, table, model, data)
@@ -110,14 +110,24 @@ def _tensions(forms: Vector, eta: Vector) -> Vector:
 
 def bending_body(result: Result, body: str) -> tuple[CheckedScene, Body]:
     """The scene that a result holds, and its table of a body; ResultError where the body did not bend."""
+    scene = scene_of(result)
+    table = next((table for table in scene.bodies if table.name == body), None)
+    kept = result.provenance.get("recorded_signals")
+    if (
+        kept
+        and table is not None
+        and (body not in result.geometry or not result.has(body, "modal_coordinate"))
+    ):
+        raise ResultError(
+            f"{result.name}: this run kept {kept} alone, not all signals of {body}; run it again with "
+            f"--signals '{kept}, {body}'"
+        )
     if not result.has(body, "modal_coordinate"):
         result.variables(body)
         flexible = ", ".join(result.recording("modal_coordinate")) or "none"
         raise ResultError(
             f"{result.name}: {body} has no modal coordinates; flexible bodies of this run are {flexible}"
         )
-    scene = scene_of(result)
-    table = next((table for table in scene.bodies if table.name == body), None)
     if table is None or not table.can_bend:
         raise ResultError(f"{result.name}: {body} is not a body that can bend")
     return scene, table
@@ -149,6 +159,7 @@ def run_shapes(result: Result, body: str, table: Body, model: FiniteElementModel
 
 
 _NO_SHEETS = "no face sheets are known of it; give panel.face_sheets, or the panel as a sandwich"
+_NO_PANEL = "it is no panel, and has no face sheets; `fanfold plot` draws the loads at its ports"
 _CHANGED = "the catalogue's modes are not those of this run; run the scene again with this version"
 
 

@@ -84,6 +84,14 @@ def _closed(
     return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
 
 
+def left_open(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, float]:
+    """How far (m or rad) joints start open that nothing closes, as hinge lines carry both of their bodies."""
+    placed = {body.name for body in scene.bodies if body.place is not None}
+    poses = start_poses(scene, points)
+    held = [c for c in constraints(scene, points, poses) if not acts(c, placed)]
+    return {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
+
+
 def _carried(scene: CheckedScene, start: Mapping[str, StartPose], share: float) -> dict[str, StartPose]:
     """Placed bodies that follow a motion, at a share of the farthest that their laws lead."""
     return {

@@ -31,10 +31,10 @@ def write_csv(path: Path, found: Chosen) -> None:
 
 
 def _headings(found: Chosen, signals: Sequence[Vector]) -> Iterator[str]:
-    """Name and unit of every column, such as `time (s)` or `panel.frame_position[0] (m)`."""
+    """Name and unit of every column, such as `time (s)` or `panel.frame_position[1] (m)`."""
     yield "time (s)"
     for key, values in zip(found.keys, signals, strict=True):
         name, unit = ".".join(key), found.result.unit(*key)
         guarded = f"'{name}" if name.startswith(_FORMULA) else name
-        indices = [""] if values.ndim == 1 else [f"[{k}]" for k in range(values.shape[1])]
+        indices = [""] if values.ndim == 1 else [f"[{k}]" for k in range(1, values.shape[1] + 1)]
         yield from (f"{guarded}{index} ({unit})" for index in indices)

@@ -73,10 +73,10 @@ def test_a_parallelogram_turns_as_one_crank():
 
 @pytest.mark.parametrize("closing", ["spherical", "revolute"])
 def test_a_kinematic_latch_stops_all_bars_in_one_impulse(closing):
-    """Closed form: the impulse is J times the crank's rate, sqrt(2 T angle / J), and nothing moves just after it, where
-    locks of 1e6 kg and kg.m2 give way by 1e-6 of what they hold, on arms of half a metre.
+    """Closed form: the impulse is J times the crank's rate, sqrt(2 T angle / J), and nothing moves just after it.
 
-    A loop of four hinges in a plane has three constraints too many, whose impulses are not unique; this one is.
+    Locks of 1e6 kg and kg.m2 give way by 1e-6 of what they hold, on arms of half a metre. A loop of four hinges in a
+    plane has three constraints too many, whose impulses are not unique; this one is.
     """
     scene = _scene(latch="kinematic", closing=closing).with_settings({"scene.until": "2.2 s"})
     result = fanfold.simulate(scene, estimate=False)

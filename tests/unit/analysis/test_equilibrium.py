@@ -124,7 +124,7 @@ ports = {{ inboard = {{ body = "wall", point = "p" }}, outboard = {{ body = "boo
 """
 
 
-@pytest.mark.parametrize("translation, rotation", [(1e7, 1e5), (1e10, 1e9), (1e12, 1e11)])
+@pytest.mark.parametrize(("translation", "rotation"), [(1e7, 1e5), (1e10, 1e9), (1e12, 1e11)])
 def test_a_clamp_carries_the_weight_however_stiff(translation, rotation, tmp_path):
     """Closed form: m g, its lever, and nothing along the beam; 1e-12 of what a clamp does in a metre is rounding.
 

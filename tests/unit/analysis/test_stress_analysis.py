@@ -340,4 +340,4 @@ def test_a_real_run(tmp_path):
     assert values[0] > 0.1
     refused = stress(path, "--body", "yoke")
     assert refused.exit_code == 1
-    assert "yoke: no face sheets are known of it; give panel.face_sheets" in refused.stderr
+    assert "yoke: it is no panel, and has no face sheets" in refused.stderr

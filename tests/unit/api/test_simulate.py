@@ -107,6 +107,17 @@ def test_an_instant_is_read_before_or_after_what_happens_there(latched):
     assert after["hl1_left", "latch_torque"] != before["hl1_left", "latch_torque"] == 0.0
 
 
+def test_times_and_tolerances_may_be_texts(latched):
+    """As all quantities may."""
+    assert latched.at("1000 ms").time == latched.at(1.0).time
+    with pytest.raises(fanfold.FanfoldError, match="the time is 'soon'"):
+        latched.at("soon")
+    with pytest.raises(fanfold.FanfoldError, match="tolerance is 'tight'"):
+        fanfold.simulate(WING, tolerance="tight")
+    with pytest.raises(fanfold.FanfoldError, match="3 is no name, and no list of names"):
+        fanfold.simulate(WING, rigid=3)
+
+
 def test_between_samples_values_are_on_the_line(latched):
     time, angle = latched.time, latched["hl2_left", "angle"]
     middle = 0.5 * (time[40] + time[41])
@@ -157,7 +168,7 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
     assert frame.index.name == "time, s"
     np.testing.assert_array_equal(frame["hl1_left.angle"], latched.signal("hl1_left", "angle"))
     np.testing.assert_array_equal(
-        frame["base.interface_force[2]"], latched.signal("base", "interface_force")[:, 2]
+        frame["base.interface_force[3]"], latched.signal("base", "interface_force")[:, 2]
     )
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ResultError, match="needs pandas, which is not installed: pip install pandas"):

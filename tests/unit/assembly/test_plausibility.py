@@ -1,6 +1,6 @@
 """What is hardly meant in a scene is told before it is run; scenes that are sound have nothing to be told."""
 
-from math import pi
+from math import acos, degrees, pi, sqrt
 
 import pytest
 from scipy.optimize import brentq
@@ -134,6 +134,31 @@ def test_the_harness_takes_between_its_points_what_it_does_in_a_run():
     share = (told - 30.0) / 60.0
     taken = (8.0 * share**2 - 2.0 * share**3) / 3.0
     assert f"take {taken:.4g} N.m" in sentence
+
+
+@pytest.mark.parametrize(("digits", "count"), [(9, 0), (2, 1)])
+def test_a_loop_that_start_angles_leave_open_is_told(digits, count):
+    """Closed form: a triangle of sides 1, 1 and sqrt(2) on the base; angles of two digits open it by micrometres."""
+    scene = Scene("triangle", until=1.0)
+    base = scene.base("base", points={"a": (0, 0, 0), "b": (sqrt(2.1), 0, 0)})
+    bar = {"mass": 1, "center_of_mass": (0.5, 0, 0), "inertia": (0.1, 0.1, 0.1)}
+    bars = [scene.body(name, rigid=bar | {"points": {"root": (0, 0, 0), "tip": (1, 0, 0)}}) for name in "cd"]
+    rise = degrees(acos(sqrt(2.1) / 2.0))
+    for line, bar, point, angle in zip("lm", bars, "ab", (rise, 180.0 - rise), strict=True):
+        scene.hinge_line(
+            line, base, bar, axis="-y", hinges={f"{line}_hinge": (point, "root")}, aligned_angle="0 rad",
+            stowed_angle=f"{round(angle, digits)} deg",
+        )  # fmt: skip
+    scene.connection("top", preset="spherical", ports={"inboard": ("c", "tip"), "outboard": ("d", "tip")})
+    told = [sentence for sentence in doubts(scene.check()) if "start angles leave it open" in sentence]
+    assert len(told) == count
+
+
+def test_a_body_that_slides_along_its_line_is_told():
+    """Rule: cylindrical hinges hold nothing along the line; the workbench has one, and the other holds it."""
+    key = "hinge_line.HL.hinges.hinge_left.kind=cylindrical"
+    (told,) = doubts(load_scene(find_scene("workbench"), (), [key]))
+    assert told.startswith("hinge_line.HL: all its hinges are cylindrical, so panel slides along the line")
 
 
 PANEL = """

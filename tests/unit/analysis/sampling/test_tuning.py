@@ -136,7 +136,7 @@ WRONG = {
     "form": ({"targets": ["line=3"]}, "is not of the form NAME.QUANTITY=VALUE"),
     "no such number": (
         {"targets": {"line.latch_tome": 2}},
-        "target latch tome line: .*did you mean latch time line",
+        r"target line\.latch_tome: .*did you mean line\.latch_time",
     ),
     "unit": ({"targets": {"line.latch_time": "2 kg"}}, "target latch time line: is '2 kg'"),
     "no number": ({"targets": {"line.latch_time": "soon"}}, "'soon' is no finite number"),

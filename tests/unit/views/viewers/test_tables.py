@@ -54,7 +54,7 @@ def test_a_table_holds_every_bit_of_every_signal(result, tmp_path):
     for name in result.components:
         for variable in result.variables(name):
             unit, values = result.unit(name, variable), result.signal(name, variable)
-            index = [""] if values.ndim == 1 else [f"[{k}]" for k in range(values.shape[1])]
+            index = [""] if values.ndim == 1 else [f"[{k}]" for k in range(1, values.shape[1] + 1)]
             columns = [found.pop(f"{name}.{variable}{k} ({unit})") for k in index]
             np.testing.assert_array_equal(np.array(columns).T.reshape(values.shape), values)
     assert found == {}
