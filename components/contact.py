@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .contract.connection import HEAT, NO_PAIR, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
-from .contract.record import Record, kept, observed, tunable
+from .contract.record import Record, flagged, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, POTENTIAL_ENERGY
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import pair, unit_direction
@@ -73,7 +73,7 @@ class _Observations(NamedTuple):
     contact_force: Annotated[float, observed("N", "Force on the outboard body along the normal", LOAD)]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the penetration")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
-    in_contact: Annotated[float, observed("1", "1: the outboard port is in the plane or behind it")]
+    in_contact: Annotated[float, flagged("1: the outboard port is in the plane or behind it")]
 
 
 class Contact(Connection[_Parameters, _State, Impulse]):

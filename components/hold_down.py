@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .contract.component import ComponentError, Vector
 from .contract.connection import NO_PAIR, SLOPES, WRENCH, Connection, Inputs
 from .contract.frames import Quaternion, Vector3, cross, rotate, rotate_back, subtract
-from .contract.record import Record, integrated, kept, observed, tunable
+from .contract.record import Record, flagged, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
     END_WEIGHT,
@@ -68,7 +68,7 @@ class _Commands(NamedTuple):
 
 class _Observations(NamedTuple):
     force: Annotated[Vector3, observed("N", "Force on the outboard port, inboard axes", LOAD)]
-    released: Annotated[float, observed("1", "1 from the release on")]
+    released: Annotated[float, flagged("1 from the release on")]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy, with that of the preload")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY.saying("Energy dissipated, in the bolt too")]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]

@@ -24,8 +24,8 @@ class Quantity:
 
     `size` scalars of `unit` (FMI unit syntax; "1" for none). `start` is one number for all or one per
     scalar. `minimum` and `maximum` bound every scalar, inclusive. `variability` only matters for
-    parameters ("fixed" before the start only, "tunable" between steps) and inputs ("continuous",
-    "discrete"). `role`: of an observation, what it is to those who show results, see `roles`.
+    parameters ("fixed" before the start only, "tunable" between steps), inputs ("continuous", "discrete") and
+    observations ("discrete" for flags). `role`: of an observation, what it is to those who show results, see `roles`.
 
     Of states alone: `rate_unit` is the unit of the rate where an outer solver may integrate the state, which then is
     typically of the size `nominal`, and nothing but observations depends on it if it is a `quadrature`. `resized`:

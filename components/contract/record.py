@@ -40,6 +40,11 @@ def observed(unit: str, description: str, role: str = "") -> Quantity:
     return Quantity("", unit, description, role=role)
 
 
+def flagged(description: str) -> Quantity:
+    """An observation that is 0 or 1, and nothing between."""
+    return Quantity("", "1", description, variability="discrete")
+
+
 class _Field(NamedTuple):
     """Number of scalars of a type, and what makes a value of them."""
 

@@ -73,7 +73,7 @@ def _event_capabilities(component: Component, variables: Iterable[Variable]) -> 
     """Event mode is for discrete inputs and events inside; a wrench of an instant may foresee a latch."""
     foresees = component.feedthrough and "latch_automatic" in component.parameter_layout
     early = {"mightReturnEarlyFromDoStep": "true"} if foresees or component.returns_early else {}
-    has_events = bool(early) or any(v.variability == "discrete" for v in variables)
+    has_events = bool(early) or any(v.causality == "input" and v.variability == "discrete" for v in variables)
     return {"hasEventMode": "true", **early} if has_events else {}
 
 

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #define SAME_EVENT 1e-9 /* s */
+#define SURE 4.0 /* see orchestrator/results/signal.py */
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
@@ -168,25 +169,24 @@ static double load_of(const Assembly *a, const Peak *peak, size_t row) {
     return peak->is_sum ? fabs(sum) : sqrt(square);
 }
 
-/* Crest of the cubic through four values, or of the parabola through the last three, where the last but one is highest;
-   otherwise that one. */
-static double crest(const double *times, const double *values, size_t count) {
-    const double *t = times + count - 3, *v = values + count - 3;
+/* Crest of the cubic through the last four of five values where the last but one is highest; otherwise that one. A crest
+   counts that rises by more than what the cubic may be off by, as it misses the first value: rows do not resolve all
+   ringing. */
+static double crest(const double *times, const double *values) {
+    const double *t = times + RING - 3, *v = values + RING - 3;
     if (!(v[1] > v[0] && v[1] >= v[2])) return v[1];
-    const double first = (v[1] - v[0]) / (t[1] - t[0]), last = (v[2] - v[1]) / (t[2] - t[1]);
-    const double second = (last - first) / (t[2] - t[0]);
-    double third = 0.0;
-    if (count > 3) {
-        const double before = (v[0] - values[0]) / (t[0] - times[0]);
-        third = (second - (first - before) / (t[1] - times[0])) / (t[2] - times[0]);
-    }
+    const double a = t[0] - t[1], b = t[2] - t[1], c = t[-1] - t[1], d = t[-2] - t[1];
+    const double first = (v[1] - v[0]) / -a, last = (v[2] - v[1]) / b, before = (v[0] - v[-1]) / (a - c);
+    const double second = (last - first) / (b - a), third = (second - (first - before) / -c) / (b - c);
     /* v = v1 + slope s + bend s^2 + third s^3, s from the middle one */
-    const double a = t[0] - t[1], b = t[2] - t[1];
     const double bend = second - third * (a + b), slope = first - second * a + third * a * b;
     const double root = bend * bend - 3.0 * third * slope;
     const double s = root < 0.0 ? 0.0 : -slope / (bend - sqrt(root));
     if (!(s >= a && s <= b)) return v[1];
-    return fmax(v[1], v[1] + s * (slope + s * (bend + s * third)));
+    const double rise = s * (slope + s * (bend + s * third));
+    const double miss = fabs(v[1] + d * (slope + d * (bend + d * third)) - v[-2]);
+    const double off = miss * fabs(s * (s - a) * (s - b) * (s - c)) / fabs(d * (d - a) * (d - b) * (d - c));
+    return rise > SURE * off ? v[1] + rise : v[1];
 }
 
 /* Largest sizes of loads up to a row of the ring, between rows as well where they are smooth. */
@@ -201,7 +201,7 @@ static void note_peaks(Assembly *a, size_t row) {
             values[k] = load_of(a, a->peak + i, row + 1 + k - count);
         }
         a->peaks[i] = fmax(a->peaks[i], values[count - 1]);
-        if (count > 2) a->peaks[i] = fmax(a->peaks[i], crest(times, values, count));
+        if (count == RING) a->peaks[i] = fmax(a->peaks[i], crest(times, values));
     }
     a->peak_time = ring[row * a->row_size];
 }
@@ -693,7 +693,7 @@ static size_t weigh_rows(const Assembly *a, const double *x, double *weights, co
     while (last + 1 < rows && ring[last * a->row_size] < time) last++;
     const double *row = ring + last * a->row_size;
     if (last > 0) count++;
-    while (count > 1 && count <= last && row[1] == ring[(last - count + 1) * a->row_size + 1] &&
+    while (count > 1 && count < FITTED && count <= last && row[1] == ring[(last - count + 1) * a->row_size + 1] &&
            row[1] == ring[(last - count) * a->row_size + 1])
         count++;
     *first = ring + (last + 1 - count) * a->row_size;
@@ -707,15 +707,24 @@ static size_t weigh_rows(const Assembly *a, const double *x, double *weights, co
     return count;
 }
 
+/* The last row of some that is not after the time of a state, or the first. */
+static const double *row_before(const Assembly *a, const double *x, const double *first, size_t count) {
+    size_t last = count - 1;
+    while (last > 0 && first[last * a->row_size] > x[AT_TIME]) last--;
+    return first + last * a->row_size;
+}
+
 static void observe(void *self, const double *x, const double *u, double *z) {
     const Assembly *a = self;
     const double *first;
-    double weights[RING];
+    double weights[FITTED];
     const size_t count = weigh_rows(a, x, weights, &first), columns = a->master.loop.rows.columns;
     (void)u;
     memset(z, 0, columns * sizeof(double));
-    for (size_t i = 0; i < count; i++, first += a->row_size)
-        for (size_t k = 0; k < columns; k++) z[k] += weights[i] * first[2 + k];
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < columns; k++) z[k] += weights[i] * first[i * a->row_size + 2 + k];
+    const double *before = row_before(a, x, first, count);
+    for (size_t i = 0; i < a->flags; i++) z[a->flag[i]] = before[2 + a->flag[i]];
 }
 
 /* Whether a line that latches at a time, negative for never, has done so at the communication point. */
@@ -727,7 +736,7 @@ static int has_latched(const double *x, double latch_time) {
 static void outputs(void *self, const double *x, const double *u, double *y) {
     const Assembly *a = self;
     const double *first;
-    double weights[RING];
+    double weights[FITTED];
     const size_t count = weigh_rows(a, x, weights, &first), channels = 2 + a->master.loop.rows.columns + 2;
     const double *peaks = ring_of(a, x) - a->peak_count, *standing = newest_of(a, x) + 2;
     (void)u;

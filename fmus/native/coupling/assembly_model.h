@@ -10,7 +10,7 @@
 #include "alike.h"
 #include "instance.h"
 
-enum { RING = 4, SNAPSHOTS = 3 };
+enum { FITTED = 4, RING = 5, SNAPSHOTS = 3 };
 
 /* An input of the assembly: releases a participant (is_release), or latches a line. */
 typedef struct {
@@ -49,11 +49,12 @@ typedef struct {
     size_t *first_parameter, *first_input;
     Command *command;
     Peak *peak;
+    const size_t *flag; /* (flags,) places of observations that are 0 or 1 */
     DrivenFrame driven;
     NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
     const double *rest_states, *rest_inputs, *rest_wrenches;
-    size_t participants, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
+    size_t participants, flags, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step;
     int stands, at_event;
@@ -486,6 +487,9 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
     r->corrected = whole_numbers(data, "corrected", &corrected, memory, why);
     const Place *law = (const Place *)whole_numbers(data, "laws", &laws, memory, why);
     for (size_t i = 0; i < m->network.participants; i++) all += m->network.participant[i].observations;
+    a->flag = whole_numbers(data, "flags", &a->flags, memory, why);
+    if (!a->flag) return 0;
+    if (!are_below(a->flag, a->flags, 1, r->columns)) return refuse(why, "the assembly's flags are damaged");
     if (!r->recorded || !r->corrected || !law) return 0;
     if (!are_below(r->recorded, r->columns, 1, all) || !are_below(r->corrected, corrected, 1, all) ||
         !are_below(m->network.energy_rows, ENERGIES * m->network.participants, 1, all + 1))

@@ -87,6 +87,7 @@ class AssembledScene(Component, registered=False):
                 settings,
                 [command for command, _ in commands],
                 [peak for peak, _ in peaks],
+                list(_flags(observed)),
             ),
             **rest(assembly, settings, order),
         }
@@ -166,6 +167,16 @@ def _of_parts(names: Sequence[str], layouts: Iterable[Layout]) -> Iterator[Quant
             yield replace(
                 quantity, name=f"{name}.{quantity.name}", description=f"{name}: {quantity.description}"
             )
+
+
+def _flags(layouts: Iterable[Layout]) -> Iterator[int]:
+    """Places of flags among the observations of all components."""
+    first = 0
+    for layout in layouts:
+        for quantity in layout.quantities:
+            if quantity.variability == "discrete":
+                yield first + layout[quantity.name].start
+        first += layout.size
 
 
 def _latch_commands(lines: Sequence[HingeLine]) -> Iterator[tuple[Command, Quantity]]:

@@ -62,8 +62,9 @@ def tables(
     settings: Settings,
     commands: Sequence[Command],
     peaks: Sequence[Peak],
+    flags: Sequence[int],
 ) -> Mapping[str, ArrayLike]:
-    """All of them; lines: those that latch."""
+    """All of them; lines: those that latch; flags: places of those among what is recorded."""
     number = {participant.name: i for i, participant in enumerate(network.participants)}
     still = frozenset(i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL)
     return {
@@ -82,6 +83,7 @@ def tables(
         "lines": [len(lines), *(n for line in lines for n in _line(line, number))],
         **_events(network, assembly.events, [line.name for line in lines], number),
         "driven": _driven(network, assembly, len(commands)),
+        "flags": flags,
         "commands": [n for command in commands for n in _command(command)],
         "peaks": [
             len(peaks),

@@ -115,6 +115,19 @@ def test_a_release_is_commanded(tmp_path):
     assert names == ["wall_bolt.release_command", "panel_bolt.release_command"]
 
 
+def test_flags_are_0_or_1_between_rows(tmp_path):
+    """They are those of the row before: contact that opens and closes, and a bolt that lets go at its time."""
+    host = Host(exported(STACK, tmp_path, rigid="all")).start()
+    flags = [name for name in host.references if name.endswith((".in_contact", ".released"))]
+    seen = {name: set() for name in flags}
+    while host.time < 0.6:
+        host.to(host.time + 0.0003, 0.0003)
+        for name in flags:
+            seen[name].add(host[name])
+    assert set().union(*seen.values()) == {0.0, 1.0}
+    assert seen["wall_bolt.released"] == seen["wall_left.in_contact"] == {0.0, 1.0}
+
+
 def test_parameters_before_the_start(path):
     """A constant motor torque that is half as large again opens in the root of 2/3 of the time: nothing else works."""
     usual = Host(path).start().to(2.0, 0.01)["HL.latch_time"]
@@ -139,7 +152,7 @@ def test_other_tools_find_nothing_wrong(fmi, tmp_path):
 
 
 def test_what_cannot_be_one_fmu_is_told(tmp_path):
-    with pytest.raises(fanfold.FanfoldError, match="leave ssp and backend out"):
+    with pytest.raises(fanfold.FanfoldError, match="leave backend, wrench_mode and ssp out"):
         fanfold.export(TWO_PANELS, tmp_path, as_one=True, backend="python")
 
 
