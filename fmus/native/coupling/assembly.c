@@ -458,6 +458,10 @@ static int prepare(void *self, const double *p, Reason *why) {
 static int initial(void *self, const double *u, double *x, Reason *why) {
     Assembly *a = self;
     Master *m = &a->master;
+    for (size_t i = 0; a->driven.is_there && i < BASE_RATES; i++)
+        if (u[a->driven.first + i] != 0.0)
+            return refuse(why, "the base has a rate of %g at the start; the scene starts at rest, so begin with rates of "
+                          "zero and lead them to what they are to be", u[a->driven.first + i]);
     a->said[0] = m->said[0] = '\0';
     a->rows = a->snapshots = 0;
     a->time = a->target = 0.0;
@@ -541,15 +545,15 @@ static int is_driven(const Assembly *a, const double *u) {
 static void drive(Assembly *a, const double *u, double h) {
     const DrivenFrame *d = &a->driven;
     const SavedState *saved = a->saved[d->participant];
-    const double *state = saved->numbers + saved->known, *rates = u + d->first, *given = rates + 6;
-    const double *rates_before = a->inputs + d->first, *given_before = rates_before + 6;
+    const double *state = saved->numbers + saved->known, *rates = u + d->first, *given = rates + BASE_RATES;
+    const double *rates_before = a->inputs + d->first, *given_before = rates_before + BASE_RATES;
     double *change = a->input[d->participant] + d->change;
     const double last = a->driven_step > 0.0 ? a->driven_step : h;
     int gives = 0;
-    for (size_t k = 0; k < 6; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
+    for (size_t k = 0; k < BASE_RATES; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
     if (a->noted.mode == REPEATS_STEPS && a->noted.gives < 0) a->noted.gives = gives;
     if (a->noted.mode == REPEATS_STEPS) gives = a->noted.gives;
-    for (size_t k = 0; k < 6; k++) {
+    for (size_t k = 0; k < BASE_RATES; k++) {
         const double rate = state[d->rate[k / 3] + k % 3], acceleration = state[d->acceleration[k / 3] + k % 3];
         const double expected = !gives                 ? (rates[k] - rates_before[k]) / last
                                 : a->driven_step > 0.0 ? given[k] + (given[k] - given_before[k]) * h / last

@@ -24,7 +24,7 @@ typedef struct {
     size_t is_there, participant, change, rate[2], acceleration[2], first;
 } DrivenFrame;
 
-enum { DRIVES = 12 };
+enum { BASE_RATES = 6, DRIVES = 12 };
 
 /* Of a load's peak: where its numbers stand among what is recorded, and whether they add up or are components. */
 typedef struct {

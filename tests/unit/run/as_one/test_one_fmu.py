@@ -208,3 +208,10 @@ def test_only_a_fixed_base_can_be_driven(tmp_path):
         fanfold.export("tests/scenes/two_panels_free.toml", tmp_path, as_one=True, driven_base=True)
     with pytest.raises(fanfold.FanfoldError, match="as_one"):
         fanfold.export(TWO_PANELS, tmp_path, driven_base=True)
+
+
+def test_a_base_that_moves_at_the_start_is_refused(tmp_path):
+    """The wing starts at rest: a rate would be led up within the first step, with loads that nobody asked for."""
+    host = Host(exported(TWO_PANELS, tmp_path, driven_base=True))
+    with pytest.raises(Exception, match="fmi2ExitInitializationMode"):
+        host.start(**{"base.velocity[1]": 0.1})
