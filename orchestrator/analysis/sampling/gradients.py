@@ -4,13 +4,14 @@ Every key has a neighbour of the run, in which it differs by a small part; the d
 numbers over it. Both make the same steps with the same factors, so the errors of steps and iterations are not in it:
 internal numerical differentiation (Bock 1981). Latch-ups come earlier or later in a neighbour, and are met there.
 One neighbour more differs in all keys at once, to the other side: what its numbers miss of what the derivatives say
-tells how far these can be trusted, which is nothing where peaks are those of chaotic ringing.
+tells how far these can be trusted, which is nothing where peaks are those of chaotic ringing. It knows nothing of the
+errors that all steps share: a run at a smaller tolerance with such a neighbour of its own does.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from math import nan
 from typing import NamedTuple
 
@@ -27,6 +28,7 @@ from ...run.simulation import Options
 from ...scene import SceneError
 from ...scene.builder import Scene
 from ...scene.layers import Tree
+from ...scene.schema import TOLERANCES
 from .distributions import StudyError
 from .neighbours import Followed, run_beside
 from .varied import Settings, keys_of, meant, multiplied, own_value, value_at, written_to
@@ -42,6 +44,8 @@ _NO_NUMBERS = ("end time", "energy residual", "numerical dissipation")
 _LOADS = ("N", "N.m")
 _MOVED = 1e-12
 """Of a number, beside its like: changes below it are rounding, of what no key moves."""
+_FINER = 0.1
+"""Tolerance of a run that verifies, over that of the run."""
 _DOUBTFUL = 0.1
 """Of a gradient: an estimated error beyond which it is told of."""
 
@@ -166,11 +170,13 @@ def gradients(
     keys: Sequence[str],
     *,
     central: bool = False,
+    verify: bool = False,
     watch: Callable[[float, float], None] = lambda time, h: None,
 ) -> Gradients:
     """Deploy a scene and its neighbours; FanfoldError where one of them cannot, or where there is no derivative.
 
-    central: two neighbours a key, with differences whose error goes with the square of the part.
+    central: two neighbours a key, with differences whose error goes with the square of the part. verify: a run at a
+    tenth of the tolerance, with one neighbour in all keys, for errors that those of the steps are part of.
     """
     _refuse(keys, options)
     assembly = options.assemble(scene.check_one_run())
@@ -182,10 +188,11 @@ def gradients(
         together = _together(scene, options, parameters, beside, central=central)
         try:
             followed = _follow(assembly, options, parameters, beside, together, watch)
+            finer = _follow_finer(assembly, options, together, watch) if verify else None
         except AstrayError as error:
             astray = str(error)
         else:
-            return _told(assembly, parameters, beside, together, followed)
+            return _told(assembly, parameters, beside, together, followed, finer)
     raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
 
 
@@ -206,12 +213,25 @@ def _follow(
     return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
 
 
+def _follow_finer(
+    assembly: Assembly,
+    options: Options,
+    together: Sequence[Together],
+    watch: Callable[[float, float], None],
+) -> Followed:
+    settings = options.settings(assembly)
+    settings = replace(settings, tolerance=max(_FINER * settings.tolerance, TOLERANCES[0]))
+    others = {"all of them": together[0].assembly}
+    return run_beside(assembly, others, settings, options.until or assembly.until, watch)
+
+
 def _told(
     assembly: Assembly,
     parameters: Sequence[Parameter],
     beside: Sequence[Sequence[Beside]],
     together: Sequence[Together],
     followed: Followed,
+    finer: Followed | None,
 ) -> Gradients:
     numbers = [one for one in headline(followed.result).numbers() if one.quantity not in _NO_NUMBERS]
     here = np.array([one.value for one in numbers])
@@ -222,6 +242,10 @@ def _told(
     steps, change = together[0].steps, next(others) - here
     for one in together[1:]:
         steps, change = 0.5 * (steps - one.steps), 0.5 * (change - (next(others) - here))
+    off = np.abs(change - slopes @ steps)
+    if finer is not None:
+        there, neighbour = (_values(numbers, result) for result in (finer.result, *finer.neighbours))
+        off = np.fmax(off, np.abs(neighbour - there - slopes @ together[0].steps))
     return Gradients(
         assembly.name,
         tuple(one.name for one in parameters),
@@ -229,7 +253,7 @@ def _told(
         tuple(one.unit for one in parameters),
         tuple(numbers),
         slopes,
-        _shares(numbers, np.abs(change - slopes @ steps), np.linalg.norm(slopes * steps, axis=1)),
+        _shares(numbers, off, np.linalg.norm(slopes * steps, axis=1)),
     )
 
 

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     "commas between change together; repeatable.",
 )  # fmt: skip
 @click.option("--central", is_flag=True, help="Central differences: two neighbours a key, twice the cost.")
+@click.option(
+    "--verify", is_flag=True, help="Errors hold those of the steps: one more run at a tenth of the tolerance."
+)
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time of the run in seconds.")
 @click.option(
@@ -39,6 +42,7 @@ def command(
     large_deformation: frozenset[str],
     keys: tuple[str, ...],
     central: bool,
+    verify: bool,
     tolerance: float | None,
     until: float | None,
     output: Path | None,
@@ -51,6 +55,7 @@ def command(
         **choice.fidelities,
         large_deformation=large_deformation,
         central=central,
+        verify=verify,
         tolerance=tolerance,
         until=until,
         progress=progress,

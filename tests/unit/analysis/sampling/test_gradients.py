@@ -76,6 +76,25 @@ def test_errors_of_one_side_are_estimated():
     assert not found.warning
 
 
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_errors_of_the_steps_are_verified(tolerance):
+    """Closed form of the peak without damping, as above: differences alone know nothing of what steps err by."""
+    keys = [MOTOR, "hinge_line.line.latch.stiffness"]
+    plain, verified = (
+        fanfold.gradients(flap(damping_ratio=0.0), keys, tolerance=tolerance, verify=verify)
+        for verify in (False, True)
+    )
+    peak = verified.names.index("latch torque peak line")
+    np.testing.assert_array_equal(verified.derivatives, plain.derivatives)
+    slope = (undamped_peak(1.0 + 1e-5) - undamped_peak(1.0 - 1e-5)) / 2e-5
+    exact = np.array([slope, ANGLE / (undamped_peak() - 1.0)])
+    by_part = verified.values * (verified.derivatives[peak] - exact)
+    error = abs(by_part.sum()) / np.linalg.norm(verified.values * exact)
+    assert plain.errors[peak] < 1e-5
+    # the run at a tenth of the tolerance errs as well, by up to as much
+    assert error / 4.0 < verified.errors[peak] < 4.0 * error
+
+
 def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
     """A latch time with noise of a part of 1e-5, as large as what the keys do to it: named, and crossed out."""
     dice = np.random.default_rng(0)
