@@ -19,13 +19,13 @@ from components.contract.frames import exponential, multiply, rotate
 from components.contract.roles import HOLD
 from components.hinge import Hinge
 
+from ..assembly.statics.configuration import Configuration, free_lines, hinges_of, lines_named, placed
+from ..assembly.statics.equilibrium_search import settle
+from ..assembly.statics.mechanism import Mechanism
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names
 from ..scene.locked_groups import joined
 from ..scene.units import degrees_text
-from .statics.configuration import Configuration, free_lines, hinges_of, lines_named, placed
-from .statics.equilibrium_search import settle
-from .statics.mechanism import Mechanism
 
 _LARGEST_STEP = pi / 36.0
 """rad that a swept line turns between two equilibria"""

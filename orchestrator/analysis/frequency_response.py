@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
+from ..assembly.statics.configuration import Configuration
+from ..assembly.statics.linear_model import LinearModel, modal_damping, normal_modes
 from ..scene import SceneError
-from .statics.configuration import Configuration
-from .statics.linear_model import LinearModel, modal_damping, normal_modes
 from .vibration import DIRECTIONS, INTERFACE
 
 Complex = NDArray[np.complex128]

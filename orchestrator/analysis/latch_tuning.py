@@ -21,14 +21,14 @@ from components.contract.roles import LATCH_COMMAND
 
 from ..assembly import Link, Part
 from ..assembly.hinges import LatchSetting, hinge_parts
+from ..assembly.statics.configuration import configuration
+from ..assembly.statics.linear_model import LinearModel, linearise, normal_modes
+from ..assembly.statics.mechanism import Mechanism
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import StartPose, base_model, body_model, scene_points, with_angles
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import held_bodies
 from ..scene.loops.closing import start_poses
-from .statics.configuration import configuration
-from .statics.linear_model import LinearModel, linearise, normal_modes
-from .statics.mechanism import Mechanism
 
 Kind = Literal["total", "structure"]
 

@@ -14,11 +14,11 @@ from math import log10
 import numpy as np
 from scipy.optimize import brentq
 
+from ..assembly.statics.configuration import configuration
 from ..scene import CheckedScene, SceneError
 from ..scene.hinge_line_tables import HingeLine
 from .latch_tuning import find_line
 from .modes import Mode, find_modes
-from .statics.configuration import configuration
 from .vibration import DIRECTIONS
 
 _SOFTEST, _STIFFEST = 1.0 / 30.0, 1e4

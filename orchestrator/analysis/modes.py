@@ -16,10 +16,9 @@ import numpy as np
 
 from components.contract.component import Vector
 
-from ..scene import CheckedScene
-from ..scene.damping import StructuralDamping
-from .statics.configuration import Configuration, scene_model
-from .statics.linear_model import (
+from ..assembly.statics.configuration import Configuration, scene_model
+from ..assembly.statics.configuration import Named as Named
+from ..assembly.statics.linear_model import (
     LinearModel,
     NormalModes,
     damping_shares,
@@ -29,7 +28,9 @@ from .statics.linear_model import (
     normal_modes,
     spinning_modes,
 )
-from .statics.steady_spin import spin_at_start
+from ..assembly.statics.steady_spin import spin_at_start
+from ..scene import CheckedScene
+from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
 
 _SMALLEST_SHARE = 1e-3

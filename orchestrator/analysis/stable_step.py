@@ -18,8 +18,8 @@ from components.contract.roles import LATCH_COMMAND
 from components.numerics.oscillators import propagator
 
 from ..assembly import Assembly
-from .statics.linear_model import LinearModel, linearise
-from .statics.mechanism import Mechanism
+from ..assembly.statics.linear_model import LinearModel, linearise
+from ..assembly.statics.mechanism import Mechanism
 
 STEPS = tuple(m * 10.0**-k for k in range(2, 9) for m in (5.0, 2.0, 1.0))
 """Steps (s) among which it is sought, largest first."""

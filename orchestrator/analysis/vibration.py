@@ -1,10 +1,10 @@
-"""What analyses of vibration are asked in: directions, the load on the base, what counts as a free motion."""
+"""What analyses of vibration are asked in: directions, and the load on the base."""
 
 from __future__ import annotations
+
+from ..assembly.statics.linear_model import ZERO_FREQUENCY as ZERO_FREQUENCY
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along, then rotations about the world axes."""
 INTERFACE = "interface"
 """The load on the base, in place of a point."""
-ZERO_FREQUENCY = 1e-3
-"""Hz; below it a mode is a free motion. Round-off of bushings and locks leaves 1e-5 Hz on a body of 1 kg.m2."""

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from ..analysis.latch_tuning_of_wing import WingTuning
     from ..analysis.mode_study import ModeStudy
     from ..analysis.modes import Modes
-    from ..analysis.statics.configuration import Configuration, Named
     from ..analysis.stress.hot_spots import PanelStress
     from ..analysis.stress.outputs import BodyOutputs
     from ..analysis.studies import LatchStudy
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from ..analysis.torque_margin.restart import CaseRestart
     from ..analysis.torque_margin.standard import FactorKind
     from ..analysis.torque_margin.sweep import FrictionKind
+    from ..assembly.statics.configuration import Configuration, Named
     from ..scene.hinge_line_tables import HingeLine
 
 Angles = Mapping[str, Quantity]
@@ -146,8 +146,8 @@ def frequency_response(
     high: Hz. steps: frequencies, beside those around resonances.
     """
     from ..analysis.frequency_response import FrequencyResponse, frequency_grid, responses
-    from ..analysis.statics.configuration import scene_model
     from ..analysis.vibration import DIRECTIONS, ZERO_FREQUENCY
+    from ..assembly.statics.configuration import scene_model
 
     for name, direction in (("excite", excite), ("along", along or excite)):
         if direction not in DIRECTIONS:
@@ -443,7 +443,7 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
 def _configuration(
     scene: CheckedScene, named: Named, angles: Angles | None, latched: Names | None
 ) -> Configuration:
-    from ..analysis.statics.configuration import configuration
+    from ..assembly.statics.configuration import configuration
 
     if named not in ("stowed", "deployed", "current"):
         raise SceneError(

@@ -37,7 +37,8 @@ SCENE_CHANNELS = (
 class Statistics:
     """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made.
 
-    latch_damping: part of critical damping that lines, by name, latched with.
+    latch_damping: part of critical damping that lines, by name, latched with. restless: what does not start at rest
+    though it should, a sentence, empty where all does.
     """
 
     steps: int = 0
@@ -45,6 +46,7 @@ class Statistics:
     rejected: int = 0
     fmu_time: float = 0.0
     latch_damping: dict[str, float] = field(default_factory=dict)
+    restless: str = ""
 
 
 class CoSimulation(ABC):
@@ -78,7 +80,10 @@ class CoSimulation(ABC):
         self._rows = Rows(recorder, network.participants, solver.observations, self._scene)
 
     def initialize(self, *, preload: bool) -> None:
-        """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
+        """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held.
+
+        What is found may be not quite one, which `Statistics.restless` tells.
+        """
         network = self.network
         for participant in network.participants:
             if "order" in participant.parameter_layout:
@@ -119,7 +124,7 @@ class CoSimulation(ABC):
         self._command(HOLD.name, 1.0)
         solver.mode = "static"
         solver.save(-DURATION)
-        StaticSearch(solver).run()
+        self.statistics.restless = StaticSearch(solver).run()
         for participant, name, _, normal in changed:
             participant.set_parameter(name, normal)
         self._command(HOLD.name, 0.0)

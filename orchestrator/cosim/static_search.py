@@ -38,8 +38,11 @@ class StaticSearch:
         self._solver = solver
         self._bodies = solver.network.bodies
 
-    def run(self) -> None:
-        """Search; the solver's accepted wrenches are those of the equilibrium afterwards."""
+    def run(self) -> str:
+        """Search; the solver's accepted wrenches are those of the equilibrium afterwards.
+
+        What does not come to rest, a sentence, as soft coordinates hardly do; empty where all does.
+        """
         solver = self._solver
         usual, solver.persistent = solver.persistent, True
         time = -DURATION
@@ -50,6 +53,17 @@ class StaticSearch:
             poses.append(self._poses())
         solver.persistent = usual
         self._check_held(*poses[-3:], h=_STEPS[-1])
+        return self._restless(_motions(*poses[-2:]), _STEPS[-1])
+
+    def _restless(self, motions: Sequence[Vector], h: float) -> str:
+        worst = int(np.argmax([np.abs(motion).max() for motion in motions]))
+        if np.abs(motions[worst]).max() <= _AT_REST:
+            return ""
+        return (
+            f"it does not start quite at rest: the search for static equilibrium ends while {self._bodies[worst].name} "
+            f"still moves {_described(motions[worst], h)}; joints are soft beside the loads that bend them, or "
+            "next to nothing holds it in that direction"
+        )
 
     def _follow(self, time: float, h: float) -> None:
         """A step, or several short ones in its place where it does not converge."""

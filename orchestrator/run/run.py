@@ -17,12 +17,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, Layout
+from components import REGISTRY, ComponentError, FanfoldError, Layout
 from components.cache.temporary import process_folder
 from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross_compiled
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
+from ..assembly.statics.start import at_rest
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
@@ -51,6 +52,10 @@ Loader = Callable[[Assembly], AbstractContextManager[Sequence[Participant]]]
 _PACKAGES = ("fanfold", "numpy", "scipy", "fmpy", "pythonfmu")
 
 
+class _RestlessError(FanfoldError):
+    """The static search has not come to rest."""
+
+
 @dataclass(frozen=True, slots=True)
 class Costs:
     """What a run cost: steps, sweeps over all participants, rejected steps, wall time (s), share of it in FMUs."""
@@ -77,7 +82,8 @@ class Costs:
 class Outcome:
     """A finished run: its result, which master made it at which order, headline, costs, step sizes taken.
 
-    latch_damping: part of critical damping that lines, by name, latched with, as far as the master saw.
+    latch_damping: part of critical damping that lines, by name, latched with, as far as the master saw. restless: what
+    did not start at rest though it should, a sentence.
     """
 
     result: Result
@@ -87,6 +93,7 @@ class Outcome:
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
     latch_damping: Mapping[str, float] = field(default_factory=dict)
+    restless: str = ""
 
     @property
     def path(self) -> Path:
@@ -221,6 +228,28 @@ def run(
     With participants that cannot roll back, the explicit Gauss-Seidel master steps in for the implicit one. asked:
     what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
     """
+    asked_for = output, settings, until, master, watch, warn, load, asked, start
+    try:
+        return _run(assembly, *asked_for, insist=assembly.preload and start is None)
+    except _RestlessError:
+        return _run(at_rest(assembly), *asked_for, insist=False)
+
+
+def _run(
+    assembly: Assembly,
+    output: Path | None,
+    settings: Settings,
+    until: float | None,
+    master: MasterKind,
+    watch: Callable[[float, float], None],
+    warn: Callable[[str], None],
+    load: Loader,
+    asked: Mapping[str, Any] | None,
+    start: Checkpoint | None,
+    *,
+    insist: bool,
+) -> Outcome:
+    """The same; insist: _RestlessError where the static search is not enough."""
     end = assembly.until if until is None else until
     if output is not None:
         watch = FreeSpace(output, end, warn, watch)
@@ -255,7 +284,7 @@ def run(
                 f"{assembly.name}: a run with FMUs that have signals ({names}) has no checkpoints, as their state "
                 "is not kept; leave checkpoint out"
             )
-        return _follow(assembly, network, output, settings, end, master, asked or {}, start)
+        return _follow(assembly, network, output, settings, end, master, asked or {}, start, insist)
 
 
 def _follow(
@@ -267,8 +296,9 @@ def _follow(
     kind: MasterKind,
     asked: Mapping[str, Any],
     resumed: Checkpoint | None,
+    insist: bool,
 ) -> Outcome:
-    """Step a network through time into a result."""
+    """Step a network through time into a result; insist: see `_run`."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = signal_groups(network)
     groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
@@ -303,6 +333,8 @@ def _follow(
                 runner.resume(resumed.snapshot)
             else:
                 runner.initialize(preload=assembly.preload)
+            if insist and runner.statistics.restless:
+                raise _RestlessError
             runner.run(end)
         except (ParticipantError, StepError) as error:
             raise _broken_off(f"{assembly.name}: {error}", writer) from None
@@ -317,7 +349,8 @@ def _follow(
         checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    return Outcome(result, kind, network.order, headline(result), costs, segments, statistics.latch_damping)
+    seen = statistics.latch_damping, statistics.restless
+    return Outcome(result, kind, network.order, headline(result), costs, segments, *seen)
 
 
 def _signal_processes(assembly: Assembly, stack: ExitStack) -> list[SignalProcess]:

@@ -178,6 +178,7 @@ def simulate(
                 outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
     found = (
         outcome.headline.open_ends(),
+        [f"{assembly.name}: {outcome.restless}"] if outcome.restless else [],
         _absent_sentences(assembly, outcome),
         _damped_sentences(scene, assembly, outcome),
         open_joint_sentences(scene, assembly, outcome.result),

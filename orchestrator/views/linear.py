@@ -15,8 +15,8 @@ from components.contract.component import Vector
 
 from ..analysis.frequency_response import FrequencyResponse
 from ..analysis.modes import Modes
-from ..analysis.statics.linear_model import LinearModel, NormalModes
-from ..analysis.statics.mechanism import Mechanism
+from ..assembly.statics.linear_model import LinearModel, NormalModes
+from ..assembly.statics.mechanism import Mechanism
 from .space import bounds, set_view
 from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
 

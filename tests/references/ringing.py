@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from orchestrator.analysis.statics.configuration import configuration, with_angles
-from orchestrator.analysis.statics.linear_model import linearise, normal_modes
-from orchestrator.analysis.statics.mechanism import Mechanism
-from orchestrator.analysis.statics.placed_body import PlacedBody
 from orchestrator.assembly import Assembly, Part
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.configuration import configuration, with_angles
+from orchestrator.assembly.statics.linear_model import linearise, normal_modes
+from orchestrator.assembly.statics.mechanism import Mechanism
+from orchestrator.assembly.statics.placed_body import PlacedBody
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network

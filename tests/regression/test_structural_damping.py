@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from orchestrator.analysis.statics.configuration import configuration, placed
-from orchestrator.analysis.statics.linear_model import linearise, normal_modes
+from orchestrator.assembly.statics.configuration import configuration, placed
+from orchestrator.assembly.statics.linear_model import linearise, normal_modes
 from orchestrator.scene import load_scene
 
 from .scene_runs import RUNS

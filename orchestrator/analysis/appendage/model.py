@@ -19,10 +19,10 @@ import numpy as np
 from components.contract.component import Vector
 from components.contract.roles import HOLD
 
+from ...assembly.statics.configuration import Configuration, hinges_of, lines_named, loaded, placed
+from ...assembly.statics.linear_model import LinearModel, NormalModes, linearise, normal_modes
 from ...scene import CheckedScene, SceneError
 from ...scene.builder import Names
-from ..statics.configuration import Configuration, hinges_of, lines_named, loaded, placed
-from ..statics.linear_model import LinearModel, NormalModes, linearise, normal_modes
 
 
 class StateSpace(NamedTuple):

@@ -14,7 +14,7 @@ from ..options import Command, Others, SceneChoice, ordered_names
 from ..types import given_quantity
 
 if TYPE_CHECKING:
-    from ...analysis.statics.configuration import Named
+    from ...analysis.modes import Named
 
 _MOST = 2.0 * pi * (1.0 + 1e-9)
 """rad; no line turns further, and 360deg is rounded."""

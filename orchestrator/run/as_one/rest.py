@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from components.contract.quantity import Vector
 
 from ...assembly import Assembly
+from ...assembly.statics.start import at_rest
 from ...cosim.master import Master
 from ...cosim.network import Network
 from ...cosim.ports import Order
@@ -31,17 +32,24 @@ def rest(assembly: Assembly, settings: Settings, order: Order) -> Mapping[str, A
     """
     if not assembly.preload:
         return {}
+    found, is_at_rest = _search(assembly, settings, order)
+    return found if is_at_rest else _search(at_rest(assembly), settings, order)[0]
+
+
+def _search(assembly: Assembly, settings: Settings, order: Order) -> tuple[Mapping[str, ArrayLike], bool]:
+    """What the master's search finds, and whether it has come to rest there."""
     with as_fmus(assembly, "native") as participants:
         network = Network(participants, assembly.links, order)
         master = Master(network, assembly.hinge_lines, NoRecorder(), settings, assembly.events)
         master.initialize(preload=True)
         found = master.snapshot()
     names = [participant.name for participant in network.participants]
-    return {
+    tables = {
         "rest_states": np.concatenate([_states(found.states[name]) for name in names]),
         "rest_inputs": np.concatenate([found.arrays[f"inputs {name}"] for name in names]),
         "rest_wrenches": found.arrays["accepted"],
     }
+    return tables, not master.statistics.restless
 
 
 def _states(serialised: bytes) -> Vector:

@@ -10,8 +10,8 @@ from scipy.linalg import expm
 import orchestrator as fanfold
 from orchestrator.analysis.appendage.files import craig_bampton, write_appendages
 from orchestrator.analysis.frequency_response import base_response
-from orchestrator.analysis.statics.configuration import configuration, placed
-from orchestrator.analysis.statics.linear_model import linearise
+from orchestrator.assembly.statics.configuration import configuration, placed
+from orchestrator.assembly.statics.linear_model import linearise
 from orchestrator.cli.main import main
 
 SATELLITE = {"mass": 40.0, "inertia": (6.0, 8.0, 9.0)}

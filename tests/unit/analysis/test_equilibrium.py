@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from orchestrator.analysis.equilibrium import Sweep, equilibrium, quasi_static
-from orchestrator.analysis.statics.configuration import Configuration, configuration, lines_named
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.configuration import Configuration, configuration, lines_named
 from orchestrator.cli.main import main
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.network import Network

@@ -17,9 +17,9 @@ from orchestrator.analysis.frequency_response import (
     point_motion,
     responses,
 )
-from orchestrator.analysis.statics.configuration import configuration, placed
-from orchestrator.analysis.statics.linear_model import linearise, normal_modes
 from orchestrator.analysis.vibration import INTERFACE
+from orchestrator.assembly.statics.configuration import configuration, placed
+from orchestrator.assembly.statics.linear_model import linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import SceneError, load_scene
 from tests.references.edits import edited

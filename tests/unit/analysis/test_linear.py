@@ -9,13 +9,13 @@ import pytest
 from components import REGISTRY, catalogue, left_product
 from components.body import Body
 from components.flexible.reduction import fixed_interface_frequencies
-from orchestrator.analysis.statics.configuration import configuration, loaded, placed
-from orchestrator.analysis.statics.connection_at_rest import Connection, at_rest
-from orchestrator.analysis.statics.linear_model import linearise, modal_damping, normal_modes
-from orchestrator.analysis.statics.mechanism import Mechanism
-from orchestrator.analysis.statics.placed_body import PlacedBody
 from orchestrator.assembly import Part
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.configuration import configuration, loaded, placed
+from orchestrator.assembly.statics.connection_at_rest import Connection, at_rest
+from orchestrator.assembly.statics.linear_model import linearise, modal_damping, normal_modes
+from orchestrator.assembly.statics.mechanism import Mechanism
+from orchestrator.assembly.statics.placed_body import PlacedBody
 from orchestrator.scene import SceneError, find_scene, load_scene
 from tests.references.closed_forms import two_inertia_frequency
 from tests.references.coupled import between, rigid, turned

@@ -10,9 +10,9 @@ from click.testing import CliRunner
 
 import orchestrator as fanfold
 from orchestrator.analysis.modes import mode_table
-from orchestrator.analysis.statics.configuration import configuration, loaded, placed
-from orchestrator.analysis.statics.linear_model import effective_masses, linearise, normal_modes
 from orchestrator.analysis.vibration import DIRECTIONS
+from orchestrator.assembly.statics.configuration import configuration, loaded, placed
+from orchestrator.assembly.statics.linear_model import effective_masses, linearise, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene

@@ -11,9 +11,9 @@ import pytest
 import orchestrator as fanfold
 from fmus import native_library
 from orchestrator.analysis.stable_step import growth, largest_stable_step, own_growth
-from orchestrator.analysis.statics.linear_model import linearise
-from orchestrator.analysis.statics.mechanism import Mechanism
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.linear_model import linearise
+from orchestrator.assembly.statics.mechanism import Mechanism
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import RunError, run
 from orchestrator.scene import find_scene, load_scene

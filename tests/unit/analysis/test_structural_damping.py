@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 from orchestrator.analysis.modes import mode_table
-from orchestrator.analysis.statics.configuration import configuration, loaded, placed
-from orchestrator.analysis.statics.linear_model import linearise, modal_damping, normal_modes
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.configuration import configuration, loaded, placed
+from orchestrator.assembly.statics.linear_model import linearise, modal_damping, normal_modes
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 from tests.references.edits import edited

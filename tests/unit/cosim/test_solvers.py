@@ -489,8 +489,8 @@ def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
         patch.setattr(native_solver._LIMITS, "halvings", 0)
         whole = run(sticking(), None, Settings(), END).costs
     assert halved.rejected < 0.5 * whole.rejected
-    begun = run(sticking(), None, Settings(), 0.3 * END).costs
+    begun = run(sticking(), None, Settings(), 0.55 * END).costs
     in_python(monkeypatch)
-    python = run(sticking(), None, Settings(), 0.3 * END).costs
+    python = run(sticking(), None, Settings(), 0.55 * END).costs
     assert begun.rejected > 0
     assert (python.steps, python.iterations) == (begun.steps, begun.iterations)

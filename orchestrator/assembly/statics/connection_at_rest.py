@@ -17,8 +17,8 @@ from components.contract.frames import exponential, skew
 from components.contract.instance import Value
 from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
 
-from ...assembly import Part
 from ...scene.table import SceneError
+from .. import Part
 
 _STEP = 1e-5
 """m, rad, m/s and rad/s; central differences, whose errors of truncation and of round-off are then both 1e-11."""

@@ -13,7 +13,7 @@ from components.contract.frames import Quaternion, skew
 from components.fixed_base import FixedBase
 from components.moving_base import MovingBase
 
-from ...assembly import Link, Part
+from .. import Link, Part
 from .connection_at_rest import Connection
 from .placed_body import PlacedBody
 from .steady_spin import Spin

@@ -9,12 +9,12 @@ from typing import Literal
 
 from components.contract.roles import HOLD, LATCH_COMMAND, RELEASE_COMMAND
 
-from ...assembly.assemble import assemble
 from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, with_angles
 from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.loops.closing import start_poses
+from ..assemble import assemble
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
 from .mechanism import Mechanism

@@ -16,8 +16,8 @@ from components.contract.ports import MOTION_SIZE
 from components.fixed_base import FixedBase
 from components.moving_base import MovingBase
 
-from ...assembly import Part
 from ...scene.table import SceneError
+from .. import Part
 
 
 class PlacedBody:

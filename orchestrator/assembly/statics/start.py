@@ -1,0 +1,52 @@
+"""Where an assembly with preload starts, found by Newton's method on exact tangents, where other searches creep."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from components.contract.frames import rotate
+from components.contract.roles import HOLD
+
+from ...scene.table import SceneError
+from .. import Assembly, Part
+from ..start_values import with_port_starts
+from .equilibrium_search import settle
+from .mechanism import Mechanism
+from .placed_body import PlacedBody
+
+_FALLS = 1e-6
+"""N and N.m on a free base, from which on it does not stay where it is."""
+
+
+def at_rest(assembly: Assembly) -> Assembly:
+    """The assembly with bodies in static equilibrium, all that can be held; unchanged where none is found near.
+
+    Beams of large deformation have no linear model, and scenes with them stay as they are. So do those whose free base
+    falls with all it carries, as here bases stand still.
+    """
+    try:
+        mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
+        mechanism.command(HOLD.name, 1.0, mechanism.connections)
+        settle(mechanism, "")
+    except SceneError:
+        return assembly
+    base = mechanism.bodies[mechanism.base]
+    if base.body is not None and np.abs(mechanism.forces()[mechanism.rows[base.name]]).max() > _FALLS:
+        return assembly
+    parts = [_placed(part, mechanism.bodies.get(part.name)) for part in assembly.parts]
+    return replace(assembly, parts=with_port_starts(parts, assembly.links))
+
+
+def _placed(part: Part, at: PlacedBody | None) -> Part:
+    """A part that starts where its body came to rest."""
+    if at is None or at.body is None:
+        return part
+    center = tuple(at.body.data.center_of_mass.tolist())
+    start = {
+        "initial_position": tuple((at.position - np.array(rotate(at.orientation, center))).tolist()),
+        "initial_orientation": at.orientation,
+    }
+    bent = {"initial_modal_coordinate": tuple(at.eta.tolist())} if at.modes else {}
+    return replace(part, start={**part.start, **start, **bent})
