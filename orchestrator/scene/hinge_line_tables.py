@@ -123,7 +123,7 @@ class Motor(Table):
     angle: tuple[Angle, ...] = ()
     """Hinge angles of a table, increasing."""
     torque: tuple[Torque, ...] = ()
-    """Torques over these angles while the line opens, positive opening."""
+    """Torques over these angles while the line opens, positive opening; monotone cubics (PCHIP) lie between them."""
     closing_torque: tuple[Torque, ...] = ()
     """Torques over these angles while the line closes, where hysteresis makes them more."""
 
@@ -151,7 +151,7 @@ class Harness(Table):
     angle: tuple[Angle, ...]
     """Hinge angles, increasing."""
     resisting_torque: tuple[Torque, ...]
-    """Torque that resists opening over these angles."""
+    """Torque that resists opening over these angles; monotone cubics (PCHIP) lie between them."""
     closing_torque: tuple[Torque, ...] = ()
     """The same while the line closes, where hysteresis makes it less."""
 
@@ -259,7 +259,7 @@ class Latch(Table):
     kind: Literal["by_fidelity", "kinematic", "spring"] = "by_fidelity"
     """Whether the line is locked, or held by a spring: by_fidelity is a spring of the compliance that bodies lack."""
     stiffness: TurningStiffness
-    """Stiffness of the latched line with both sides of the structure."""
+    """Stiffness of the latched line with both sides of the structure; a flexible side without its own softens it."""
     inboard_stiffness: TurningStiffness | None = None
     """Stiffness of the structure on the inboard side, in series; without it that side adds no compliance."""
     outboard_stiffness: TurningStiffness | None = None
