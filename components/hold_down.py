@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 from .contract.component import ComponentError, Vector
 from .contract.connection import NO_PAIR, SLOPES, WRENCH, Connection, Inputs
 from .contract.frames import Quaternion, Vector3, cross, rotate, rotate_back, subtract
-from .contract.record import Record, flagged, integrated, kept, observed, tunable
+from .contract.ports import PortMotion
+from .contract.record import Record, fixed, flagged, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
     END_WEIGHT,
@@ -38,6 +39,9 @@ class _Parameters(NamedTuple):
     translational_stiffness: Annotated[Vector3, tunable("N/m", "Stiffness along the inboard axes", 1e6, 0.0)]
     translational_damping: Annotated[Vector3, tunable("N.s/m", "Damping along the inboard axes", 0.0, 0.0)]
     preload: Annotated[float, tunable("N", "Force at the start that pulls against the axis", 0.0, 0.0)]
+    initial_displacement: Annotated[
+        Vector3, fixed("m", "At the start, from where the preload is, inboard axes")
+    ]
     release_time: Annotated[float, tunable("s", "Time of the release; 0: by command only", 0.0, 0.0)]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
@@ -113,7 +117,8 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
     """Holds the outboard on the inboard port by springs along the three inboard axes, in no rotation.
 
     axis: direction of the preload in the axes of the inboard port. Displacements count from the ports' offset at
-    the start, where the force on the outboard port is the preload against the axis: the bolt pulls it inboard. The
+    the start, less the initial displacement of a scene that starts in equilibrium; there the force on the outboard port
+    is the preload against the axis: the bolt pulls it inboard. The
     release comes at the start of a step whose command says so, or at the end of the step that reaches the release
     time; that step is held throughout, so a master should end one there, as the time to the break tells. The bolt
     keeps the elastic energy of that instant as heat. The clock starts at zero, when the scene does, and stands
@@ -146,10 +151,18 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         return _Constants(one, (x, y, z), self._is_paired(one.order, one.end_weight))
 
     def start(self, c: _Constants, u: Inputs[_Commands]) -> _State:
-        """Held, without displacement in the pose of the inputs."""
-        now = self._instant(u, _NOWHERE)
+        """Held, in the pose of the inputs by its initial displacement away from where displacements count."""
+        now = self._instant(u, c.p.initial_displacement)
         memories = tuple(Memory(rate, rate) for rate in now.rate)
         return _State(now.frame, now.gap, now.displacement, memories, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def led(self, before: Sequence[PortMotion], now: Sequence[PortMotion]) -> Mapping[str, Sequence[float]]:
+        """What the ports' offset has changed by."""
+        then, here = (
+            rotate_back(inboard.orientation, subtract(outboard.position, inboard.position))
+            for inboard, outboard in (before, now)
+        )
+        return {"initial_displacement": subtract(here, then)}
 
     @staticmethod
     def _instant(u: Inputs[_Commands], start: Vector3) -> _Instant:

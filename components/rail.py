@@ -9,9 +9,19 @@ from typing import Annotated, NamedTuple
 from numpy.typing import ArrayLike
 
 from .contract.connection import WRENCH, Connection, Impulse, Inputs
-from .contract.frames import Quaternion, Vector3, conjugate, multiply, nearest_turn, rotate
+from .contract.frames import (
+    Quaternion,
+    Vector3,
+    conjugate,
+    exponential,
+    multiply,
+    nearest_turn,
+    rotate,
+    rotation_vector,
+    subtract,
+)
 from .contract.ports import WRENCH_SIZE, PortMotion
-from .contract.record import Record, integrated, kept, observed, tunable
+from .contract.record import Record, fixed, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
     DISSIPATION,
@@ -37,6 +47,12 @@ class _Parameters(NamedTuple):
     rotational_damping: Annotated[float, tunable("N.m.s/rad", "Damping of any rotation", 0.0, 0.0)]
     friction_force: Annotated[float, tunable("N", "Coulomb friction against sliding", 0.0, 0.0)]
     stiction_velocity: Annotated[float, tunable("m/s", "Speed from which friction is full", 2e-2, 1e-9)]
+    initial_offset: Annotated[
+        Vector3, fixed("m", "Of the trolley at the start, from its free place, world axes")
+    ]
+    initial_turn: Annotated[
+        Vector3, fixed("rad", "The same of its orientation, rotation vector in world axes")
+    ]
     end_weight: Annotated[float, END_WEIGHT]
 
     @property
@@ -61,8 +77,8 @@ class _Parameters(NamedTuple):
 
 
 class _State(NamedTuple):
-    position: Annotated[Vector3, kept("m", "Place of the trolley at the start, world axes")]
-    orientation: Annotated[Quaternion, kept("1", "Its orientation at the start")]
+    position: Annotated[Vector3, kept("m", "Free place of the trolley, world axes")]
+    orientation: Annotated[Quaternion, kept("1", "Its orientation there")]
     offset: Annotated[Vector3, kept("m", "Offset from there, the first along the normal")]
     turn: Annotated[Vector3, kept("rad", "Turn from there: twist about the normal, swing")]
     memories: Annotated[tuple[Memory, ...], kept("1", "Memories of the stiff coordinates").sized(4)]
@@ -110,6 +126,8 @@ class _Instant(NamedTuple):
 class Rail(Connection[_Parameters, _State, Impulse]):
     """Guides the trolley port in the plane through its place at the start, at its orientation there.
 
+    A scene that starts in equilibrium has an initial offset and turn from there.
+
     normal: direction normal to the plane, world axes; the plane is fixed to the ground, so the rail has one port
     only. Stiffness and damping act along the normal and on all rotations; in the plane there is only friction.
     """
@@ -123,13 +141,24 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         super().__init__({"normal": tuple(normal)}, wrench_mode)
 
     def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
-        """The plane goes through the place of the inputs."""
+        """The plane goes through the place of the inputs, less the initial offset and turn."""
         (trolley,) = u.motions
-        now = self._instant(trolley.position, trolley.orientation, u, 0.0)
+        position = subtract(trolley.position, c.initial_offset)
+        orientation = multiply(conjugate(exponential(c.initial_turn)), trolley.orientation)
+        now = self._instant(position, orientation, u, 0.0)
         memories = tuple(Memory(rate, rate) for rate in now.rates)
         slide = MidStep.starting(now.speed)
-        place = (trolley.position, trolley.orientation, now.pose.offset, now.stiff[1:])
+        place = (position, orientation, now.pose.offset, now.stiff[1:])
         return _State(*place, memories, slide, 0.0, 0.0, 0.0)
+
+    def led(self, before: Sequence[PortMotion], now: Sequence[PortMotion]) -> Mapping[str, Sequence[float]]:
+        """How the trolley has moved and turned."""
+        (then,), (here,) = before, now
+        turn = multiply(here.orientation, conjugate(then.orientation))
+        return {
+            "initial_offset": subtract(here.position, then.position),
+            "initial_turn": rotation_vector(turn),
+        }
 
     def _instant(
         self, position: Vector3, orientation: Quaternion, u: Inputs[Impulse], reference: float

@@ -55,6 +55,7 @@ class Connection(Component, Generic[P, S, C]):
         powers(c, s, u)     -> rates           of the states that have them, in their order
         follow(c, s, u, at_event) -> S         what a state remembers of a solver's step, and what happens at an event
         indicate(c, s, u)   -> indicators      that change their sign at events, `indicator_count` of them
+        led(before, now)    -> start values    of one that starts elsewhere than where its springs are free
 
     where c is what `prepare` returns, the parameters by name unless a subclass has more to derive.
     """
@@ -84,6 +85,13 @@ class Connection(Component, Generic[P, S, C]):
         )
         if self.endpoint:
             self.continuous = ContinuousStates.of(self.state_layout, self.indicator_count)
+
+    def led(self, before: Sequence[PortMotion], now: Sequence[PortMotion]) -> Mapping[str, Sequence[float]]:
+        """Start values of parameters, for ports that start now where a scene's equilibrium led them from before.
+
+        None where nothing counts from where ports start.
+        """
+        return {}
 
     def prepare(self, p: Vector) -> Any:  # noqa: ANN401 - of the component's own kind
         """The checked parameters by name."""

@@ -40,6 +40,11 @@ def observed(unit: str, description: str, role: str = "") -> Quantity:
     return Quantity("", unit, description, role=role)
 
 
+def fixed(unit: str, description: str) -> Quantity:
+    """A parameter of zero that is given before the start only."""
+    return Quantity("", unit, description)
+
+
 def flagged(description: str) -> Quantity:
     """An observation that is 0 or 1, and nothing between."""
     return Quantity("", "1", description, variability="discrete")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..assembly import Assembly, Part
-from ..assembly.start_values import with_port_starts
+from ..assembly.start_values import led_to
 from ..cosim.settings import Settings
 from ..results.result import Result
 from .run import run
@@ -31,7 +31,7 @@ def started_at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
     settings = Settings(assembly.tolerance, assembly.largest_step)
     found = run(coupled, None, settings, _INSTANT).result
     placed = [replace(part, start={**part.start, **dict(_starts(part, found))}) for part in assembly.parts]
-    return replace(assembly, parts=with_port_starts(placed, assembly.links), preload=False)
+    return replace(assembly, parts=led_to(assembly.parts, placed, assembly.links), preload=False)
 
 
 def _starts(part: Part, found: Result) -> Iterator[tuple[str, tuple[float, ...]]]:

@@ -11,6 +11,7 @@ import numpy as np
 from components import REGISTRY, Component, ComponentError, Instance, Quantity
 from components.contact import Contact
 from components.contract.frames import Vector3, add
+from components.hinge import Hinge
 
 from .bodies import StartPose
 from .connection_tables import Connection
@@ -33,6 +34,9 @@ def component_values(
     start = {
         name: value_of(_parameter(component, name), value) for name, value in connection.parameters.items()
     }
+    if connection.kind == Hinge.kind and np.ravel(start.get("rotational_stiffness", 0.0))[0] > 0.0:
+        # its springs hold it about its line: what another hold took of them would be missing when that ends
+        start.setdefault("hold_stiffness", 0.0)
     return dict(component.structure), start
 
 

@@ -473,6 +473,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
+    memset(a->inputs, 0, a->commands * sizeof(double)); /* those that are given act at the first communication point */
     a->driven_step = 0.0;
     a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;

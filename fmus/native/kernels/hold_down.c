@@ -192,11 +192,11 @@ static int hold_down_prepare(void *self, const double *p, Reason *why) {
     return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
-/* Held, without displacement in the pose of the inputs. */
+/* Held, in the pose of the inputs by its initial displacement away from where displacements count. */
 static int hold_down_initial(void *self, const double *u, double *x, Reason *why) {
-    const double nowhere[AXES] = {0.0, 0.0, 0.0};
-    (void)self, (void)why;
-    Instant now = hold_down_instant(u, nowhere);
+    const HoldDown *hold_down = self;
+    (void)why;
+    Instant now = hold_down_instant(u, hold_down->base.p + P_INITIAL_DISPLACEMENT);
     memset(x, 0, STATES * sizeof *x);
     quaternion_store(now.frame, x + X_FRAME);
     vector_store(now.gap, x + X_GAP);

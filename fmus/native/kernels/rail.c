@@ -156,13 +156,16 @@ static int rail_prepare(void *self, const double *p, Reason *why) {
     return prepare_connection(self, p, 2.0, p[P_END_WEIGHT], why);
 }
 
-/* The plane goes through the place of the inputs. */
+/* The plane goes through the place of the inputs, less the initial offset and turn. */
 static int rail_initial(void *self, const double *u, double *x, Reason *why) {
     const Rail *rail = self;
     (void)why;
-    Trolley now = trolley_of(rail, u, u, 0.0);
+    const double *p = rail->base.p;
     memset(x, 0, STATES * sizeof *x);
-    memcpy(x + X_POSITION, u, PLACE_SIZE * sizeof *x);
+    for (int i = 0; i < 3; i++) x[X_POSITION + i] = u[i] - p[P_INITIAL_OFFSET + i];
+    Quaternion turn = quaternion_exponential(vector_of(p + P_INITIAL_TURN));
+    quaternion_store(quaternion_multiply(quaternion_conjugate(turn), quaternion_of(u + 3)), x + X_ORIENTATION);
+    Trolley now = trolley_of(rail, x + X_POSITION, u, 0.0);
     trolley_store(&now, x);
     store_instant_rates(&now, x);
     return 1;

@@ -11,7 +11,7 @@ from components.contract.roles import HOLD
 
 from ...scene.table import SceneError
 from .. import Assembly, Part
-from ..start_values import with_port_starts
+from ..start_values import led_to
 from .equilibrium_search import settle
 from .mechanism import Mechanism
 from .placed_body import PlacedBody
@@ -36,7 +36,7 @@ def at_rest(assembly: Assembly) -> Assembly:
     if base.body is not None and np.abs(mechanism.forces()[mechanism.rows[base.name]]).max() > _FALLS:
         return assembly
     parts = [_placed(part, mechanism.bodies.get(part.name)) for part in assembly.parts]
-    return replace(assembly, parts=with_port_starts(parts, assembly.links))
+    return replace(assembly, parts=led_to(assembly.parts, parts, assembly.links))
 
 
 def _placed(part: Part, at: PlacedBody | None) -> Part:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import orchestrator as fanfold
 from components import REGISTRY, Instance
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.statics.start import at_rest
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import run
@@ -66,3 +68,61 @@ def test_ports_of_connections_start_where_bodies_are(assemblies):
         assert parts[connection].start[f"{side}.position"] == pytest.approx(body.outputs()[at], abs=1e-14)
     unsearched = next(part for part in searching.parts if part.name == "hl1_hinge").start["outboard.position"]
     assert np.abs(np.subtract(parts["hl1_hinge"].start["outboard.position"], unsearched)).max() > 1e-7
+
+
+def test_a_clamped_panel_starts_where_it_stays():
+    """Conservation law: nothing moves, so its clamps carry m g all the time.
+
+    What held a clamp about its hinge line during the search carried a part, and took it along when it let go: 19 %.
+    """
+    scene = fanfold.Scene("sag", until="20 ms", tolerance=1e-4, preload=True, gravity=(0, 0, -9.81))
+    wall = scene.base("wall", points={"o": (0, 0, 0), "l": (0, 0.25, 0), "r": (0, -0.25, 0)})
+    panel = {
+        "length": "3 m", "width": "0.6 m", "areal_mass": "2 kg/m2", "hinge_lines": {"inboard": "in"},
+        "sandwich": {"skin": "0.3 mm", "core": "20 mm", "youngs_modulus": "70 GPa", "poisson_ratio": 0.0},
+        "arm": {"y": "0.25 m", "length": "20 mm", "patch": "60 mm"},
+    }  # fmt: skip
+    scene.body("panel", panel=panel, place={"body": "wall", "point": "o"}, fixed_interface_modes=4)
+    for side, point in (("left", "l"), ("right", "r")):
+        ports = {"inboard": (wall, point), "outboard": ("panel", f"in_{side}")}
+        scene.connection(side, preset="fixed", ports=ports)
+    found = fanfold.simulate(scene, estimate=False)
+    weight = 9.81 * 2.0 * 3.0 * 0.6
+    force = found["wall", "interface_force"][:, 2]
+    assert np.abs(force + weight).max() < 1e-3 * weight  # arms weigh next to nothing
+
+
+def test_what_counts_from_the_start_counts_from_where_it_was_built():
+    """Closed form: a bolt of stiffness k on a joint of stiffness s keeps s / (s + k) of its preload, as a run finds it.
+
+    Exports start in that equilibrium, where the bolt must not take its preload to be.
+    """
+    k, s, preload = 1e6, 5e6, 500.0
+    scene = fanfold.Scene("bolted", until="1 ms", tolerance=1e-6, preload=True)
+    scene.base("wall", points={"p": (0, 0, 0)})
+    block = {"mass": 2, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1), "points": {"p": (0, 0, 0)}}
+    scene.body("block", rigid=block, place={"body": "wall", "point": "p"})
+    ports = {"inboard": ("wall", "p"), "outboard": ("block", "p")}
+    springs = {"translational_stiffness": [s] * 3, "rotational_stiffness": [1e4] * 3}
+    scene.connection("joint", "hinge", ports=ports, parameters=springs)
+    bolt = {"translational_stiffness": [k] * 3, "preload": preload}
+    scene.connection("bolt", "hold_down", ports=ports, parameters=bolt)
+    assembly = assemble(scene.check(), (), ())
+    resting = started_at_rest(assembly, assembly)
+    for one in (assembly, resting, at_rest(assembly)):
+        force = run(one, None, Settings(1e-6, 1e-3), 1e-3).result.signal("bolt", "force")
+        assert force[:, 2] == pytest.approx(np.full(len(force), -preload * s / (s + k)), rel=1e-6)
+    assert not resting.preload
+
+
+@pytest.mark.parametrize("rigid", ["all", ""])
+def test_rails_carry_what_they_carry_in_the_equilibrium(rigid):
+    """The ground rig's trolleys rest on their rails from the start, as a run that searches has them."""
+    scene = load_scene(find_scene("amos3-ground"))
+    searching = assemble(scene, {rigid} - {""}, ())
+    resting = started_at_rest(searching, searching)
+    before, after = (run(a, None, Settings(1e-4, a.largest_step), 1e-5).result for a in (searching, resting))
+    for rail in ("rail1", "rail2", "yoke_rail"):
+        expected = before.signal(rail, "normal_force")[0]
+        assert abs(expected) > 10.0
+        assert after.signal(rail, "normal_force")[0] == pytest.approx(expected, rel=1e-4)

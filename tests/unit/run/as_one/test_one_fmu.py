@@ -100,6 +100,14 @@ def test_a_latch_is_commanded(path):
 @pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 @pytest.mark.filterwarnings("ignore:the latch torque of HL1")  # its peak
 @pytest.mark.filterwarnings("ignore:event snubber_lost")  # it ends before
+def test_a_command_that_is_given_from_the_start_acts_there(path):
+    """Inputs may be set before initialization: the latch engages at the first communication point."""
+    host = Host(path).start(**{"HL.latch_command": 1.0}).to(0.5, 0.1)
+    assert host["HL.latched"] == 1.0
+    assert host["HL.latch_time"] == pytest.approx(0.0, abs=1e-9)
+    assert abs(host["root.angle"] - np.radians(60.0)) < 2e-3
+
+
 def test_events_of_the_scene_happen_inside(tmp_path):
     """Hold-downs that preload keeps closed, a release on an angle, contacts, a latch-up."""
     result = fanfold.simulate(STACK, until=5.3, rigid="all", estimate=False)
