@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..assembly.statics.linear_model import ZERO_FREQUENCY as ZERO_FREQUENCY
+from ..assembly.statics import ZERO_FREQUENCY as ZERO_FREQUENCY
 
 DIRECTIONS = ("x", "y", "z", "rx", "ry", "rz")
 """Translations along, then rotations about the world axes."""

@@ -28,7 +28,7 @@ def stop_attachments(line: HingeLine) -> Iterator[Attachment]:
         return
     along, across = _in_plane(line.axis)
     angle = line.aligned_angle - line.stop_angle - _HALF_ZONE
-    radius, key = line.end_stop.arm, f"hinge_line.{line.name}.end_stop"
+    radius, key = line.end_stop.arm / sin(_HALF_ZONE), f"hinge_line.{line.name}.end_stop"
     pad = add(scaled(radius * cos(angle), along), scaled(radius * sin(angle), across))
     for hinge in line.hinges:
         for name, side in _pads(hinge.name):
@@ -43,10 +43,10 @@ def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
     if line.end_stop is None:
         return
     along, _ = _in_plane(line.axis)
-    lever = line.end_stop.arm * sin(_HALF_ZONE)
+    lever = line.end_stop.arm
     share = 0.5 / (len(line.hinges) * lever * lever)
     start = {
-        "gap": -line.end_stop.arm * cos(_HALF_ZONE),
+        "gap": -lever * cos(_HALF_ZONE) / sin(_HALF_ZONE),
         "exponent": 1.0,
         "reference_penetration": lever * _SOFT,
         "reference_force": share * line.end_stop.stiffness * lever * _SOFT,

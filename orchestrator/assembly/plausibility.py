@@ -8,18 +8,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components.contract.frames import Vector3, dot, norm, subtract
+from components.contract.frames import Vector3, cross, dot, norm, subtract
 from components.flexible.plate import Panel
 
 from ..scene.bodies import body_definition, scene_points
 from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.locked_groups import joined
-from ..scene.loops.closing import left_open
+from ..scene.loops.closing import left_open, start_poses
+from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 
 _ANGLES = 181
 """Places on a line's way that are looked at."""
+_ASKEW = 1e-3
+"""Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _THICK = 0.2
@@ -49,6 +52,8 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
         *_free_along_the_line(scene),
+        *_askew_loops(scene),
+        *_moving_from_rest(scene),
         *_struck_by_preload(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
@@ -130,6 +135,37 @@ def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
                 f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
                 "freely; make one of them revolute"
             )
+
+
+def _askew_loops(scene: CheckedScene) -> Iterator[str]:
+    """Cable loops whose pulleys turn about another axis than the lines between them."""
+    for loop in scene.loops:
+        ways = [list(scene.lines_inward(pulley.body)) for pulley in (loop.pulley_1, loop.pulley_2)]
+        between = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
+        askew = [line for line in between if norm(cross(loop.axis, line.axis)) > _ASKEW]
+        if askew:
+            yield (
+                f"ccl.{loop.name}.axis: its pulleys turn about {_plain(loop.axis)}, and {askew[0].name} opens about "
+                f"{_plain(askew[0].axis)}; a loop leads what its lines do where its axis is theirs"
+            )
+
+
+def _plain(axis: Vector3) -> str:
+    """As people write it."""
+    return "(" + ", ".join(f"{x:.4g}" for x in axis) + ")"
+
+
+def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
+    """Motions that have a rate where all else starts from a static equilibrium."""
+    if not scene.header.preload:
+        return
+    points = scene_points(scene)
+    if rates := start_rates(scene, points, start_poses(scene, points)):
+        names = ", ".join(rates)
+        yield (
+            f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
+            "on: that is a blow; begin motions at rest, or leave preload out"
+        )
 
 
 def _through_one_another(scene: CheckedScene) -> Iterator[str]:

@@ -316,7 +316,7 @@ class EndStop(Table):
     damping: TurningDamping = 0.0
     """Total of the line's hinges."""
     arm: Radius = 0.05
-    """Distance of its pads from the hinge line."""
+    """Lever of its pads' forces about the hinge line."""
 
 
 class HingeLine(Table):

@@ -14,6 +14,9 @@ from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
 
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
+_PULLING = ("load", "suspension", "drag")
+"""Kinds whose forces turn lines by where bodies are."""
+_AT_POSES = "what it does to a line depends on all angles; `fanfold analyse equilibrium --sweep` tells it"
 MOTOR_TORQUE = "motor_torque"
 """Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
 
@@ -32,7 +35,7 @@ def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
 
 
 def uncounted(scene: CheckedScene) -> dict[str, str]:
-    """Components that drive and have no part in any margin, by name, and why."""
+    """What turns lines and has no part in any margin, by name, and why."""
     counted = motors(scene)
     found = {
         name: "its ports are not at the inboard and the outboard body of a line that moves"
@@ -40,9 +43,34 @@ def uncounted(scene: CheckedScene) -> dict[str, str]:
         if not lines
     }
     for connection in scene.connections:
-        if connection.name not in counted and _drives(connection):
+        if connection.name in counted:
+            continue
+        if connection.kind == _DRIVE:
             found[connection.name] = "its torque follows from the angle that it commands"
+        elif connection.kind in _PULLING or _drives(connection):
+            found[connection.name] = "what it pulls depends on more than a line's angle"
+    if any(scene.header.gravity):
+        found["gravity"] = _AT_POSES
+    for line in _led_by_motors(scene):
+        if line.friction_preload or line.harness is not None:
+            found[f"friction and harness of {line.name}"] = (
+                "they resist what turns it through a cable loop, and that line's margin does not know of them"
+            )
     return found
+
+
+def _led_by_motors(scene: CheckedScene) -> list[HingeLine]:
+    """Lines that move without a motor of their own, as cable loops lead to them from one that has."""
+    groups = [
+        {line.name for line in scene.hinge_lines if _acts(scene, line, bodies)}
+        for _, kind, bodies in _movers(scene)
+        if kind == _CABLE
+    ]
+    without = without_margin(scene)
+    led = {line.name for line in scene.hinge_lines} - set(without)
+    for _ in groups:
+        led |= {name for group in groups if group & led for name in group}
+    return [line for line in scene.hinge_lines if line.name in led and line.name in without and not line.held]
 
 
 def _observed(connection: Connection) -> set[str]:

@@ -18,11 +18,10 @@ from scipy import linalg
 from components.contract.component import Vector
 
 from ...scene.table import SceneError
+from . import ZERO_FREQUENCY
 from .mechanism import Mechanism
 
 Rows = NDArray[np.int64]
-ZERO_FREQUENCY = 1e-3
-"""Hz; below it a mode is a free motion. Round-off of bushings and locks leaves 1e-5 Hz on a body of 1 kg.m2."""
 _SHIFT = (2.0 * np.pi * 1.0) ** 2
 _LARGEST_SHIFT = 1e12
 

@@ -116,7 +116,7 @@ def command(
         for sentence in sentences_without_margin(found.without):
             console.print(sentence, highlight=False)
         for name, why in found.uncounted.items():
-            console.print(f"{name} drives and is not counted: {why}", highlight=False)
+            console.print(f"not counted: {name}; {why}", highlight=False)
         for path in pictures:
             click.echo(path)
     runs = fanfold.restart(scene, restarts, cases=names, until=until, folder=folder, progress=progress)

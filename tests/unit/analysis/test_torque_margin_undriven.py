@@ -24,6 +24,7 @@ from orchestrator.cli.analyse._torque_margin_tables import (
 )
 from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
+from orchestrator.scene.builder import Scene
 from tests.unit.scene.scene_cases import TWO_PANELS, load_text
 
 
@@ -66,11 +67,27 @@ def test_a_motor_between_the_bodies_of_a_line_is_counted(tmp_path, monkeypatch):
 
 
 def test_a_drive_is_named_as_left_out():
-    """Its torque is whatever its command takes."""
-    assert undriven.uncounted(scene("arabsat", "phase2")) == {
-        "sadm": "its torque follows from the angle that it commands"
-    }
+    """Its torque is whatever its command takes; the springs of HL6 meet the friction of all lines through the loops."""
+    found = undriven.uncounted(scene("arabsat", "phase2"))
+    assert found.pop("sadm") == "its torque follows from the angle that it commands"
+    assert sorted(found) == [f"friction and harness of HL{k}" for k in range(1, 6)]
     assert undriven.uncounted(scene("amos3")) == {}
+
+
+def test_what_resists_beside_a_line_is_named_as_left_out():
+    """Rule: gravity, loads, and the friction of lines that a loop leads are in no line's margin, and said to be."""
+    settings = ["scene.gravity=[0, 0, -9.81]", "hinge_line.HL2.friction_preload=0.1 N.m"]
+    one = load_scene(find_scene("amos3"), (), [*settings, "hinge_line.HL2.motor.stowed=1 N.m"])
+    assert sorted(undriven.uncounted(one)) == ["gravity"]
+    tree = Scene.load("amos3", settings=settings).tree
+    for line in tree["hinge_line"]:
+        if line["name"] == "HL2":
+            del line["motor"]
+    ports = {"body": {"body": "panel2", "point": "center"}}
+    push = {"name": "push", "kind": "load", "ports": ports, "structure": {"direction": [0, 0, 1]}}
+    tree["connection"] = [*tree.get("connection", []), push]
+    found = undriven.uncounted(Scene.of_tree("wing.toml", tree).check())
+    assert sorted(found) == ["friction and harness of HL2", "gravity", "push"]
 
 
 def test_every_line_without_a_motor_says_what_turns_it():

@@ -161,6 +161,28 @@ def test_a_body_that_slides_along_its_line_is_told():
     assert told.startswith("hinge_line.HL: all its hinges are cylindrical, so panel slides along the line")
 
 
+def test_a_loop_about_another_axis_is_told():
+    """Rule: pulleys lead lines whose axis is theirs, either way round; by default it is y."""
+    loop = "ccl.panel_loop.axis=[1.0, 0.0, 0.0]"
+    told = doubts(load_scene(find_scene("amos3"), (), [loop]))
+    assert [
+        one for one in told if one.startswith("ccl.panel_loop.axis: its pulleys turn about (1, 0, 0), and HL")
+    ]
+    assert doubts(load_scene(find_scene("amos3"), (), [loop.replace("1.0, 0.0", "0.0, -1.0")])) == []
+
+
+def test_a_motion_that_begins_at_a_rate_after_a_static_search_is_told():
+    """Rule: preload has everything at rest at t = 0."""
+    law = {
+        "translation": [{"profile": "harmonic", "amplitude": 0.002, "frequency": 12.0}],
+        "translation_axis": [0, 0, 1],
+    }
+    for preload, count in ((True, 1), (False, 0)):
+        settings = {"base.motion": law, "scene.preload": preload}
+        told = doubts(Scene.load("workbench", settings=settings).check())
+        assert len([one for one in told if one.startswith("scene.preload: all starts at rest")]) == count
+
+
 PANEL = """
 [body.panel]
 length = "2 m"
