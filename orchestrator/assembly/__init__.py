@@ -32,7 +32,8 @@ class HingeLine:
 
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
-    latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes.
+    latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
+    whether hold-downs keep it there.
     """
 
     name: str
@@ -44,6 +45,7 @@ class HingeLine:
     deployed_angle: float | None = None
     parts: tuple[str, ...] = ()
     axis: tuple[float, ...] = ()
+    bolted: bool = False
 
     @property
     def locks_rigid(self) -> bool:

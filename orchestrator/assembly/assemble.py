@@ -25,6 +25,7 @@ from ..scene.table import SceneError
 from . import Assembly, Geometry, Link, Part
 from . import HingeLine as AssemblyHingeLine
 from .beams import beam_part
+from .bolted_lines import bolted_lines
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
@@ -121,7 +122,7 @@ def _assembly_lines(
     mode: WrenchMode,
     poses: Mapping[str, StartPose],
 ) -> tuple[AssemblyHingeLine, ...]:
-    roots = joined(scene)
+    roots, bolted = joined(scene), bolted_lines(scene)
     return tuple(
         assembly_line(
             line,
@@ -129,6 +130,7 @@ def _assembly_lines(
             is_flexible,
             (roots[line.inboard], roots[line.outboard]),
             rotate(poses[line.inboard].orientation, line.axis),
+            line.name in bolted,
         )
         for line in lines
     )

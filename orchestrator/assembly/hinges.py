@@ -86,8 +86,12 @@ def assembly_line(
     flexible: Mapping[str, bool],
     parts: tuple[str, str],
     axis: Vector3,
+    bolted: bool,
 ) -> AssemblyHingeLine:
-    """What the master and the key figures need to know of a line; axis: in the world, where a run begins."""
+    """What the master and the key figures need to know of a line; axis: in the world, where a run begins.
+
+    bolted: whether hold-downs keep it there.
+    """
     return AssemblyHingeLine(
         line.name,
         tuple(hinge.name for hinge in line.hinges),
@@ -98,6 +102,7 @@ def assembly_line(
         deployed_angle=line.deployed_angle if line.is_open_ended else None,
         parts=parts,
         axis=axis,
+        bolted=bolted,
     )
 
 

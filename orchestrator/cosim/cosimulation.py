@@ -70,6 +70,7 @@ class CoSimulation(ABC):
         self.statistics = Statistics()
         self.time = 0.0
         self.segments: list[list[float]] = [[]]
+        self._bolted = [hinge for line in hinge_lines if line.bolted for hinge in line.hinges]
         self._pending = [line for line in hinge_lines if line.latches]
         self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
         self._sensors = self._found_sensors()
@@ -111,7 +112,7 @@ class CoSimulation(ABC):
         """Step to the given time (s); StepError where that cannot be done."""
 
     def _seek_equilibrium(self) -> None:
-        """Static equilibrium of the participants with all hinges held."""
+        """Static equilibrium of the participants with all hinges held but those that hold-downs hold."""
         solver = self.solver
         changed = [
             (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
@@ -122,6 +123,7 @@ class CoSimulation(ABC):
         for participant, name, value, _ in changed:
             participant.set_parameter(name, value)
         self._command(HOLD.name, 1.0)
+        self._command(HOLD.name, 0.0, self._bolted)
         solver.mode = "static"
         solver.save(-DURATION)
         self.statistics.restless = StaticSearch(solver).run()

@@ -29,6 +29,8 @@ def at_rest(assembly: Assembly) -> Assembly:
     try:
         mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
         mechanism.command(HOLD.name, 1.0, mechanism.connections)
+        bolted = [hinge for line in assembly.hinge_lines if line.bolted for hinge in line.hinges]
+        mechanism.command(HOLD.name, 0.0, bolted)
         settle(mechanism, "")
     except SceneError:
         return assembly

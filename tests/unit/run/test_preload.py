@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -126,3 +128,20 @@ def test_rails_carry_what_they_carry_in_the_equilibrium(rigid):
         expected = before.signal(rail, "normal_force")[0]
         assert abs(expected) > 10.0
         assert after.signal(rail, "normal_force")[0] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("rigid", ["all", ""])
+def test_bolts_hold_from_the_start_what_they_hold_later(rigid):
+    """Equilibrium: nothing moves until they let go; motors press panels and snubbers against them.
+
+    Lines that bolts hold are free while the search lasts: what held them would let go at the start.
+    """
+    options = {"rigid": rigid or (), "until": "0.2 s", "tolerance": 1e-5, "estimate": False}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fanfold.FanfoldWarning)  # it ends before anything happens
+        found = fanfold.simulate("tests/scenes/snubbed_stack.toml", **options)
+    for bolt in ("wall_bolt", "panel_bolt"):
+        force = found[bolt, "force"].values
+        assert np.abs(force[0]).max() > 10.0
+        assert np.abs(force - force[0]).max() < 1e-3 * np.abs(force[0]).max()
+    assert np.abs(found["spacecraft", "interface_force"].values).max() < 0.1

@@ -97,9 +97,6 @@ def test_a_latch_is_commanded(path):
     assert host.to(1.0, 0.01)["root.angle"] == pytest.approx(angle, abs=0.05)
 
 
-@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
-@pytest.mark.filterwarnings("ignore:the latch torque of HL1")  # its peak
-@pytest.mark.filterwarnings("ignore:event snubber_lost")  # it ends before
 def test_a_command_that_is_given_from_the_start_acts_there(path):
     """Inputs may be set before initialization: the latch engages at the first communication point."""
     host = Host(path).start(**{"HL.latch_command": 1.0}).to(0.5, 0.1)
@@ -108,6 +105,9 @@ def test_a_command_that_is_given_from_the_start_acts_there(path):
     assert abs(host["root.angle"] - np.radians(60.0)) < 2e-3
 
 
+@pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
+@pytest.mark.filterwarnings("ignore:the latch torque of HL1")  # its peak
+@pytest.mark.filterwarnings("ignore:event snubber_lost")  # it ends before
 def test_events_of_the_scene_happen_inside(tmp_path):
     """Hold-downs that preload keeps closed, a release on an angle, contacts, a latch-up."""
     result = fanfold.simulate(STACK, until=5.3, rigid="all", estimate=False)
