@@ -115,7 +115,7 @@ def _validated(path: Path, root: Element) -> Iterator[str]:
     except ValidationError as error:
         yield from (" ".join(str(problem).split()) for problem in error.problems)
     except Exception as error:  # of a description that FMPy has no sentence for
-        yield " ".join(str(error).split())
+        yield f"modelDescription.xml cannot be read: {type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _common_problems(root: Element) -> Iterator[str]:

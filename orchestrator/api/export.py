@@ -166,8 +166,9 @@ def _step_of_tools(assembly: Assembly) -> float | None:
             if found
             else f"not even at {STEPS[-1]:g} s"
         )
+        instead = "export rigid bodies for them, or use" if assembly.flexible else "use"
         warn(
-            f"{assembly.name}: tools that do not iterate are stable {stable}; export rigid bodies for them, or use "
-            "model exchange"
+            f"{assembly.name}: tools that do not iterate are stable {stable}; {instead} the scene as one FMU or model "
+            "exchange"
         )
     return found

@@ -323,6 +323,10 @@ def _ends(ends: str | tuple[str, str] | Mapping[str, object]) -> dict[str, objec
     """Keys of a hinge from the short forms for its points."""
     if isinstance(ends, Mapping):
         return dict(ends)
+    if not isinstance(ends, str) and len(ends) != 2:
+        raise SceneError(
+            [f"the points of a hinge are {ends!r}; give one name, or an inboard and an outboard one"]
+        )
     inboard, outboard = (ends, ends) if isinstance(ends, str) else ends
     return {"inboard": inboard, "outboard": outboard}
 

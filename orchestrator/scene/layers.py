@@ -25,6 +25,8 @@ Setting = str | tuple[str, Any]
 """One value laid over a scene: "table.key=value" as on a command line, or key and value."""
 
 _EXTENDS, _VARIANT, _REMOVE, _LIKE = "extends", "variant", "remove", "like"
+_HDF5 = b"\x89HDF"
+"""What files of results begin with."""
 _OWN = ("name", "place")
 """Keys that a body does not share with those that are like it."""
 
@@ -104,6 +106,12 @@ def _read(path: Path) -> Tree:
         text = scene_of(path) if path.suffix == ".ssp" else path.read_text(encoding="utf-8")
         return with_absolute_files(tomllib.loads(text), path.parent)
     except UnicodeDecodeError as error:
+        if path.read_bytes().startswith(_HDF5):
+            raise SceneError(
+                [
+                    f"{path.name}: is a result, and no scene; `fanfold plot`, `report` and `resume` take results"
+                ]
+            ) from None
         raise SceneError(
             [f"{path.name}: is not a text file in UTF-8: {error.reason} at byte {error.start}"]
         ) from None

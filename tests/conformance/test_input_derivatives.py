@@ -148,6 +148,17 @@ def test_directional_derivatives_after_a_step_are_those_under_its_inputs():
     np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-12 / amount)
 
 
+@pytest.mark.parametrize("seed", [np.nan, np.inf])
+def test_a_seed_that_is_no_number_is_refused(seed):
+    """Rule: bad input gives a sentence, not a derivative of zero."""
+    fmu, reference, variables = opened("body")
+    values, _ = loads(reference, variables)
+    assert fmu.step(0.0, H) == OK
+    with pytest.raises(Exception, match="DirectionalDerivative"):
+        fmu.slave.getDirectionalDerivative([reference.firsts[2]], values[:1], [seed])
+    assert "it must be finite" in fmu.log[-1]
+
+
 @pytest.mark.parametrize(
     ("name", "order", "value", "sentence"),
     [

@@ -50,6 +50,10 @@ static ExactRanges exact_ranges(const Instance *instance, const uint32_t *knowns
 Status instance_derivative(Instance *instance, const uint32_t *unknowns, size_t unknown_count,
                            const uint32_t *knowns, size_t known_count, const double *seed, double *result) {
     Reason why = {""};
+    for (size_t i = 0; i < known_count; i++)
+        if (!isfinite(seed[i]))
+            return instance_fail(instance, STATUS_ERROR, "the seed of value reference %lu is %g; it must be finite",
+                                 (unsigned long)knowns[i], seed[i]);
     const ExactRanges exact = exact_ranges(instance, knowns, known_count);
     Status status = differences_fill(instance, &exact, unknowns, unknown_count, knowns, known_count, seed, result);
     if (status != STATUS_OK || exact.end[0] == 0)

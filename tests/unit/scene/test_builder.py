@@ -231,3 +231,16 @@ def test_none_is_not_given():
         scene.base(points={"root": (0, 0, 0)}, free=None)
         scenes.append(scene.tree)
     assert scenes[0] == scenes[1]
+
+
+def test_a_result_is_no_scene_and_points_are_one_or_two(tmp_path):
+    """Sentences, for what people confuse."""
+    path = tmp_path / "wing.h5"
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(8))
+    with pytest.raises(SceneError, match=r"wing.h5: is a result, and no scene; `fanfold plot`"):
+        fanfold.Scene.load(path)
+    scene = fanfold.Scene("two", until=1)
+    with pytest.raises(SceneError, match="give one name, or an inboard and an outboard one"):
+        scene.hinge_line(
+            "line", "base", "body", axis="+y", aligned_angle="0 rad", hinges={"hinge": ("a", "b", "c")}
+        )
