@@ -83,8 +83,12 @@ def doubts(
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
-    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside those of the other, and of latches."""
-    return noise_floor(value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
+    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside those of the other, and of latches.
+
+    Iterations end beside these and one newton (metre), see `cosim.implicit.convergence.Tolerance`.
+    """
+    beside = (value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
+    return noise_floor((1.0, *beside))
 
 
 def largest_shares(

@@ -87,8 +87,8 @@ def _closed(
 def left_open(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, float]:
     """How far (m or rad) joints start open that nothing closes, as hinge lines carry both of their bodies."""
     placed = {body.name for body in scene.bodies if body.place is not None}
-    poses = start_poses(scene, points)
-    held = [c for c in constraints(scene, points, poses) if not acts(c, placed)]
+    held = [c for c in constraints(scene, points, written_poses(scene, points)) if not acts(c, placed)]
+    poses = start_poses(scene, points) if held else {}
     return {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in held}
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from orchestrator.results.estimated_errors import round_off_of_loads
 from orchestrator.results.round_off import NOISE, noise_floor, without_noise
 
 
@@ -14,3 +15,10 @@ def test_round_off_becomes_zero_without_sign():
     assert without_noise(-1e-7, 1e-6) == 0.0
     assert without_noise(-2e-6, 1e-6) == -2e-6
     assert math.copysign(1.0, without_noise(-0.0, 0.0)) == 1.0
+
+
+def test_loads_below_what_iterations_resolve_are_round_off():
+    """Definition: iterations end beside the largest load and one newton (metre), so 3e-8 N alone is nothing."""
+    force, torque = ("interface force peak", "x"), ("interface torque peak", "y")
+    assert round_off_of_loads([(force, 3e-8)]) == NOISE
+    assert round_off_of_loads([(force, 3e-8), (torque, 20.0)]) == 20.0 * NOISE

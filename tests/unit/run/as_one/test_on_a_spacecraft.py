@@ -66,3 +66,22 @@ def test_a_wing_turns_its_spacecraft(tmp_path):
     (coarse, _), (fine, latched) = errors("10 ms"), errors("5 ms")
     assert latched < 1e-4
     assert 0.4 < fine / coarse < 0.6
+
+
+@pytest.mark.parametrize("step", ["1 ms", "10 ms", "100 ms"])
+def test_a_wing_beside_a_scene_is_the_wing_at_any_step(tmp_path, step):
+    """Against its own run: it steps as its own tolerance asks, whatever the scene that hosts it does."""
+    expected = fanfold.simulate(latching(), estimate=False).headline
+    (wing,) = fanfold.export(latching(), tmp_path, as_one=True)
+    block = {"mass": 1.0, "center_of_mass": [0, 0, 0], "inertia": [1, 1, 1], "points": {"p": [0, 0, 0]}}
+    scene = fanfold.Scene("host", until="2 s")
+    scene.base("ground", points={"p": (0, 0, 0)})
+    scene.body("block", rigid=block, place={"body": "ground", "point": "p"})
+    ports = {"inboard": ("ground", "p"), "outboard": ("block", "p")}
+    scene.connection("clamp", preset="fixed", ports=ports)
+    told = {"HL.latch_time": [], "HL.latch_torque_peak": []}
+    tree = scene.tree | {"fmu": [{"name": "wing", "file": str(wing), "step": step, "outputs": told}]}
+    found = fanfold.simulate(fanfold.Scene.of_tree("host.toml", tree), estimate=False)
+    assert found["wing", "HL.latch_time"][-1] == pytest.approx(expected.latch_times["HL"], rel=1e-8)
+    peak = expected.latch_torque_peaks["HL"]
+    assert found["wing", "HL.latch_torque_peak"][-1] == pytest.approx(peak, rel=1e-4)
