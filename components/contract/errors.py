@@ -8,8 +8,13 @@ class FanfoldError(Exception):
     """A sentence, or several in lines: what is wrong, where, and what to do."""
 
 
+def nearest(given: str, known: Sequence[str]) -> str:
+    """The known name that looks most like one given; empty where none does."""
+    return next(iter(get_close_matches(given, known, 1)), "")
+
+
 def unknown(given: str, known: Sequence[str], what: str = "key") -> str:
     """A sentence on a name that is not among those known, with the nearest of them."""
-    near = get_close_matches(given, known, 1)
-    meant = f"; did you mean {near[0]}" if near else ""
+    near = nearest(given, known)
+    meant = f"; did you mean {near}" if near else ""
     return f"is not a known {what}{meant}; {what}s are {', '.join(known) or 'none'}"

@@ -15,6 +15,12 @@ INSTANT = 1e-7
 """Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
 INSTANT_SHARE = 1e-3
 """Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
+IMPULSE_ITERATED = 1e-10
+"""Relative tolerance of the iteration in an impulse."""
+IMPULSE_RESIDUAL = 1.0
+"""Of these tolerances: residuals that tell that a larger correction is rounding, as between redundant joints."""
+CREST_SURE = 4.0
+"""A cubic shows a peak where it rises by more than so many times what it may be off by."""
 NEVER = 1e300
 """Time (s) to what is not to come."""
 STOPPED = -1.0

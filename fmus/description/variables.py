@@ -7,7 +7,6 @@ port and each quantity is one contiguous range.
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from components import Component, ComponentError, Quantity
+from components.contract.errors import nearest
 
 StartValue = float | Sequence[float]
 Causality = Literal["parameter", "input", "output"]
@@ -103,8 +103,8 @@ def start_values(component: Component, start: Mapping[str, StartValue]) -> tuple
     by_name = {quantity.name: quantity for layout in settable for quantity in layout.quantities}
     for key, value in start.items():
         if key not in by_name and key not in values:
-            near = difflib.get_close_matches(key, [*by_name, *values], n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
+            near = nearest(key, [*by_name, *values])
+            hint = f"; did you mean {near!r}?" if near else ""
             raise ComponentError(f"{component.kind} has no parameter or input {key!r}{hint}")
         names = by_name[key].scalar_names() if key in by_name else (key,)
         given = np.asarray(value, dtype=float).ravel()

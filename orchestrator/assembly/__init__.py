@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
@@ -51,6 +51,11 @@ class HingeLine:
     def locks_rigid(self) -> bool:
         """Whether nothing gives way beside its lock, whose torque then says nothing of the wing."""
         return self.kinematic and self.rigid
+
+
+def bolted_hinges(lines: Iterable[HingeLine]) -> list[str]:
+    """Hinges of lines that hold-downs keep where a run begins, so that no search for equilibrium need hold them."""
+    return [hinge for line in lines if line.bolted for hinge in line.hinges]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from components.contract.roles import END_WEIGHT, HOLD, QUASI_STATIC
 
-from ..assembly import Event, HingeLine
+from ..assembly import Event, HingeLine, bolted_hinges
 from .energy_balance import Energies
 from .events.scheduled import ScheduledEvents
 from .implicit.solver import Solver
@@ -70,7 +70,7 @@ class CoSimulation(ABC):
         self.statistics = Statistics()
         self.time = 0.0
         self.segments: list[list[float]] = [[]]
-        self._bolted = [hinge for line in hinge_lines if line.bolted for hinge in line.hinges]
+        self._bolted = bolted_hinges(hinge_lines)
         self._pending = [line for line in hinge_lines if line.latches]
         self._energies = self._energy_start = Energies(0.0, 0.0, 0.0, 0.0, 0.0)
         self._sensors = self._found_sensors()

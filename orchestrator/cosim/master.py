@@ -8,7 +8,7 @@ from math import inf, sqrt
 import numpy as np
 
 from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
-from components.numerics.scheme import INSTANT, INSTANT_SHARE
+from components.numerics.scheme import IMPULSE_ITERATED, IMPULSE_RESIDUAL, INSTANT, INSTANT_SHARE
 
 from ..assembly import Event, HingeLine
 from . import stepping
@@ -38,7 +38,7 @@ from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, 
 
 ITERATED = {2: 1e-2, 4: 1e-3}
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
-_IMPULSE_TOLERANCE = Tolerance(1e-10, residual=1.0)
+_IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
 _MOST_PARTS = 1024
 _LEAST_LATCH_SHARE = 1e-3
 

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from components.numerics.scheme import CREST_SURE
+
 from .parts import Event
 from .result import Result, ResultError, Vector
 
@@ -20,8 +22,6 @@ Side = Literal["before", "after"]
 """Which of the values that an instant may have: those before or those after what happens there."""
 EVENT_WIDTH = 2e-7
 """Samples this close to an event (s) are samples of the event: a latch impulse is a step of 1e-7 s."""
-_SURE = 4.0
-"""A cubic shows a peak where it rises by more than so many times what it may be off by."""
 _BEYOND = 1e-9
 """Of the end time; round-off of summed steps."""
 
@@ -168,7 +168,7 @@ def maxima_near(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
             ends = float(time[left]), float(time[left + 1])
             for found in _cubic_maxima(time[nodes], values[nodes], *ends):
                 rise = found.value - float(values[top])
-                if rise > 0.0 and rise > _SURE * _off(time, values, first, found.time):
+                if rise > 0.0 and rise > CREST_SURE * _off(time, values, first, found.time):
                     yield found
 
 

@@ -23,7 +23,7 @@ from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
-from ..assembly.statics.start import at_rest
+from ..assembly.statics.start import in_equilibrium
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
@@ -232,7 +232,7 @@ def run(
     try:
         return _run(assembly, *asked_for, insist=assembly.preload and start is None)
     except _RestlessError:
-        return _run(at_rest(assembly), *asked_for, insist=False)
+        return _run(in_equilibrium(assembly), *asked_for, insist=False)
 
 
 def _run(

@@ -106,7 +106,7 @@ def _read(path: Path) -> Tree:
         text = scene_of(path) if path.suffix == ".ssp" else path.read_text(encoding="utf-8")
         return with_absolute_files(tomllib.loads(text), path.parent)
     except UnicodeDecodeError as error:
-        if path.read_bytes().startswith(_HDF5):
+        if error.object.startswith(_HDF5):
             raise SceneError(
                 [
                     f"{path.name}: is a result, and no scene; `fanfold plot`, `report` and `resume` take results"

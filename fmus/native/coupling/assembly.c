@@ -12,7 +12,6 @@
 #include <string.h>
 
 #define SAME_EVENT 1e-9 /* s */
-#define SURE 4.0 /* see orchestrator/results/signal.py */
 
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
    latched, and peaks. */
@@ -186,7 +185,7 @@ static double crest(const double *times, const double *values) {
     const double rise = s * (slope + s * (bend + s * third));
     const double miss = fabs(v[1] + d * (slope + d * (bend + d * third)) - v[-2]);
     const double off = miss * fabs(s * (s - a) * (s - b) * (s - c)) / fabs(d * (d - a) * (d - b) * (d - c));
-    return rise > SURE * off ? v[1] + rise : v[1];
+    return rise > CREST_SURE * off ? v[1] + rise : v[1];
 }
 
 /* Largest sizes of loads up to a row of the ring, between rows as well where they are smooth. */

@@ -10,8 +10,6 @@
 #include "scheme.h"
 
 enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
-#define ITERATION_OF_IMPULSE 1e-10
-#define RESIDUAL_OF_IMPULSE 1.0
 #define LEAST_LATCH_SHARE 1e-3
 #define LEAST_KINETIC 1e-17 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
@@ -276,8 +274,8 @@ static int make_impulse(Master *m) {
     Solver *s = &m->solver;
     const Tolerance usual = n->tolerance;
     command_all(m, 1.0);
-    n->tolerance.relative = ITERATION_OF_IMPULSE;
-    n->tolerance.residual = RESIDUAL_OF_IMPULSE;
+    n->tolerance.relative = IMPULSE_ITERATED;
+    n->tolerance.residual = IMPULSE_RESIDUAL;
     s->persistent = 1;
     forget_stiffnesses(s);
     const int status = solve(s, INSTANT, n->accepted);

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
+
+from components.contract.errors import nearest
 
 from ...scene.layers import Tree
 from ...scene.units import QUANTITY
@@ -107,8 +108,8 @@ def value_at(tree: Tree, key: str) -> object:
 
 def meant(tree: Tree, key: str) -> str:
     """A question for the nearest key that has a value, where there is one that looks alike."""
-    near = get_close_matches(key, list(_keys(tree)), 1)
-    return f" (did you mean {near[0]}?)" if near else ""
+    near = nearest(key, list(_keys(tree)))
+    return f" (did you mean {near}?)" if near else ""
 
 
 def _keys(found: object, before: str = "") -> Iterator[str]:

@@ -10,7 +10,7 @@ from components.contract.frames import rotate
 from components.contract.roles import HOLD
 
 from ...scene.table import SceneError
-from .. import Assembly, Part
+from .. import Assembly, Part, bolted_hinges
 from ..start_values import led_to
 from .equilibrium_search import settle
 from .mechanism import Mechanism
@@ -20,7 +20,7 @@ _FALLS = 1e-6
 """N and N.m on a free base, from which on it does not stay where it is."""
 
 
-def at_rest(assembly: Assembly) -> Assembly:
+def in_equilibrium(assembly: Assembly) -> Assembly:
     """The assembly with bodies in static equilibrium, all that can be held; unchanged where none is found near.
 
     Beams of large deformation have no linear model, and scenes with them stay as they are. So do those whose free base
@@ -29,8 +29,7 @@ def at_rest(assembly: Assembly) -> Assembly:
     try:
         mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
         mechanism.command(HOLD.name, 1.0, mechanism.connections)
-        bolted = [hinge for line in assembly.hinge_lines if line.bolted for hinge in line.hinges]
-        mechanism.command(HOLD.name, 0.0, bolted)
+        mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
         settle(mechanism, "")
     except SceneError:
         return assembly

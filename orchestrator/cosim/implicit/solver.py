@@ -240,6 +240,6 @@ class Solver(ABC):
         """
         if correction <= 1.0:
             return is_credible(self.wrenches, residual)
-        let = self.tolerance
-        rounded = self._round_off + max(let.residual, ROUND_OFF / let.relative) * scale
-        return self.tolerance.is_near(correction) and bool(np.all(np.abs(residual) <= rounded))
+        allowed = self.tolerance
+        rounded = self._round_off + max(allowed.residual, ROUND_OFF / allowed.relative) * scale
+        return allowed.is_near(correction) and bool(np.all(np.abs(residual) <= rounded))

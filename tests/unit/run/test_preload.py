@@ -11,7 +11,7 @@ import orchestrator as fanfold
 from components import REGISTRY, Instance
 from fmus import native_library
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.statics.start import at_rest
+from orchestrator.assembly.statics.start import in_equilibrium
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.preload import started_at_rest
 from orchestrator.run.run import run
@@ -111,7 +111,7 @@ def test_what_counts_from_the_start_counts_from_where_it_was_built():
     scene.connection("bolt", "hold_down", ports=ports, parameters=bolt)
     assembly = assemble(scene.check(), (), ())
     resting = started_at_rest(assembly, assembly)
-    for one in (assembly, resting, at_rest(assembly)):
+    for one in (assembly, resting, in_equilibrium(assembly)):
         force = run(one, None, Settings(1e-6, 1e-3), 1e-3).result.signal("bolt", "force")
         assert force[:, 2] == pytest.approx(np.full(len(force), -preload * s / (s + k)), rel=1e-6)
     assert not resting.preload

@@ -11,6 +11,9 @@
 #define LEAST_CHANGE 1e-05
 #define INSTANT 1e-07
 #define INSTANT_SHARE 0.001
+#define IMPULSE_ITERATED 1e-10
+#define IMPULSE_RESIDUAL 1.0
+#define CREST_SURE 4.0
 #define NEVER 1e+300
 #define STOPPED -1.0
 
