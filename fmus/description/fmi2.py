@@ -37,15 +37,19 @@ DATE_FORMAT = "%Y-%m-%dT%H:%M:%SZ"
 
 
 class Experiment(NamedTuple):
-    """What a tool runs by default: end time and communication step size (s), None for none that is advised."""
+    """What a tool runs by default: end time and communication step size (s), None for none that is advised.
+
+    tolerance: relative, of what steps by one inside.
+    """
 
     stop_time: float = 1.0
     step_size: float | None = 1e-3
+    tolerance: float | None = None
 
     def attributes(self) -> dict[str, str]:
         """Attributes of DefaultExperiment."""
-        step = {} if self.step_size is None else {"stepSize": f"{self.step_size:.17g}"}
-        return {"startTime": "0", "stopTime": f"{self.stop_time:.17g}", **step}
+        given = {"stopTime": self.stop_time, "tolerance": self.tolerance, "stepSize": self.step_size}
+        return {"startTime": "0", **{name: f"{v:.17g}" for name, v in given.items() if v is not None}}
 
 
 STEP_DERIVATIVE = (

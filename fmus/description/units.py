@@ -41,7 +41,7 @@ def add_units(root: _Element, units: Iterable[str]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(units):
         element = SubElement(definitions, "Unit", {"name": unit})
-        if _ROOT.search(unit):
+        if has_root(unit):
             base_unit(_ROOT.sub("", unit))
             continue  # FMI has whole exponents only; a unit without base unit is not converted
         exponents, factor = base_unit(unit)
@@ -49,6 +49,11 @@ def add_units(root: _Element, units: Iterable[str]) -> None:
         if factor != 1.0:
             attributes["factor"] = repr(factor)
         SubElement(element, "BaseUnit", attributes)
+
+
+def has_root(unit: str) -> bool:
+    """Whether it has an exponent that is not whole, such as that of a modal coordinate, "kg(1/2).m"."""
+    return _ROOT.search(unit) is not None
 
 
 @cache

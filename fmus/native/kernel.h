@@ -97,6 +97,9 @@ typedef struct {
     void (*settle)(void *self);
     void (*destroy)(void *self);
     int checks_itself; /* whether a state that is not finite never comes out of `step` */
+    /* Whether it chooses steps of its own inside: its last parameter is the relative tolerance, which hosts may give as well,
+       and its state is that of a time, at which the next step begins. */
+    int steps_inside;
     const char *layout; /* digest of the declared layout that the kernel was written for */
 } Kernel;
 

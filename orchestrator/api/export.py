@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import get_args
 
@@ -58,9 +58,9 @@ def export(
     master that couples its components: inside it steps as the scene's tolerance asks, whatever the communication step.
     driven_base: of one FMU, the fixed base moves by inputs, rates and accelerations in the world's axes, between
     communication points as smoothly as their rates can. ssp: a file that takes all FMUs of FMI 2.0 with
-    end-point wrenches and their connections (SSP 1.0, needs pyssp_standard).
+    end-point wrenches and their connections, or the one FMU of the scene (SSP 1.0, needs pyssp_standard).
     """
-    _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and ssp is None and backend != "python")
+    _check_form(fmi, as_one, driven_base, plain=wrench_mode is None and backend != "python")
     wrench_mode = wrench_mode or "endpoint"
     checked = load(scene).check_one_run()
     if ssp is not None:
@@ -75,22 +75,27 @@ def export(
     assembly = assembled("mean" if as_one else wrench_mode)
     _tell_of_absent(checked, with_events=as_one)
     if as_one:
-        return [export_as_one(assembly, Path(folder), driven_base, fmi, sources, wanted, watch)]
-    if assembly.preload:
-        assembly = _at_rest(assembly, assembled("mean"))
-    step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
-    experiment = Experiment(assembly.until, step)
-    paths = run.export(
-        assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
-    )
-    if ssp is None:
-        return paths
+        experiment = Experiment(assembly.until, assembly.largest_step, assembly.tolerance)
+        paths = [export_as_one(assembly, Path(folder), experiment, driven_base, fmi, sources, wanted, watch)]
+    else:
+        if assembly.preload:
+            assembly = _at_rest(assembly, assembled("mean"))
+        step = assembly.largest_step if wrench_mode == "mean" else _step_of_tools(assembly)
+        experiment = Experiment(assembly.until, step)
+        paths = run.export(
+            assembly, Path(folder), backend, fmi, sources, experiment, platforms=wanted, watch=watch
+        )
+    return paths if ssp is None else [*paths, _as_ssp(Path(ssp), assembly, paths, experiment)]
+
+
+def _as_ssp(ssp: Path, assembly: Assembly, paths: Sequence[Path], experiment: Experiment) -> Path:
+    """Write the SSP file of FMUs that were written; a FanfoldWarning tells of what it leaves behind."""
     if files := ", ".join(files_besides(dict(assembly.scene_tree))):
         warn(
-            f"{assembly.name}: its scene goes along in {Path(ssp).name}, but not the files that it is made of besides, "
+            f"{assembly.name}: its scene goes along in {ssp.name}, but not the files that it is made of besides, "
             f"which `fanfold run` of it takes from where they are: {files}"
         )
-    return [*paths, write_ssp(Path(ssp), assembly, paths, experiment)]
+    return write_ssp(ssp, assembly, paths, experiment)
 
 
 def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool) -> None:
@@ -102,8 +107,7 @@ def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool
     if as_one and not plain:
         raise SceneError(
             [
-                "a scene as one FMU is a native one, couples its components itself and has no system structure; leave "
-                "backend, wrench_mode and ssp out"
+                "a scene as one FMU is native and couples its components itself; leave backend and wrench_mode out"
             ]
         )
     if driven_base and not as_one:

@@ -37,6 +37,7 @@ from .signals.process import SignalProcess
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
 
 ITERATED = {2: 1e-2, 4: 1e-3}
+MOST_ITERATED = 1e-6
 """Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
 _MOST_PARTS = 1024
@@ -58,7 +59,7 @@ class Master(CoSimulation):
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
-        tolerance = Tolerance(min(ITERATED[network.order] * settings.tolerance, 1e-6))
+        tolerance = Tolerance(min(ITERATED[network.order] * settings.tolerance, MOST_ITERATED))
         solver = solver_for(network, tolerance, self.native_solver)
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}

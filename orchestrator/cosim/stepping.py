@@ -16,8 +16,8 @@ from .participant import ParticipantError
 from .ports import Order
 
 RATIO = sqrt(2.0)
-_ERROR_SHARE = 0.0025
-_LOOSE = {2: 0.0, 4: 0.25}
+ALLOWED_SHARE = 12.0 * 0.0025
+LOOSE = {2: 0.0, 4: 0.25}
 """Power of the tolerance that the allowed error of a step falls behind above 1e-4, where steps resolve less ringing."""
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
@@ -119,8 +119,8 @@ class StepSizes(Structure):
 def _allowed(tolerance: float, order: Order) -> float:
     """Error of a step, from the wrenches h^2 u'' or what is left of them, that a run with this tolerance may make."""
     ratio = tolerance / REFERENCE_TOLERANCE
-    power = 1.0 / order if ratio < 1.0 else -_LOOSE[order]
-    return float(12.0 * _ERROR_SHARE * tolerance * ratio**power)
+    power = 1.0 / order if ratio < 1.0 else -LOOSE[order]
+    return float(ALLOWED_SHARE * tolerance * ratio**power)
 
 
 class ErrorEstimate(Structure):

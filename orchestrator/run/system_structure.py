@@ -6,16 +6,18 @@ the annotation, others are told. The scene itself goes along, for our own runs.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from zipfile import ZIP_DEFLATED, ZipFile
+
+from fmpy import read_model_description
 
 from components import FanfoldError, Quantity
 from fmus import Experiment
-from fmus.description.units import base_unit
+from fmus.description.units import base_unit, has_root
 
 from ..assembly import Assembly, Link
 from ..cosim.ports import MOTION, UNITS, WRENCH
@@ -46,15 +48,17 @@ def check_ssp(path: Path) -> None:
 def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: Experiment) -> Path:
     """Write the SSP file of an assembly from its FMUs, made with end-point wrenches, and return its path.
 
-    Errors of `check_ssp`.
+    Or from the one FMU that it is, whose inputs and outputs all are connectors. Errors of `check_ssp`.
     """
     check_ssp(path)
     from pyssp_standard.ssd import DefaultExperiment, System
     from pyssp_standard.ssp import SSP
 
     system = System(name=assembly.name.replace("-", "_").replace(".", "_"))
-    system.elements = [_component(assembly, fmu) for fmu in fmus]
-    system.connections = [c for link in assembly.links for c in _connections(link)]
+    links = assembly.links if len(fmus) > 1 else ()
+    carried_by = [list(_linked(links, fmu.stem) if links else _all_of(fmu)) for fmu in fmus]
+    system.elements = [_component(fmu, found) for fmu, found in zip(fmus, carried_by, strict=True)]
+    system.connections = [c for link in links for c in _connections(link)]
     if experiment.step_size is not None:
         system.annotations.add_annotation(_step_annotation(experiment.step_size))
     run = DefaultExperiment()
@@ -65,7 +69,7 @@ def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: 
             with archive.system_structure as structure:
                 structure.name, structure.version = system.name, "1.0"
                 structure.system, structure.default_experiment = system, run
-                for unit in _units():
+                for unit in _units(one.unit for found in carried_by for one in found if one.unit is not None):
                     structure.units.add_unit(unit)
             _order(archive.get_file_temp_path("SystemStructure.ssd"))
             for fmu in fmus:
@@ -95,24 +99,42 @@ def _order(description: Path) -> None:
     tree.write(str(description), encoding="utf-8", xml_declaration=True)
 
 
-def _component(assembly: Assembly, fmu: Path) -> Component:
-    """An FMU of the archive with a connector for every scalar that a link of it carries."""
+class _Carried(NamedTuple):
+    """A scalar of an FMU that a connector stands for: its name, causality and unit, None where SSP can tell none."""
+
+    name: str
+    kind: str
+    unit: str | None
+
+
+def _component(fmu: Path, carried: Sequence[_Carried]) -> Component:
+    """An FMU of the archive with its connectors."""
     from pyssp_standard.common_content_ssc import TypeReal
     from pyssp_standard.ssd import Component, Connector
 
     found = Component()
     found.name, found.source = fmu.stem, f"resources/{fmu.name}"
     found.component_type, found.implementation = "application/x-fmu-sharedlibrary", "CoSimulation"
-    for link in assembly.links:
-        for side, given, taken in ((link.body, MOTION, WRENCH), (link.connection, WRENCH, MOTION)):
-            if side[0] == fmu.stem:
-                found.connectors += [
-                    Connector(None, scalar, kind, TypeReal(UNITS[name]))
-                    for kind, names in (("output", given), ("input", taken))
-                    for name in names
-                    for scalar in _scalars(side[1], name)
-                ]
+    found.connectors += [Connector(None, one.name, one.kind, TypeReal(one.unit)) for one in carried]
     return found
+
+
+def _linked(links: Sequence[Link], name: str) -> Iterator[_Carried]:
+    """Every scalar that a link of a component carries."""
+    for link in links:
+        for side, given, taken in ((link.body, MOTION, WRENCH), (link.connection, WRENCH, MOTION)):
+            if side[0] == name:
+                for kind, names in (("output", given), ("input", taken)):
+                    for one in names:
+                        yield from (_Carried(s, kind, UNITS[one]) for s in _scalars(side[1], one))
+
+
+def _all_of(fmu: Path) -> Iterator[_Carried]:
+    """Every input and output of an FMU."""
+    for variable in read_model_description(str(fmu), validate=False).modelVariables:
+        if variable.causality in ("input", "output"):
+            unit = variable.unit
+            yield _Carried(variable.name, variable.causality, None if has_root(unit) else unit)
 
 
 def _connections(link: Link) -> Iterator[Connection]:
@@ -135,11 +157,11 @@ def _scalars(port: str, name: str) -> tuple[str, ...]:
     return Quantity(f"{port}.{name}", UNITS[name], "", 4 if name == "orientation" else 3).scalar_names()
 
 
-def _units() -> Iterator[Any]:
-    """Definitions of the units that ports have."""
+def _units(names: Iterable[str]) -> Iterator[Any]:
+    """Definitions of units."""
     from pyssp_standard.unit import BaseUnit, Unit
 
-    for name in dict.fromkeys(UNITS.values()):
+    for name in dict.fromkeys(names):
         exponents, factor = base_unit(name)
         yield Unit(name, BaseUnit({**exponents, **({"factor": factor} if factor != 1.0 else {})}))
 

@@ -237,6 +237,17 @@ def test_folders_stay_small(top):
     assert crowded == {}
 
 
+def test_nothing_lies_beside_the_packages():
+    """Rule of the architecture: what commands write where one stands is no part of the project."""
+    if not (ROOT / ".git").exists():
+        pytest.skip("not a checkout")
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    top = {name.partition("/")[0] for name in listed.splitlines()}
+    assert {name for name in top if not name.startswith(".")} == {
+        "pyproject.toml", "fmus", "components", "orchestrator", "tests", "README.md"
+    }  # fmt: skip
+
+
 def test_packages_share_one_folder():
     """Packaging: three generic names from one installation, not from three different ones."""
     folders = {Path(package.__file__).resolve().parents[1] for package in (components, fmus, orchestrator)}

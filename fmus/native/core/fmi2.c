@@ -100,9 +100,10 @@ FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean 
 FMI2_EXPORT fmi2Status fmi2SetupExperiment(fmi2Component component, fmi2Boolean tolerance_defined,
                                            fmi2Real tolerance, fmi2Real start, fmi2Boolean stop_defined,
                                            fmi2Real stop) {
-    (void)tolerance_defined, (void)tolerance;
     Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_set_experiment(instance, start, stop_defined ? stop : INFINITY) : fmi2Error;
+    return instance ? (fmi2Status)instance_set_experiment(instance, tolerance_defined ? &tolerance : NULL, start,
+                                                          stop_defined ? stop : INFINITY)
+                    : fmi2Error;
 }
 
 FMI2_EXPORT fmi2Status fmi2EnterInitializationMode(fmi2Component component) {

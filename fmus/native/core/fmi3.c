@@ -105,12 +105,15 @@ FMI3_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on
 FMI3_EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolerance_defined,
                                                    fmi3Float64 tolerance, fmi3Float64 start,
                                                    fmi3Boolean stop_defined, fmi3Float64 stop) {
-    (void)tolerance_defined, (void)tolerance;
     Instance *core = core_of(instance);
     if (!core)
         return fmi3Error;
-    Status status = instance_set_experiment(core, start, stop_defined ? stop : INFINITY);
-    return (fmi3Status)(status == STATUS_OK ? instance_enter_initialization(core) : status);
+    const Status status =
+        instance_set_experiment(core, tolerance_defined ? &tolerance : NULL, start, stop_defined ? stop : INFINITY);
+    if (status > STATUS_WARNING)
+        return (fmi3Status)status;
+    const Status entered = instance_enter_initialization(core);
+    return (fmi3Status)(entered > status ? entered : status);
 }
 
 FMI3_EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {

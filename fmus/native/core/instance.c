@@ -48,7 +48,20 @@ Status instance_terminate(Instance *instance) {
     return STATUS_OK;
 }
 
-Status instance_set_experiment(Instance *instance, double start_time, double stop_time) {
+/* Have the tolerance of the host for a parameter, unless that was set already. */
+static Status take_tolerance(Instance *instance, double tolerance) {
+    const size_t place = instance->sizes.parameters - 1;
+    if (!instance->kernel->steps_inside || instance->values[place] != instance->start[place])
+        return STATUS_OK;
+    if (!(tolerance >= instance->minimum[place] && tolerance <= instance->maximum[place]))
+        return instance_fail(instance, STATUS_WARNING, "the tolerance of the experiment is %g; it must be from %g to %g, "
+                             "and stays %g", tolerance, instance->minimum[place], instance->maximum[place],
+                             instance->values[place]);
+    instance->values[place] = tolerance;
+    return STATUS_OK;
+}
+
+Status instance_set_experiment(Instance *instance, const double *tolerance, double start_time, double stop_time) {
     if (instance->mode != MODE_INSTANTIATED)
         return instance_fail(instance, STATUS_ERROR,
                              "times are set before initialization mode, which is entered once, after instantiation");
@@ -59,7 +72,7 @@ Status instance_set_experiment(Instance *instance, double start_time, double sto
                              start_time);
     instance->time = start_time;
     instance->stop_time = stop_time;
-    return STATUS_OK;
+    return tolerance ? take_tolerance(instance, *tolerance) : STATUS_OK;
 }
 
 Status instance_check_stop(Instance *instance, double time) {
@@ -204,8 +217,8 @@ static int step_kernel(Instance *instance, double *h, int to_event, int *due, do
                : kernel->step(instance->self, instance->x, u, *h, next, why);
 }
 
-/* One step; instance->time is its start already. */
-static Status make_step(Instance *instance, double *step_size, int to_event, int *due) {
+/* One step; instance->time is its start already; stands_at (s): where the state is. */
+static Status make_step(Instance *instance, double stands_at, double *step_size, int to_event, int *due) {
     const double h = *step_size;
     Reason why = {""};
     double *next = instance->before;
@@ -216,6 +229,9 @@ static Status make_step(Instance *instance, double *step_size, int to_event, int
                                                                  : "a step before the end of initialization mode");
     if (!isfinite(instance->time))
         return instance_fail(instance, STATUS_ERROR, "the communication point must be a finite number");
+    if (instance->kernel->steps_inside && fabs(instance->time - stands_at) > SAME_TIME * (1.0 + fabs(stands_at)))
+        return instance_fail(instance, STATUS_ERROR, "the communication point is %.9g s; the last step ended at %.9g s, "
+                             "where the next one begins", instance->time, stands_at);
     if (!(h > 0.0 && isfinite(h)))
         return instance_fail(instance, STATUS_ERROR, "the communication step size is %g s; it must be positive", h);
     if (instance_check_stop(instance, instance->time + h) != STATUS_OK)
@@ -232,7 +248,7 @@ static Status step_from(Instance *instance, double time, double *h, int to_event
     const double before = instance->time;
     instance->time = time; /* for what is said of a failure */
     int due = 0;
-    Status status = make_step(instance, h, to_event, &due);
+    Status status = make_step(instance, before, h, to_event, &due);
     if (status != STATUS_OK) {
         instance->time = before;
         return status;

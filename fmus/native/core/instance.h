@@ -93,8 +93,8 @@ void instance_free(Instance *instance);
 
 Status instance_fail(Instance *instance, Status status, const char *format, ...);
 
-/* Times of the experiment; an infinite stop time is none. */
-Status instance_set_experiment(Instance *instance, double start_time, double stop_time);
+/* Tolerance of the experiment, NULL for none, and its times; an infinite stop time is none. */
+Status instance_set_experiment(Instance *instance, const double *tolerance, double start_time, double stop_time);
 Status instance_enter_initialization(Instance *instance);
 Status instance_exit_initialization(Instance *instance);
 Status instance_reset(Instance *instance);

@@ -408,9 +408,9 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
         return 0;
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
-    if (sizes->parameters != a->parameter_count || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
-        return refuse(why, "the assembly declares %lu parameters, its components have %lu",
-                      (unsigned long)sizes->parameters, (unsigned long)a->parameter_count);
+    if (sizes->parameters != a->parameter_count + 1 || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
+        return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
+                      (unsigned long)sizes->parameters, (unsigned long)a->parameter_count + 1);
     a->standing_size = arrange_standing(a, NULL);
     a->snapshot_size = 2 + a->standing_size + a->states + a->input_count;
     a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
@@ -440,7 +440,22 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     return NULL;
 }
 
-/* Every component checks its own; they take them where the run comes to it. */
+/* Error of a step that a run with a tolerance may make: see _allowed in orchestrator/cosim/stepping.py. */
+static double allowed_error(const double *by, double tolerance, double order, double loose) {
+    const double ratio = tolerance / by[REFERENCE_TOLERANCE];
+    return by[ALLOWED_SHARE] * tolerance * pow(ratio, ratio < 1.0 ? 1.0 / order : -loose);
+}
+
+static void take_tolerance(Assembly *a, double tolerance) {
+    Master *m = &a->master;
+    const double *by = a->by_tolerance;
+    m->usual_relative = m->network.tolerance.relative = fmin(by[ITERATED] * tolerance, by[MOST_ITERATED]);
+    m->sizes.largest = by[LARGEST_STEP] * fmin(1.0, sqrt(tolerance / by[REFERENCE_TOLERANCE]));
+    m->error.allowed = allowed_error(by, tolerance, (double)m->sizes.order, by[LOOSE]);
+    m->error.resolved = allowed_error(by, tolerance, 2.0, by[LOOSE_AT_ORDER_2]);
+}
+
+/* Every component checks its own; they take them where the run comes to it. The tolerance comes last. */
 static int prepare(void *self, const double *p, Reason *why) {
     Assembly *a = self;
     for (size_t i = 0; i < a->participants; i++) {
@@ -451,6 +466,7 @@ static int prepare(void *self, const double *p, Reason *why) {
             return refuse(why, "%.100s: %.380s", instance->name, own.text);
     }
     memcpy(a->wanted, p, a->parameter_count * sizeof(double));
+    take_tolerance(a, p[a->parameter_count]);
     return 1;
 }
 
@@ -777,4 +793,5 @@ const Kernel assembly_kernel = {.kind = "assembly",
                                 .observe = observe,
                                 .settle = settle,
                                 .destroy = destroy,
-                                .checks_itself = 1};
+                                .checks_itself = 1,
+                                .steps_inside = 1};

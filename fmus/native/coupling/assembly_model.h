@@ -12,6 +12,11 @@
 
 enum { FITTED = 4, RING = 5, SNAPSHOTS = 3 };
 
+/* What follows from the tolerance: the largest step (s) of the scene, the tolerance below which it shrinks, what iterations
+   leave of the tolerance and at most, what a step may err by, and powers of the tolerance above that limit, of the
+   coupling's order and of the second. */
+enum { LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE };
+
 /* An input of the assembly: releases a participant (is_release), or latches a line. */
 typedef struct {
     size_t is_release, line;
@@ -53,7 +58,7 @@ typedef struct {
     DrivenFrame driven;
     NotedSteps noted;
     double *standing, *scalars, *in_force, *wanted, *applied, *inputs, *peaks, *ring, *snapshot;
-    const double *rest_states, *rest_inputs, *rest_wrenches;
+    const double *rest_states, *rest_inputs, *rest_wrenches, *by_tolerance;
     size_t participants, flags, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step;
@@ -558,7 +563,7 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 
 /* Numbers of the master, in the order of their structures. */
 static int read_settings(Assembly *a, const Data *data, Reason *why) {
-    enum { NETWORK = 5, OF_LIMITS = 15, OF_RULES = 19, OF_MASTER = 11 };
+    enum { NETWORK = 5, OF_LIMITS = 15, OF_RULES = 19, OF_MASTER = 7 };
     Master *m = &a->master;
     Network *n = &m->network;
     const double *sizes = data_array(data, "network", NETWORK, why), *limit = data_array(data, "limits", OF_LIMITS, why);
@@ -585,17 +590,14 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     *r = (Rules){rule[0],  rule[1],  rule[2],  rule[3],  rule[4],  rule[5],  (ptrdiff_t)rule[6],
                  (ptrdiff_t)rule[7],  (ptrdiff_t)rule[8],  (ptrdiff_t)rule[9],  (ptrdiff_t)rule[10],
                  rule[11], rule[12], rule[13], rule[14], rule[15], rule[16], rule[17], rule[18]};
-    n->tolerance = (Tolerance){own[0], own[1], own[2], 0.0};
-    m->usual_relative = own[0];
-    m->sizes.order = (size_t)own[3];
-    m->sizes.largest = own[4];
-    m->sizes.smallest = own[5];
-    m->start_step = own[6];
-    m->event_step = own[7];
-    m->error.allowed = own[8];
-    m->error.resolved = own[9];
-    m->driving_energy = own[10];
-    return 1;
+    n->tolerance = (Tolerance){0.0, own[0], own[1], 0.0};
+    m->sizes.order = (size_t)own[2];
+    m->sizes.smallest = own[3];
+    m->start_step = own[4];
+    m->event_step = own[5];
+    m->driving_energy = own[6];
+    a->by_tolerance = data_array(data, "by_tolerance", OF_TOLERANCE, why);
+    return a->by_tolerance != NULL;
 }
 
 #endif

@@ -21,6 +21,7 @@ from ...cosim.participant import InProcess
 from ...cosim.ports import Order
 from ...cosim.rows import recorded_layout
 from ...cosim.settings import Settings
+from ...scene.schema import TOLERANCES
 from .rest import rest
 from .tables import DRIVEN, Command, Peak, tables
 
@@ -43,6 +44,15 @@ _DRIVES = (
     ("angular_acceleration", "rad/s2", "angular acceleration of the frame"),
 )
 _PEAKED = (LOAD, INTERFACE_LOAD)
+_TOLERANCE = Quantity(
+    "tolerance",
+    "1",
+    "Relative accuracy that steps are chosen for; an experiment's takes its place unless it was set before",
+    minimum=TOLERANCES[0],
+    maximum=TOLERANCES[1],
+    variability="fixed",
+)
+"""The last parameter, as the native core expects of what `steps_inside`."""
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
 
 
@@ -73,7 +83,7 @@ class AssembledScene(Component, registered=False):
         observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
         peaks = list(_peaks(self._names, observed, lines))
         self.returns_early = bool(lines or assembly.events)
-        self._order = order
+        self._order, self._tolerance = order, settings.tolerance
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
         self._texts |= {
@@ -94,8 +104,9 @@ class AssembledScene(Component, registered=False):
         self._declare(
             {},
             (),
-            parameters=self._with_own_order(
-                _of_parts(self._names, [c.parameter_layout for _, c in self._parts])
+            parameters=(
+                *self._with_own_order(_of_parts(self._names, [c.parameter_layout for _, c in self._parts])),
+                _TOLERANCE,
             ),
             inputs=[*(quantity for _, quantity in commands), *_drives(assembly)],
             outputs=(
@@ -114,7 +125,7 @@ class AssembledScene(Component, registered=False):
 
     def start(self) -> dict[str, tuple[float, ...]]:
         """Start values of all parameters, by name."""
-        found: dict[str, tuple[float, ...]] = {}
+        found: dict[str, tuple[float, ...]] = {_TOLERANCE.name: (self._tolerance,)}
         for name, (part, component) in zip(self._names, self._parts, strict=True):
             for quantity in component.parameter_layout.quantities:
                 given = (

@@ -22,6 +22,7 @@ from .tables import DRIVEN
 def export_as_one(
     assembly: Assembly,
     folder: Path,
+    experiment: Experiment,
     driven_base: bool = False,
     fmi: FmiVersion = "2.0",
     with_sources: bool = False,
@@ -37,7 +38,6 @@ def export_as_one(
         assembly = _with_driven_base(assembly)
     settings = Settings(assembly.tolerance, assembly.largest_step, driving_energy=assembly.driving_energy)
     name = re.sub(r"\W|^(?=\d)", "_", assembly.name, flags=re.ASCII)
-    experiment = Experiment(assembly.until, assembly.largest_step)
     try:
         for platform in platforms:
             watch(platform)

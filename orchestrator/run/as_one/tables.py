@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import nan, sqrt
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,14 +24,13 @@ from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
-from ...cosim.master import ITERATED
+from ...cosim.master import ITERATED, MOST_ITERATED
 from ...cosim.native.fields import constant
 from ...cosim.network import Network
 from ...cosim.participant import Participant
-from ...cosim.ports import carried
+from ...cosim.ports import Order, carried
 from ...cosim.rows import Rows
 from ...cosim.settings import Settings
-from ...cosim.stepping import ErrorEstimate
 from ...results.recorder import NoRecorder
 
 _NOWHERE = 10**8
@@ -120,9 +119,7 @@ def _place(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
 def _master(network: Network, settings: Settings) -> dict[str, ArrayLike]:
     """Numbers in the order of the structures of the library."""
     order = network.order
-    iteration = convergence.Tolerance(min(ITERATED[order] * settings.tolerance, 1e-6))
-    error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, order)
-    largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / stepping.REFERENCE_TOLERANCE))
+    iteration = convergence.Tolerance(0.0)
     return {
         "network": [
             len(network.participants),
@@ -168,19 +165,29 @@ def _master(network: Network, settings: Settings) -> dict[str, ArrayLike]:
             stepping.SHARED,
         ],
         "master": [
-            iteration.relative,
             iteration.force,
             iteration.torque,
             order,
-            largest,
             settings.smallest_step,
             settings.start_step,
             settings.event_step,
-            error.allowed,
-            error.resolved,
             settings.driving_energy,
         ],
+        "by_tolerance": _by_tolerance(settings, order),
     }
+
+
+def _by_tolerance(settings: Settings, order: Order) -> list[float]:
+    """What numbers follow from the tolerance by."""
+    return [
+        settings.largest_step,
+        stepping.REFERENCE_TOLERANCE,
+        ITERATED[order],
+        MOST_ITERATED,
+        stepping.ALLOWED_SHARE,
+        stepping.LOOSE[order],
+        stepping.LOOSE[2],
+    ]
 
 
 def _network(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:

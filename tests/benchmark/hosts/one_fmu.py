@@ -1,4 +1,4 @@
-"""A scene as one FMU in hosts that know nothing of it: FMPy's calls and, where it is installed, libcosim.
+"""A scene as one FMU in hosts that know nothing of it: FMPy's calls and, where they are installed, libcosim and Ecos.
 
     python -m tests.benchmark.hosts.one_fmu [SCENE] [--rigid] [--until SECONDS] [--rounds N]
 
@@ -18,7 +18,8 @@ from typing import NamedTuple
 import orchestrator as fanfold
 from orchestrator.run.run import kept_fmus, run
 from orchestrator.run.simulation import Options
-from tests.unit.run.as_one.host import Host
+from tests.benchmark.hosts.ecos import load_tbb, simulation
+from tests.unit.run.as_one.host import Host as Instance
 
 STEPS = (1e-3, 1e-2, 1e-1)
 _NANO = 1e9
@@ -32,9 +33,13 @@ class Found(NamedTuple):
     cost: float
 
 
+Host = Callable[[Path, float, float, list[str]], Found]
+"""What takes an FMU, a communication step (s), an end time (s) and names of lines."""
+
+
 def in_fmpy(path: Path, step: float, until: float, lines: list[str]) -> Found:
     """FMI's functions called one by one from Python."""
-    host = Host(path).start()
+    host = Instance(path).start()
     begin = process_time()
     host.to(until, step)
     cost = process_time() - begin
@@ -57,13 +62,45 @@ def in_libcosim(path: Path, step: float, until: float, lines: list[str]) -> Foun
     begin = process_time()
     execution.simulate_until(round(until * _NANO))
     cost = process_time() - begin
-    references = Host(path).references
+    references = Instance(path).references
 
     def read(what: str) -> dict[str, float]:
         wanted = [references[f"{name}.{what}"] for name in lines]
         return dict(zip(lines, observer.last_real_values(slave, wanted), strict=True))
 
     return Found(read("latch_time"), read("latch_torque_peak"), cost)
+
+
+def in_ecos(path: Path, step: float, until: float, lines: list[str]) -> Found:
+    """Its fixed-step algorithm."""
+    with simulation(path, step) as running:
+        begin = process_time()
+        running.step_until(until)
+        cost = process_time() - begin
+        times, peaks = (
+            {name: running.get_real(f"wing::{name}.{what}") for name in lines}
+            for what in ("latch_time", "latch_torque_peak")
+        )
+    return Found(times, peaks, cost)
+
+
+def hosts_here() -> dict[str, Host]:
+    """By name, those that are installed."""
+    found: dict[str, Host] = {"FMPy": in_fmpy}
+    try:
+        import libcosimpy  # noqa: F401
+
+        found["libcosim"] = in_libcosim
+    except ImportError:
+        print("libcosim is not installed: pip install '.[benchmark]'")
+    try:
+        load_tbb()
+        import ecospy  # noqa: F401
+
+        found["Ecos"] = in_ecos
+    except (ImportError, OSError) as error:
+        print(f"Ecos is not installed ({error}): pip install '.[benchmark]'")
+    return found
 
 
 def main() -> None:
@@ -74,13 +111,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     given = parser.parse_args()
     fidelity = {"rigid" if given.rigid else "flexible": ["all"]}
-    hosts: dict[str, Callable[[Path, float, float, list[str]], Found]] = {"FMPy": in_fmpy}
-    try:
-        import libcosimpy  # noqa: F401
-
-        hosts["libcosim"] = in_libcosim
-    except ImportError:
-        print("libcosim is not installed: pip install '.[benchmark]'")
+    hosts = hosts_here()
     options = Options(**fidelity)
     scene = fanfold.load(given.scene).check_one_run()
     assembly = options.assemble(scene)

@@ -482,7 +482,9 @@ def sticking():
 def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 
-    With halving the solver in Python, which defines it, takes the same steps.
+    With halving the solver in Python, which defines it, takes the same steps. Where friction lets go within an
+    iteration hangs on the last bit, and that on the machine: of 541 iterations, 912 without halving, 15 more or fewer
+    were seen.
     """
     halved = run(sticking(), None, Settings(), END).costs
     with monkeypatch.context() as patch:
@@ -493,4 +495,5 @@ def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     in_python(monkeypatch)
     python = run(sticking(), None, Settings(), 0.55 * END).costs
     assert begun.rejected > 0
-    assert (python.steps, python.iterations) == (begun.steps, begun.iterations)
+    assert python.steps == pytest.approx(begun.steps, rel=0.05)
+    assert python.iterations == pytest.approx(begun.iterations, rel=0.1)

@@ -77,6 +77,22 @@ def test_what_cannot_be_one_is_refused_before_anything_is_written(name, options,
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_scene_as_one_fmu_is_one_element(tmp_path):
+    """Against the schema, with all its inputs and outputs as connectors; a run of the file is that of the scene."""
+    from fmpy.ssp.ssd import read_ssd
+    from pyssp_standard.ssp import SSP
+
+    fmu, written = fanfold.export("workbench", tmp_path, rigid="all", as_one=True, ssp=tmp_path / "one.ssp")
+    with SSP(written, mode="r") as archive, archive.system_structure as structure:
+        structure.__check_compliance__()
+    (element,) = read_ssd(str(written)).system.elements
+    variables = {v.name: v for v in read_model_description(str(fmu)).modelVariables}
+    expected = {(n, v.causality) for n, v in variables.items() if v.causality in ("input", "output")}
+    assert {(c.name, c.kind) for c in element.connectors} == expected
+    own = fanfold.simulate("workbench", rigid="all", estimate=False)
+    assert fanfold.simulate(written, estimate=False).latch_times == own.latch_times
+
+
 def without(path, name, target, **others):
     """A copy of an archive without a member, and with others."""
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(target, "w") as new:

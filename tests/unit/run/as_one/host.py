@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import fmpy
 import numpy as np
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import (
+    FMU2Slave,
+    calloc,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+    free,
+)
 
 import orchestrator as fanfold
 
@@ -60,13 +68,19 @@ class Host:
             modelIdentifier=identifier,
             instanceName=identifier,
         )
-        self.fmu.instantiate(loggingOn=True)
+        self.said = []
+        self._callbacks = fmi2CallbackFunctions(
+            fmi2CallbackLoggerTYPE(lambda _, __, ___, ____, message: self.said.append(message.decode())),
+            fmi2CallbackAllocateMemoryTYPE(calloc),
+            fmi2CallbackFreeMemoryTYPE(free),
+        )
+        self.fmu.instantiate(callbacks=self._callbacks, loggingOn=True)
         self.time = 0.0
 
-    def start(self, **values):
-        self.fmu.setupExperiment(startTime=0.0)
+    def start(self, tolerance=None, /, **values):
         for name, value in values.items():
             self[name] = value
+        self.fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
         self.fmu.enterInitializationMode()
         self.fmu.exitInitializationMode()
         return self

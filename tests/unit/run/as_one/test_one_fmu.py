@@ -136,6 +136,32 @@ def test_flags_are_0_or_1_between_rows(tmp_path):
     assert seen["wall_bolt.released"] == seen["wall_left.in_contact"] == {0.0, 1.0}
 
 
+def test_the_tolerance_is_a_parameter_and_the_experiments(path, tmp_path):
+    """Every bit of a scene with that tolerance; what was set before goes before what the host gives."""
+    expected = Host(exported(latching(tolerance=1e-6), tmp_path)).start().to(2.0, 0.01).all()
+    assert np.array_equal(Host(path).start(tolerance=1e-6).to(2.0, 0.01).all(), expected)
+    assert np.array_equal(Host(path).start(1e-6).to(2.0, 0.01).all(), expected)
+    assert np.array_equal(Host(path).start(1e-2, tolerance=1e-6).to(2.0, 0.01).all(), expected)
+    assert float(fmpy.read_model_description(str(path)).defaultExperiment.tolerance) == 1e-4
+
+
+def test_an_experiment_with_a_senseless_tolerance_is_told_so(path):
+    """A warning with both bounds; it runs as it would without."""
+    host, usual = Host(path), Host(path).start().to(0.5, 0.1).all()
+    assert np.array_equal(host.start(7.0).to(0.5, 0.1).all(), usual)
+    assert "it must be from 1e-10 to 0.1, and stays 0.0001" in host.said[-1]
+
+
+def test_a_step_begins_where_the_last_one_ended(path):
+    """Another communication point is refused, and nothing is lost."""
+    host = Host(path).start().to(0.5, 0.1)
+    for time in (0.4, 0.6):
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            host.fmu.doStep(time, 0.1)
+        assert "the last step ended at 0.5 s" in host.said[-1]
+    assert np.array_equal(host.to(0.8, 0.1).all(), Host(path).start().to(0.8, 0.1).all())
+
+
 def test_parameters_before_the_start(path):
     """A constant motor torque that is half as large again opens in the root of 2/3 of the time: nothing else works."""
     usual = Host(path).start().to(2.0, 0.01)["HL.latch_time"]
@@ -160,7 +186,7 @@ def test_other_tools_find_nothing_wrong(fmi, tmp_path):
 
 
 def test_what_cannot_be_one_fmu_is_told(tmp_path):
-    with pytest.raises(fanfold.FanfoldError, match="leave backend, wrench_mode and ssp out"):
+    with pytest.raises(fanfold.FanfoldError, match="leave backend and wrench_mode out"):
         fanfold.export(TWO_PANELS, tmp_path, as_one=True, backend="python")
 
 
