@@ -20,6 +20,7 @@ from orchestrator.views.gradients import plot_gradients
 from tests.benchmark.gradients import MET, differences
 from tests.unit.analysis.sampling.flap import ANGLE, ENDS, MOTOR, STIFFNESS, flap, latch_time, undamped_peak
 from tests.unit.analysis.sampling.flap import INERTIA as MOMENT
+from tests.unit.run.as_one.host import latching
 
 INERTIA = "body.flap.rigid.inertia*"
 DAMPING = "hinge_line.line.latch.damping_ratio"
@@ -119,6 +120,14 @@ def test_what_no_key_moves_has_no_error():
     """A key that only takes part after the latch-up: the latch time is not moved at all, and not doubted."""
     found = fanfold.gradients(flap(damping_ratio=0.0), "hinge_line.line.latch.stiffness")
     assert np.isnan(found.errors[found.names.index("latch time line")])
+
+
+def test_a_wing_that_comes_to_rest_has_derivatives():
+    """Regression: where all loads had died out, rounding that no sweep makes smaller was taken for no convergence."""
+    scene = latching().with_settings({"hinge_line.HL.latch.damping_ratio": 0.5})
+    moving, resting = (fanfold.gradients(scene, "body.panel.rigid.mass", until=end) for end in (2.0, 8.0))
+    number = "latch time HL", "body.panel.rigid.mass"
+    assert resting.of(*number) == moving.of(*number)
 
 
 def test_a_key_of_zero_and_one_at_its_end():
