@@ -19,6 +19,9 @@ from ..contract.component import ComponentError
 from .scheme import NEVER
 
 DEGREE = 5
+MEANING = """A motion law is a list of terms, which add up, in SI units and Hz: `change` is reached `duration` seconds
+after `start` along a straight line (`ramp`), a cubic (`step`), a polynomial of degree five (`step5`) or half a cosine
+(`havsin`)."""
 _REACHED = 1e-9  # distance (s) from a break that sums of step sizes may leave
 _SAME = 1e-12  # distance (s) of breaks that are one
 _GAUSS = 0.6**0.5

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Literal, Self
@@ -62,6 +63,8 @@ def check_fmu(path: str | Path, run: bool = True) -> list[Problem]:
 
 
 def _problems(path: Path, run: bool) -> list[str]:
+    if path.is_dir():
+        return [f"{path} is a folder; an FMU is one file, a zip archive of such a folder's content"]
     if not path.is_file():
         return [f"there is no file {path}"]
     if not zipfile.is_zipfile(path):
@@ -132,6 +135,7 @@ def _common_problems(root: Element) -> Iterator[str]:
 
 def _problems_of_2(root: Element) -> Iterator[str]:
     variables = root.findall("ModelVariables/ScalarVariable")
+    yield from _unlike_aliases(variables)
     for variable in variables:
         real = variable.find("Real")
         if real is not None and not real.get("unit") and not real.get("declaredType"):
@@ -142,8 +146,29 @@ def _problems_of_2(root: Element) -> Iterator[str]:
         yield from _structure_problems(group, "variable", by_index, listed)
 
 
+def _unlike_aliases(variables: Iterable[Element]) -> Iterator[str]:
+    """Variables of FMI 2.0 that share a value reference must have one type and unit and be one value, 2.2.7."""
+    by_place: dict[tuple[str, str], Element] = {}
+    for variable in variables:
+        value = variable[0] if len(variable) else variable
+        place = (value.tag, variable.get("valueReference", ""))
+        first = by_place.setdefault(place, variable)
+        if first is variable:
+            continue
+        both = f"{first.get('name')} and {variable.get('name')} have the same value reference {place[1]}"
+        settable = [one for one in (first, variable) if one.get("causality") in ("input", "parameter")]
+        if len(settable) == 2:
+            yield f"{both}, and both may be set"
+        elif first[0].get("unit") != value.get("unit"):
+            yield f"{both}, and units {first[0].get('unit')} and {value.get('unit')}"
+
+
 def _problems_of_3(root: Element) -> Iterator[str]:
     variables = root.findall("ModelVariables/*")
+    references = Counter(variable.get("valueReference") for variable in variables)
+    for reference in (reference for reference, count in references.items() if count > 1):
+        names = ", ".join(str(v.get("name")) for v in variables if v.get("valueReference") == reference)
+        yield f"these have the same value reference {reference}: {names}; it belongs to one variable"
     for variable in variables:
         if variable.tag == "Float64" and not variable.get("unit") and not variable.get("declaredType"):
             yield Problem(f"Float64 variable {variable.get('name')} has no unit", "advice")

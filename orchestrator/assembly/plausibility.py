@@ -47,6 +47,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_unstopped(scene),
         *_without_friction(scene),
         *_without_load(scene),
+        *_never_stepped(scene),
         *_held_by_friction(scene),
         *_through_one_another(scene),
         *_unlike_travels(scene),
@@ -81,6 +82,16 @@ def _without_load(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"connection.{one.name}: it has neither a force nor a torque, and no event or FMU sets added_force or "
                 "added_torque, so it does nothing"
+            )
+
+
+def _never_stepped(scene: CheckedScene) -> Iterator[str]:
+    """FMUs with signals whose first step would end after the run does."""
+    for one in scene.fmus:
+        if one.step is not None and one.step > scene.header.until:
+            yield (
+                f"fmu.{one.name}: its step of {one.step:g} s is longer than the run of {scene.header.until:g} s, so it "
+                "never makes one"
             )
 
 

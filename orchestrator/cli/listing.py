@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from inspect import Parameter, signature
 from typing import TYPE_CHECKING
 
@@ -79,12 +80,32 @@ def _describe(kind: type[Component]) -> None:
         structure.add_row(key.name, "needed" if key.default is Parameter.empty else repr(key.default))
     if structure.row_count:
         console.print(structure, markup=False)
+    _print_laws(kind)
     for title, quantities in (
         ("parameters", example.parameter_layout.quantities),
         ("commands", example.own_inputs),
         ("recorded signals", example.observation_layout.quantities),
     ):
         _print_quantities(title, quantities)
+
+
+def _print_laws(kind: type[Component]) -> None:
+    """Terms that a motion law has, of a component whose file knows of such laws."""
+    from components.numerics.motion_law import MEANING, PROFILES, MotionLaw
+
+    from .tables import plain_table, terminal
+
+    if getattr(sys.modules[kind.__module__], MotionLaw.__name__, None) is not MotionLaw:
+        return
+    table = plain_table("terms of motion laws")
+    for name in ("profile", "needs", "may have"):
+        table.add_column(name)
+    for name, profile in PROFILES.items():
+        defaults = ", ".join(f"{key} ({value:g})" for key, value in profile.may.items())
+        table.add_row(name, ", ".join(profile.needs), defaults)
+    console = terminal()
+    console.print(table, markup=False)
+    console.print(" ".join(MEANING.replace("`", "").split()) + "\n", markup=False, highlight=False)
 
 
 def _print_quantities(title: str, quantities: Iterable[Quantity]) -> None:

@@ -57,6 +57,12 @@ ENTRY = "resources/fanfold_.*_entry.py"
             b'index="10" dependencies="99"',
             "to variable 99",
         ),
+        (
+            DESCRIPTION,
+            b'(name="rate" valueReference=")[0-9]+"',
+            rb'\g<1>0"',
+            "value reference 0, and both may be set",
+        ),
         (DESCRIPTION, b'(generationDateAndTime="[^"]*)Z"', rb'\1+00:00"', "must look like 2026"),
         (DESCRIPTION, b'name="rate"', b'name="the rate"', "the rate"),
         (DESCRIPTION, b'"structured"', b'"flat"', "variableNamingConvention is not structured"),
@@ -131,6 +137,7 @@ def test_indices_that_are_no_numbers_are_told(good, tmp_path):
 
 def test_files_that_are_no_fmu(tmp_path):
     assert "there is no file" in check_fmu(tmp_path / "none.fmu")[0]
+    assert "is a folder; an FMU is one file" in check_fmu(tmp_path)[0]
     (tmp_path / "text.fmu").write_text("text")
     assert check_fmu(tmp_path / "text.fmu") == ["text.fmu is not a zip archive"]
 

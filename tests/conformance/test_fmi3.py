@@ -155,6 +155,12 @@ DESCRIPTION = "modelDescription.xml"
         ),
         (TERMINALS, b'matchingRule="plug"', b"", "matchingRule"),
         (TERMINALS, b"</Terminals>", b"", "not well-formed"),
+        (
+            DESCRIPTION,
+            b'valueReference="1" causality',
+            b'valueReference="0" causality',
+            "the same value reference 0: ",
+        ),
         ("binaries/.*", b"", None, "no binary for this platform"),
         ("resources/component.bin", b"FANFOLD", b"fanfold", "cannot be instantiated"),
     ],

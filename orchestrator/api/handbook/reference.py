@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from inspect import Parameter, getdoc, signature
 
 from components import LAGGED, REGISTRY, Component, Quantity
-from components.numerics.motion_law import PROFILES
+from components.numerics.motion_law import MEANING, PROFILES
 
 from ...scene.keys.listing import KeyTable, key_tables
 from ...scene.units import UNITS
@@ -34,7 +34,7 @@ def scene_page() -> str:
     )
     for table in key_tables():
         lines += _keys(table)
-    lines += ["", "(key-motion-law)=", "## Terms of motion laws", "", _LAWS, ""]
+    lines += ["", "(key-motion-law)=", "## Terms of motion laws", "", MEANING, ""]
     lines += _table(
         ("profile", "needs", "may have"),
         (
@@ -52,10 +52,6 @@ def scene_page() -> str:
 _SCENE = """Generated from the models that read scene files. *Needed* keys have no default; an empty default means that
 nothing is there. A plain number is in the SI unit of its key; a text such as `"90 deg"` brings its own unit, one
 of:"""
-
-_LAWS = """A motion law is a list of terms, which add up, in SI units and Hz: `change` is reached `duration` seconds
-after `start` along a straight line (`ramp`), a cubic (`step`), a polynomial of degree five (`step5`) or half a cosine
-(`havsin`)."""
 
 
 def _keys(table: KeyTable) -> Iterator[str]:

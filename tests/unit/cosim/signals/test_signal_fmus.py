@@ -11,6 +11,7 @@ from components import REGISTRY
 from components.drive import MotionLaw
 from fmus import build_fmu
 from orchestrator.assembly import SignalFmu
+from orchestrator.assembly.plausibility import doubts
 from orchestrator.cosim.compiled_master import CompiledMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError
@@ -216,6 +217,12 @@ def test_an_fmu_that_hangs_is_ended(tmp_path):
             ParticipantError, match=r"controller: at t = 0\.05 s it did not answer within 3 s"
         ):
             one.sample(0.0, STEP, [])
+
+
+def test_a_step_that_the_run_does_not_reach_is_told(controller):
+    (sentence,) = doubts(controlled(controller, until=1.0, step=2.0).check_one_run())
+    assert sentence.startswith("fmu.controller: its step of 2 s is longer than the run of 1 s")
+    assert doubts(controlled(controller, until=1.0, step=1.0).check_one_run()) == []
 
 
 def test_checkpoints_are_refused(controller, tmp_path):
