@@ -157,8 +157,8 @@ DESCRIPTION = "modelDescription.xml"
         (TERMINALS, b"</Terminals>", b"", "not well-formed"),
         (
             DESCRIPTION,
-            b'valueReference="1" causality',
-            b'valueReference="0" causality',
+            b'valueReference="3" description',
+            b'valueReference="0" description',
             "the same value reference 0: ",
         ),
         ("binaries/.*", b"", None, "no binary for this platform"),
