@@ -65,9 +65,9 @@ class Result(Record):
     def at(self, time: Quantity, side: Side = "after") -> Instant:
         """All signals at one time: `result.at(7.5)["panel", "frame_position"]`, in s or with a unit.
 
-        Between communication points values are interpolated linearly. An event has several rows of one time, or
-        within 2e-7 s of it, as a latch impulse takes 1e-7 s: near an event the values are those after all of them,
-        or with side="before" those before. ResultError outside of the run.
+        Between communication points values are interpolated linearly, and flags are those of the one before. An event
+        has several rows of one time, or within 2e-7 s of it, as a latch impulse takes 1e-7 s: near an event the values
+        are those after all of them, or with side="before" those before. ResultError outside of the run.
         """
         return instant(self, in_si(time, "s", "the time"), side)
 

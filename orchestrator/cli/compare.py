@@ -35,10 +35,10 @@ def comparison_table(found: Comparison, names: tuple[str, str]) -> Table:
     table.add_column("unit", no_wrap=True)
     previous = ""
     for row in found.rows:
-        a, b, ratio, time_a, _, shift = cells(row)
+        a, b, ratio, time_a, _, shift, unit = cells(row)
         if row.quantity != previous:
             table.add_row(Text(row.quantity, style="bold"))
-        table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, row.unit)
+        table.add_row(f"  {row.of}", a, b, ratio, time_a, shift, unit)
         previous = row.quantity
     return table
 

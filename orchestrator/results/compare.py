@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
-from .key_figures import POINT_PEAKS, latch_times, line_latch_torque, peak
+from .key_figures import POINT_PEAKS, latch_times, line_latch_torque, peak, shown
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
@@ -193,19 +193,22 @@ def _only_in(result: Result, other: Result) -> tuple[str, ...]:
 
 
 def cells(row: Compared) -> tuple[str, ...]:
-    """A, B, ratio, time of A, time of B and shift of a row as texts; empty where there is none.
+    """A, B, ratio, time of A, time of B, shift and unit of a row as texts, for people; empty where there is none.
 
     A and B of a latch event are its times.
     """
+    unit, factor = shown(row.unit)
     if row.a is None and row.b is None:
-        return _text(row.time_a, ".5f"), _text(row.time_b, ".5f"), "", "", "", _text(row.shift, "+.5f")
+        return _text(row.time_a, ".5f"), _text(row.time_b, ".5f"), "", "", "", _text(row.shift, "+.5f"), unit
+    a, b = (None if value is None else factor * value for value in (row.a, row.b))
     return (
-        "noise" if row.noise_a else _text(row.a, ".5g"),
-        "noise" if row.noise_b else _text(row.b, ".5g"),
+        "noise" if row.noise_a else _text(a, ".5g"),
+        "noise" if row.noise_b else _text(b, ".5g"),
         _text(row.ratio, ".4f" if abs(row.ratio or 0.0) < _LARGE_RATIO else ".4g"),
         "" if row.noise_a else _text(row.time_a, ".4f"),
         "" if row.noise_b else _text(row.time_b, ".4f"),
         _text(row.shift, "+.4f"),
+        unit,
     )
 
 

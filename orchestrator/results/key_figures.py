@@ -37,7 +37,11 @@ _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
 _SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degrees(1.0))}
-"""Unit and factor of what people read in another unit."""
+
+
+def shown(unit: str) -> tuple[str, float]:
+    """The unit that people read a number of a unit in, and its factor."""
+    return _SHOWN.get(unit, (unit, 1.0))
 
 
 class Number(NamedTuple):
@@ -273,7 +277,7 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
             continue
         if number.quantity == "motor energy" and not found.latch_times:
             of = "over the run"
-        unit, size = _SHOWN.get(number.unit, (number.unit, 1.0))
+        unit, size = shown(number.unit)
         digits = ".6f" if unit == "s" else ".5g"
         value = format(size * without_noise(number.value, floor), digits)
         error = "" if number.error is None else format(size * number.error, ".1g")

@@ -124,6 +124,8 @@ def _at(
 ) -> NDArray[np.float64]:
     """Values at a time: those of the first or last of the rows that share an instant, else between two rows."""
     left, right, share = _between(time, events, asked, side)
+    if share < 1.0 and np.isin(values, (0.0, 1.0)).all():
+        return np.asarray(values[left])  # a flag has nothing between
     return np.asarray(values[left] + share * (values[right] - values[left]))
 
 

@@ -140,7 +140,7 @@ def _comparison(result: Result, other: Result, prefix: str) -> Iterator[str]:
         yield paragraph(f"Warning: {note}.", "warning")
     if note := end_note(result, other, names):
         yield paragraph(f"{note}.")
-    rows = [(row.quantity, row.of, *cells(row), row.unit) for row in found.rows]
+    rows = [(row.quantity, row.of, *cells(row)) for row in found.rows]
     headings = ("quantity", "of", "A", "B", "B / A", "at A, s", "at B, s", "shift, s", "unit")
     yield table(headings, rows, numeric=range(2, 8))
     for name, signals in zip(names, (found.only_a, found.only_b), strict=True):

@@ -251,3 +251,11 @@ def test_interrupted_run_is_named_in_the_legend(both):
     drawing = next(compare_plots.draw_comparison(both[0], stopped))
     (legend,) = drawing.figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a", "b, interrupted at t = 14.25 s"]
+
+
+def test_angles_are_told_in_degrees():
+    """For people, as all tables; as plain numbers in rad."""
+    row = Compared("attitude peak", "base x", "rad", 0.01, 0.02, 1.0, 1.5)
+    assert cells(row)[:2] == ("0.57296", "1.1459")
+    assert cells(row)[-1] == "deg"
+    assert (row.as_dict()["a"], row.as_dict()["unit"]) == (0.01, "rad")

@@ -15,6 +15,7 @@ from orchestrator.assembly import Geometry, HingeLine
 from orchestrator.results.recorder import SignalGroup
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import ResultWriter
+from orchestrator.results.signal import Signal
 from tests.references import synthetic_result as reference
 
 GROUPS = (
@@ -404,3 +405,11 @@ def test_a_result_replaced_since_it_was_opened_is_told(tmp_path, rows):
     os.replace(other, opened.path)
     with pytest.raises(ResultError, match="another result has taken the place of this one"):
         opened.signal("base", "interface_force")
+
+
+def test_a_flag_is_that_of_the_row_before():
+    """Rule: a contact is open or closed; half way between two rows it is not half of both."""
+    times = np.array([0.0, 1.0, 2.0])
+    flag = Signal(np.array([0.0, 1.0, 1.0]), times, "1", "pad.in_contact")
+    assert flag.at([0.0, 0.5, 1.0, 1.5]).tolist() == [0.0, 0.0, 1.0, 1.0]
+    assert Signal(np.array([0.0, 1.0, 1.5]), times, "m", "pad.gap").at(0.5) == 0.5
