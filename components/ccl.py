@@ -35,10 +35,10 @@ from .contract.frames import (
 from .contract.ports import WRENCH_SIZE
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
-from .numerics.laws import SlackSpring, mean_force
+from .numerics.laws import SlackSpring
 from .numerics.relative_motion import Line, axis_frame, turn_between
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
-from .numerics.workless_pair import workless_law
+from .numerics.strand import mean_tension, strand_load, tension_at
 
 
 class _Parameters(NamedTuple):
@@ -206,19 +206,18 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
             line = Line(middle.span, subtract(new.span, old.span), 1.0 / norm(middle.span))
             moments = self._moments(c, s, u, middle, line)
             loads = [
-                workless_law(c.strand, c.p.strand_damping, StepMotion(a, b, h, Memory(0.0, 0.0), moment))
+                strand_load(c.strand, c.p.strand_damping, StepMotion(a, b, h, Memory(0.0, 0.0), moment))
                 for a, b, moment in zip(before, after, moments, strict=True)
             ]
             wrench, slopes = self._pairs(c, middle, line, loads)
             heat = s.heat + sum(load.heat for load in loads)
             return moved._replace(heat=heat, wrench=wrench, slopes=slopes)
-        rates = [(b - a) / h for a, b in zip(before, after, strict=True)]
-        tension_a, tension_b = (
-            -mean_force(c.strand, a, b, c.p.end_weight) + c.p.strand_damping * rate
-            for a, b, rate in zip(before, after, rates, strict=True)
+        (tension_a, heat_a), (tension_b, heat_b) = (
+            mean_tension(c.strand, c.p.strand_damping, a, b, h, c.p.end_weight)
+            for a, b in zip(before, after, strict=True)
         )
         return moved._replace(
-            heat=s.heat + self._heat(c, before, after, rates, h),
+            heat=s.heat + heat_a + heat_b,
             wrench=self._wrenches(c, middle, tension_a, tension_b),
         )
 
@@ -263,18 +262,6 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
         step = 0.0 if self._guided else c.p.radius_1 - c.p.radius_2
         return sqrt(distance * distance - step * step) / distance
 
-    @staticmethod
-    def _heat(
-        c: _Constants, before: tuple[float, float], after: tuple[float, float], rates: list[float], h: float
-    ) -> float:
-        heat = c.p.strand_damping * h * sum(rate * rate for rate in rates)
-        if c.p.end_weight != 0.5:
-            heat -= sum(
-                (mean_force(c.strand, a, b, c.p.end_weight) - mean_force(c.strand, a, b)) * (b - a)
-                for a, b in zip(before, after, strict=True)
-            )
-        return heat
-
     def _wrenches(self, c: _Constants, g: _Geometry, tension_a: float, tension_b: float) -> tuple[float, ...]:
         """Wrenches of all ports; they sum to zero about any point."""
         distance = norm(g.span)
@@ -300,8 +287,14 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
         if not (self.endpoint and u.commands.hold > 0.5):
             elongations = self._elongations(c, g, s.preload)
             rates = self._port_rates(c, u, g) if damping > 0.0 else rates
-        a, b = (-c.strand.value(s) + damping * rate for s, rate in zip(elongations, rates, strict=True))
-        return _Instant(g, elongations, a, b, damping * sum(rate * rate for rate in rates))
+        a, b = (
+            tension_at(c.strand, damping, one, rate) for one, rate in zip(elongations, rates, strict=True)
+        )
+        heat = sum(
+            (tension + c.strand.value(one)) * rate
+            for tension, one, rate in zip((a, b), elongations, rates, strict=True)
+        )
+        return _Instant(g, elongations, a, b, heat)
 
     def _port_rates(self, c: _Constants, u: Inputs[_Commands], g: _Geometry) -> tuple[float, float]:
         """Elongation rates of both strands from the ports' velocities."""

@@ -10,11 +10,11 @@ from .contract.connection import HEAT, NO_PAIR, SLOPES, WRENCH, Connection, Impu
 from .contract.frames import Vector3, add, dot, mean, norm, scaled, subtract
 from .contract.record import Record, kept, observed, tunable
 from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, ORDER, POTENTIAL_ENERGY
-from .numerics.laws import SlackSpring, mean_force
+from .numerics.laws import SlackSpring
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import Line
-from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
-from .numerics.workless_pair import workless_law
+from .numerics.stiff_coordinate import Memory, StepMotion
+from .numerics.strand import mean_tension, strand_load, tension_at
 
 
 class _Parameters(NamedTuple):
@@ -53,9 +53,8 @@ class _Constants(NamedTuple):
         return length - self.p.preload_length
 
     def tension(self, elongation: float, rate: float) -> float:
-        """Tension of an instant; damping never pushes, and a slack spring has none."""
-        elastic = -self.spring.value(elongation)
-        return max(elastic + self.p.damping * rate, 0.0) if elastic > 0.0 else 0.0
+        """Tension of an instant."""
+        return tension_at(self.spring, self.p.damping, elongation, rate)
 
 
 class _Instant(NamedTuple):
@@ -111,26 +110,15 @@ class Suspension(Connection[_Parameters, _State, Impulse]):
             line = Line(mean(s.span, now.span), subtract(now.span, s.span), 2.0 / (length + now.length))
             upper, lower = u.moments
             moment = line.moment(subtract(lower.velocity, upper.velocity))
-            load = self._pair(c, StepMotion(before, after, h, Memory(0.0, 0.0), moment))
+            motion = StepMotion(before, after, h, Memory(0.0, 0.0), moment)
+            load = strand_load(c.spring, c.p.damping, motion)
             force, slope = line.forces(-load.force, -load.slope)
             slide = MidStep.starting(rate + 3.0 * moment / h)
             return _State(now.span, s.heat + load.heat, slide, _wrenches(force), _wrenches(slope))
-        elastic = -mean_force(c.spring, before, after)
-        tension = -mean_force(c.spring, before, after, c.p.end_weight)
-        tension = max(tension + c.p.damping * c.spring.taut_share(before, after) * rate, 0.0)
-        heat = s.heat + (tension - elastic) * (now.length - length)
+        tension, heat = mean_tension(c.spring, c.p.damping, before, after, h, c.p.end_weight)
         force = scaled(-tension / (length + now.length), add(s.span, now.span))
         slide = MidStep.starting(now.rate) if is_impulse else s.slide.after(rate, h)
-        return _State(now.span, heat, slide, _wrenches(force))
-
-    @staticmethod
-    def _pair(c: _Constants, motion: StepMotion) -> MeanLoad:
-        """Load on the length at order 4; damping never turns the mean tension into a push."""
-        elastic, change = workless_law(c.spring, 0.0, motion), motion.end - motion.start
-        damping = c.p.damping * c.spring.taut_share(motion.start, motion.end)
-        if change < 0.0 and -elastic.force * motion.h < -damping * change:
-            damping = max(-elastic.force, 0.0) * motion.h / -change
-        return workless_law(c.spring, damping, motion)
+        return _State(now.span, s.heat + heat, slide, _wrenches(force))
 
     def wrenches(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Of the present tension."""

@@ -11,6 +11,7 @@ import orchestrator as fanfold
 
 from .options import (
     SceneChoice,
+    all_ordered_names,
     backend_option,
     large_deformation_option,
     layered_scene,
@@ -146,7 +147,7 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     "--no-stress", is_flag=True, help="vtu: leave out von Mises stress, whose recovery takes its time."
 )
 @click.option(
-    "--signals", default="", callback=ordered_names, metavar="PATTERNS",
+    "--signals", multiple=True, callback=all_ordered_names, metavar="PATTERNS",
     help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip
 @click.option(

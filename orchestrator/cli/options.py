@@ -55,6 +55,13 @@ def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[st
     return tuple(name.strip() for name in value.split(",") if name.strip())
 
 
+def all_ordered_names(
+    context: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[str, ...]:
+    """The same of an option that may be given several times."""
+    return tuple(name for value in values for name in ordered_names(context, param, value))
+
+
 def names(context: click.Context, param: click.Parameter, value: str) -> frozenset[str]:
     """Names with commas between, as a set."""
     return frozenset(ordered_names(context, param, value))

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .implicit.convergence import CREDIBLE
 from .implicit.differences import stepped
 from .implicit.interface_jacobian import first_port_axes, jacobian_block
 from .implicit.local_error import WatchedTorque
@@ -137,13 +138,15 @@ def stiffenings(
 def stiffened_line(solver: Solver, hinges: tuple[Stiffening, ...], h: float) -> StiffenedLine:
     """Frequency and energy of a line on the time scale of a step h, whose matrices the solver has in use.
 
-    Nothing turns where a hinge would turn against its torque: locks and fast rotations can make that of a long step.
+    Nothing turns where a hinge would turn against its torque, or so far that the matrices are as good as singular:
+    locks and fast rotations can make that of a long step.
     """
     stiffness = np.array([hinge.stiffness for hinge in hinges])
     compliance = np.array([_turned(solver, hinge, hinges) for hinge in hinges]).T
     root = np.sqrt(stiffness)
     largest = float(np.linalg.eigvals(root[:, None] * compliance * root).real.max(initial=0.0))
-    if largest <= 0.0 or float(compliance.diagonal().min(initial=1.0)) <= 0.0:
+    least = float(compliance.diagonal().min(initial=1.0))
+    if not (0.0 < largest < CREDIBLE and least > 0.0):
         return StiffenedLine(0.0, 0.0, 0.0, hinges)
     square = 2.0 * largest / h**2
     rates = np.array([_rate(solver, hinge) for hinge in hinges])

@@ -350,6 +350,7 @@ static void store(Assembly *a, double *x) {
                                  (double)a->rows,
                                  a->peak_time,
                                  a->driven_step,
+                                 a->longest_step,
                                  (double)a->master.steps,
                                  (double)a->master.rejected,
                                  (double)a->at_event};
@@ -375,6 +376,7 @@ static int stand(Assembly *a, const double *x) {
     memcpy(a->snapshot, place, SNAPSHOTS * a->snapshot_size * sizeof(double));
     a->time = x[AT_TIME];
     a->driven_step = x[AT_DRIVEN];
+    a->longest_step = x[AT_LONGEST];
     a->at_event = (int)x[AT_EVENT];
     a->newest = (size_t)x[AT_NEWEST];
     a->run_serial = a->last_run = fmax(a->last_run, x[AT_RUN]) + 1.0; /* no other state has this number */
@@ -489,7 +491,7 @@ static int initial(void *self, const double *u, double *x, Reason *why) {
     memcpy(a->in_force, a->wanted, a->parameter_count * sizeof(double));
     memcpy(a->inputs, u, a->inputs_count * sizeof(double));
     memset(a->inputs, 0, a->commands * sizeof(double)); /* those that are given act at the first communication point */
-    a->driven_step = 0.0;
+    a->driven_step = a->longest_step = 0.0;
     a->at_event = NO_EVENT;
     a->run_serial = ++a->last_run;
     for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
@@ -556,8 +558,9 @@ static int is_driven(const Assembly *a, const double *u) {
 }
 
 /* How fast a driven base changes its accelerations over a step h (s): to those that the host's lead to expect at its end,
-   from now and the step before, and a part of what the rates lack, which then dies out by half in every step. A host
-   that gives no accelerations has them taken from its rates. */
+   from now and the step before, and a part of what the rates lack, which then dies out by half in every step as long as
+   the longest so far: over shorter ones, which may come in any order, no faster, as a large acceleration in a short step
+   would be far too much in a long one after it. A host that gives no accelerations has them taken from its rates. */
 static void drive(Assembly *a, const double *u, double h) {
     const DrivenFrame *d = &a->driven;
     const SavedState *saved = a->saved[d->participant];
@@ -566,6 +569,7 @@ static void drive(Assembly *a, const double *u, double h) {
     double *change = a->input[d->participant] + d->change;
     const double last = a->driven_step > 0.0 ? a->driven_step : h;
     int gives = 0;
+    a->longest_step = fmax(a->longest_step, h);
     for (size_t k = 0; k < BASE_RATES; k++) gives |= given[k] != 0.0 || given_before[k] != 0.0;
     if (a->noted.mode == REPEATS_STEPS && a->noted.gives < 0) a->noted.gives = gives;
     if (a->noted.mode == REPEATS_STEPS) gives = a->noted.gives;
@@ -574,7 +578,7 @@ static void drive(Assembly *a, const double *u, double h) {
         const double expected = !gives                 ? (rates[k] - rates_before[k]) / last
                                 : a->driven_step > 0.0 ? given[k] + (given[k] - given_before[k]) * h / last
                                                        : given[k];
-        change[k] = (expected + 0.5 * (rates[k] - rate) / h - acceleration) / h;
+        change[k] = (expected + 0.5 * (rates[k] - rate) / a->longest_step - acceleration) / h;
     }
 }
 

@@ -44,8 +44,8 @@ typedef struct {
 
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
    recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. `stands` tells whether all
-   this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. driven_step
-   (s): the last one that the base was driven over, 0 before. */
+   this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. driven_step,
+   longest_step (s): the last one that the base was driven over, and the longest, 0 before. */
 typedef struct {
     Master master;
     Instance **instance;
@@ -61,13 +61,13 @@ typedef struct {
     const double *rest_states, *rest_inputs, *rest_wrenches, *by_tolerance;
     size_t participants, flags, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
-    double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step;
+    double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step, longest_step;
     int stands, at_event;
     char said[512];
 } Assembly;
 
 /* Numbers that come first in a state. */
-enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_STEPS, AT_REJECTED, AT_EVENT, OUTER };
+enum { AT_TIME, AT_SERIAL, AT_RUN, AT_SNAPSHOTS, AT_NEWEST, AT_ROWS, AT_PEAK_TIME, AT_DRIVEN, AT_LONGEST, AT_STEPS, AT_REJECTED, AT_EVENT, OUTER };
 /* Whether a communication point is an event, which the run has gone through without going on; what is read there is what
    was before the event or what came out of it. */
 enum { NO_EVENT, BEFORE_EVENT, AFTER_EVENT };

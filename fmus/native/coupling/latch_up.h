@@ -159,7 +159,7 @@ static double rate_of(const Network *n, const Stiffening *hinge) {
 }
 
 /* Frequency and energy of a line on the time scale of a step h, whose matrices are in use; nothing turns where a hinge
-   would turn against its torque. */
+   would turn against its torque, or so far that the matrices are as good as singular. */
 static void note_swing(Solver *s, double h, StiffenedLine *line) {
     const size_t hinges = (size_t)line->hinges;
     double compliance[MOST_HINGES * MOST_HINGES], matrix[MOST_HINGES * MOST_HINGES],
@@ -180,7 +180,7 @@ static void note_swing(Solver *s, double h, StiffenedLine *line) {
         damping = fmax(damping, hinge->damping / hinge->stiffness);
     }
     line->frequency = line->decay = line->energy = 0.0;
-    if (!(largest > 0.0 && least > 0.0)) return;
+    if (!(largest > 0.0 && largest < s->loop->network->limits.credible && least > 0.0)) return;
     const double square = 2.0 * largest / (h * h);
     line->frequency = sqrt(square);
     line->decay = damping * square;

@@ -2,7 +2,7 @@
 
 #include "ccl_layout.h"
 #include "connection.h"
-#include "workless.h"
+#include "strand.h"
 
 typedef struct Loop {
     Connection base;
@@ -189,18 +189,14 @@ static inline void store_pairs(const Loop *loop, const Geometry *g, const Line *
 }
 
 /* Load of one strand at order 4. */
-static inline MeanLoad strand_load(const Loop *loop, real before, real after, real moment, double h) {
+static inline MeanLoad load_of_strand(const Loop *loop, real before, real after, real moment, double h) {
     StepMotion motion = {before, after, h, 0.0, 0.0, 0.0, moment};
-    return workless_law(&loop->strand, loop->base.p[P_STRAND_DAMPING], &motion, 0.0);
+    return strand_load(&loop->strand, loop->base.p[P_STRAND_DAMPING], &motion);
 }
 
 /* Mean tension of one strand over a step; adds to the heat. */
-static inline real mean_tension(const Loop *loop, real before, real after, double h, real *heat) {
-    real rate = (after - before) / h;
-    real plain = law_mean_force(&loop->strand, before, after);
-    real force = plain + law_end_force(&loop->strand, before, after, loop->base.p[P_END_WEIGHT]);
-    *heat += loop->base.p[P_STRAND_DAMPING] * h * (rate * rate) - (force - plain) * (after - before);
-    return -force + loop->base.p[P_STRAND_DAMPING] * rate;
+static inline real tension_of_strand(const Loop *loop, real before, real after, double h, real *heat) {
+    return mean_tension(&loop->strand, loop->base.p[P_STRAND_DAMPING], before, after, h, loop->base.p[P_END_WEIGHT], heat);
 }
 
 /* One step; mean tensions from the strands' elongations at both ends. */
@@ -235,8 +231,8 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
     if (loop->base.paired) {
         Line line = line_between(old.span, new.span, 1.0 / vector_norm(middle.span));
         Strands moment = strand_moments(loop, x, u, &middle, &line);
-        MeanLoad a = strand_load(loop, before.a, after.a, moment.a, h);
-        MeanLoad b = strand_load(loop, before.b, after.b, moment.b, h);
+        MeanLoad a = load_of_strand(loop, before.a, after.a, moment.a, h);
+        MeanLoad b = load_of_strand(loop, before.b, after.b, moment.b, h);
         x_next[X_HEAT] = x[X_HEAT] + (a.heat + b.heat);
         store_pairs(loop, &middle, &line, (Strands){-a.force, -b.force}, (Strands){-a.slope, -b.slope},
                     x_next + X_WRENCH, x_next + loop->slopes);
@@ -244,8 +240,8 @@ int NAME(loop_step)(void *self, const double *x, const real *u, double h, real *
     }
     real heat = 0.0;
     Strands tension;
-    tension.a = mean_tension(loop, before.a, after.a, h, &heat);
-    tension.b = mean_tension(loop, before.b, after.b, h, &heat);
+    tension.a = tension_of_strand(loop, before.a, after.a, h, &heat);
+    tension.b = tension_of_strand(loop, before.b, after.b, h, &heat);
     x_next[X_HEAT] = x[X_HEAT] + heat;
     store_wrenches(loop, &middle, tension, x_next + X_WRENCH);
     return 1;
@@ -280,8 +276,8 @@ static inline Instant loop_now(const Loop *loop, const real *x, const real *u) {
         now.elongation = elongations(loop, &now.geometry, x);
         if (loop->base.p[P_STRAND_DAMPING] > 0.0) now.rate = elongation_rates(loop, u, &now.geometry);
     }
-    now.tension.a = -law_value(&loop->strand, now.elongation.a) + loop->base.p[P_STRAND_DAMPING] * now.rate.a;
-    now.tension.b = -law_value(&loop->strand, now.elongation.b) + loop->base.p[P_STRAND_DAMPING] * now.rate.b;
+    now.tension.a = tension_at(&loop->strand, loop->base.p[P_STRAND_DAMPING], now.elongation.a, now.rate.a);
+    now.tension.b = tension_at(&loop->strand, loop->base.p[P_STRAND_DAMPING], now.elongation.b, now.rate.b);
     return now;
 }
 
@@ -300,8 +296,9 @@ void NAME(loop_outputs)(void *self, const real *x, const real *u, real *y) {
 int NAME(loop_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const Loop *loop = self;
     (void)raw, (void)why;
-    Strands rate = loop_now(loop, x, u).rate;
-    rates[0] = loop->base.p[P_STRAND_DAMPING] * (rate.a * rate.a + rate.b * rate.b);
+    Instant now = loop_now(loop, x, u);
+    rates[0] = (now.tension.a + law_value(&loop->strand, now.elongation.a)) * now.rate.a +
+               (now.tension.b + law_value(&loop->strand, now.elongation.b)) * now.rate.b;
     return 1;
 }
 

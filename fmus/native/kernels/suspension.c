@@ -2,7 +2,7 @@
 
 #include "suspension_layout.h"
 #include "connection.h"
-#include "workless.h"
+#include "strand.h"
 
 typedef struct Suspension {
     Connection base;
@@ -23,11 +23,9 @@ static inline Instant suspension_instant(const real *u) {
     return line;
 }
 
-/* Tension of an instant; damping never pushes, and a slack spring has none. */
+/* Tension of an instant. */
 static inline real tension_of(const Suspension *suspension, real elongation, real rate) {
-    real elastic = -law_value(&suspension->spring, elongation);
-    if (!(value_of(elastic) > 0.0)) return 0.0;
-    return above(elastic + suspension->base.p[P_DAMPING] * rate, 0.0);
+    return tension_at(&suspension->spring, suspension->base.p[P_DAMPING], elongation, rate);
 }
 
 /* Wrenches on both ports from the force on the lower one. */
@@ -39,25 +37,11 @@ static inline void store_force(Vector3 force, real *wrench) {
 
 /* Mean force of the lengths at both ends along the mean of the line; adds to the heat. */
 static inline Vector3 mean_force(const Suspension *suspension, Vector3 old, const Instant *now, double h, real *heat) {
-    const Law *spring = &suspension->spring;
     real length = vector_norm(old);
     real before = length - suspension->base.p[P_PRELOAD_LENGTH], after = now->length - suspension->base.p[P_PRELOAD_LENGTH];
-    real rate = (now->length - length) / h;
-    real plain = law_mean_force(spring, before, after);
-    real elastic = -(plain + law_end_force(spring, before, after, suspension->base.p[P_END_WEIGHT]));
-    real tension = above(elastic + suspension->base.p[P_DAMPING] * taut_share(spring, before, after) * rate, 0.0);
-    *heat += (tension + plain) * (now->length - length);
+    real tension = mean_tension(&suspension->spring, suspension->base.p[P_DAMPING], before, after, h,
+                                suspension->base.p[P_END_WEIGHT], heat);
     return vector_scaled(-tension / (length + now->length), vector_add(old, now->span));
-}
-
-/* Load on the length at order 4; damping never turns the mean tension into a push. */
-static inline MeanLoad length_load(const Suspension *suspension, const StepMotion *m) {
-    const Law *spring = &suspension->spring;
-    real elastic = -workless_law(spring, 0.0, m, 0.0).force, change = m->end - m->start;
-    real damping = suspension->base.p[P_DAMPING] * taut_share(spring, m->start, m->end);
-    if (value_of(change) < 0.0 && value_of(elastic * m->h) < value_of(-damping * change))
-        damping = above(elastic, 0.0) * m->h / -change;
-    return workless_law(spring, damping, m, 0.0);
 }
 
 /* One step: the mean tension of the lengths at both ends along the mean of the line. */
@@ -74,7 +58,7 @@ int NAME(suspension_step)(void *self, const double *x, const real *u, double h, 
         Line line = line_between(old, now.span, 2.0 / (length + now.length));
         real moment = line_moment(&line, vector_subtract(vector_of(moments + WRENCH_SIZE), vector_of(moments)));
         StepMotion motion = {length - preload, now.length - preload, h, 0.0, 0.0, 0.0, moment};
-        MeanLoad load = length_load(suspension, &motion);
+        MeanLoad load = strand_load(&suspension->spring, suspension->base.p[P_DAMPING], &motion);
         force = line_force(&line, -load.force, -load.slope);
         slope = vector_scaled(load.slope * line.scale, line.mean);
         heat = load.heat;
