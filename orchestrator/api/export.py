@@ -75,6 +75,8 @@ def export(
     assembly = assembled("mean" if as_one else wrench_mode)
     _tell_of_absent(checked, with_events=as_one)
     if as_one:
+        if driven_base:
+            _tell_of_locks(assembly)
         experiment = Experiment(assembly.until, assembly.largest_step, assembly.tolerance)
         paths = [export_as_one(assembly, Path(folder), experiment, driven_base, fmi, sources, wanted, watch)]
     else:
@@ -130,6 +132,15 @@ def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
             f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}"
         )
     return started_at_rest(assembly, coupled)
+
+
+def _tell_of_locks(assembly: Assembly) -> None:
+    """A FanfoldWarning of lines whose latch is an impulse, which no load of an instant holds."""
+    if names := ", ".join(line.name for line in assembly.hinge_lines if line.kinematic):
+        warn(
+            f"{assembly.name}: the impulse of a kinematic latch is not in the interface loads that the base gives, so "
+            f"a spacecraft that takes these lacks it: {names}; let them latch by a spring or a table"
+        )
 
 
 def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:

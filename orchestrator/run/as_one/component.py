@@ -53,6 +53,7 @@ _TOLERANCE = Quantity(
     variability="fixed",
 )
 """The last parameter, as the native core expects of what `steps_inside`."""
+_INITIAL = "initial_"
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
 
 
@@ -83,7 +84,7 @@ class AssembledScene(Component, registered=False):
         observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
         peaks = list(_peaks(self._names, observed, lines))
         self.returns_early = bool(lines or assembly.events)
-        self._order, self._tolerance = order, settings.tolerance
+        self._order, self._tolerance, self._rests = order, settings.tolerance, assembly.preload
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
         self._texts |= {
@@ -105,7 +106,7 @@ class AssembledScene(Component, registered=False):
             {},
             (),
             parameters=(
-                *self._with_own_order(_of_parts(self._names, [c.parameter_layout for _, c in self._parts])),
+                *self._as_here(_of_parts(self._names, [c.parameter_layout for _, c in self._parts])),
                 _TOLERANCE,
             ),
             inputs=[*(quantity for _, quantity in commands), *_drives(assembly)],
@@ -117,11 +118,15 @@ class AssembledScene(Component, registered=False):
             observations=_of_parts(self._names, observed),
         )
 
-    def _with_own_order(self, parameters: Iterable[Quantity]) -> Iterator[Quantity]:
-        """The order of the coupling is the master's: a component of another would not fit."""
+    def _as_here(self, parameters: Iterable[Quantity]) -> Iterator[Quantity]:
+        """The order of the coupling is the master's: a component of another would not fit; and where all starts."""
         for one in parameters:
-            is_order = one.name.endswith(f".{_ORDER}")
-            yield replace(one, minimum=self._order, maximum=self._order) if is_order else one
+            if one.name.endswith(f".{_ORDER}"):
+                yield replace(one, minimum=self._order, maximum=self._order)
+            elif self._rests and f".{_INITIAL}" in one.name:
+                yield one.saying(f"{one.description}; does nothing, as all starts in static equilibrium")
+            else:
+                yield one
 
     def start(self) -> dict[str, tuple[float, ...]]:
         """Start values of all parameters, by name."""

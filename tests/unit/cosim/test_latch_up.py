@@ -100,3 +100,17 @@ def test_a_hinge_that_would_turn_against_its_torque_tells_nothing(line):
 
     assert stiffened_line(Reversed, line.hinges, STEP).fastest == 0.0
     assert stiffened_line(solver, line.hinges, STEP).fastest > 0.0
+
+
+def test_a_hinge_that_turns_without_bound_tells_nothing(line):
+    """Regression: of a step whose matrices were as good as singular the sign alone decided, and judged a run by that."""
+    solver = at_latch_up(1e9)
+
+    class Singular:
+        network = solver.network
+
+        @staticmethod
+        def displacements(wrenches):
+            return 1e17 * solver.displacements(wrenches)
+
+    assert stiffened_line(Singular, line.hinges, STEP).fastest == 0.0
