@@ -148,19 +148,19 @@ def _problems_of_2(root: Element) -> Iterator[str]:
 
 def _unlike_aliases(variables: Iterable[Element]) -> Iterator[str]:
     """Variables of FMI 2.0 that share a value reference must have one type and unit and be one value, 2.2.7."""
-    by_place: dict[tuple[str, str], Element] = {}
+    by_place: dict[tuple[str, str], tuple[Element, Element]] = {}
     for variable in variables:
         value = variable[0] if len(variable) else variable
         place = (value.tag, variable.get("valueReference", ""))
-        first = by_place.setdefault(place, variable)
+        first, its_value = by_place.setdefault(place, (variable, value))
         if first is variable:
             continue
         both = f"{first.get('name')} and {variable.get('name')} have the same value reference {place[1]}"
         settable = [one for one in (first, variable) if one.get("causality") in ("input", "parameter")]
         if len(settable) == 2:
             yield f"{both}, and both may be set"
-        elif first[0].get("unit") != value.get("unit"):
-            yield f"{both}, and units {first[0].get('unit')} and {value.get('unit')}"
+        elif its_value.get("unit") != value.get("unit"):
+            yield f"{both}, and units {its_value.get('unit')} and {value.get('unit')}"
 
 
 def _problems_of_3(root: Element) -> Iterator[str]:

@@ -103,7 +103,7 @@ def test_a_hinge_that_would_turn_against_its_torque_tells_nothing(line):
 
 
 def test_a_hinge_that_turns_without_bound_tells_nothing(line):
-    """Regression: of a step whose matrices were as good as singular the sign alone decided, and judged a run by that."""
+    """Regression: where matrices were as good as singular the sign alone decided, and steps were judged by that."""
     solver = at_latch_up(1e9)
 
     class Singular:
