@@ -7,6 +7,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
+STOPS = ("_stop_1", "_stop_2")
+"""What the contacts of a hinge's end stop are called, behind its name."""
+
 
 @dataclass(frozen=True, slots=True)
 class Part:

@@ -14,7 +14,7 @@ from components.contract.frames import Vector3, add, cross, dot, norm, scaled, s
 from ..scene.bodies import Attachment
 from ..scene.component_connections import WrenchMode
 from ..scene.hinge_line_tables import LONGEST_TO_STOP, HingeLine
-from . import Part
+from . import STOPS, Part
 
 _HALF_ZONE = pi - 0.5 * LONGEST_TO_STOP
 """rad; half of the turn that the pad, seen along the axis, is behind the plane."""
@@ -60,7 +60,8 @@ def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
 
 def _pads(hinge: str) -> tuple[tuple[str, float], ...]:
     """Names of the two pads of a hinge, and on which side of the axis they are."""
-    return (f"{hinge}_stop_1", 1.0), (f"{hinge}_stop_2", -1.0)
+    first, second = (f"{hinge}{stop}" for stop in STOPS)
+    return (first, 1.0), (second, -1.0)
 
 
 def _in_plane(axis: Vector3) -> tuple[Vector3, Vector3]:

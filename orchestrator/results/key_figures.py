@@ -64,9 +64,9 @@ class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
-    latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch went furthest
-    behind where they started. bent: how far (rad) and when lines turned furthest about other axes than their own, where
-    that is more than any hinge does.
+    latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch or an end stop
+    went furthest behind where they started. bent: how far (rad) and when lines turned furthest about other axes than
+    their own, where that is more than any hinge does.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -130,7 +130,7 @@ class Headline:
         for line, back in self.folded_back.items():
             yield (
                 f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
-                "nothing there stops it: where bodies would touch, give a contact or a hold_down"
+                "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down"
             )
         for line, bend in self.bent.items():
             yield (

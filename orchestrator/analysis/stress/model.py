@@ -26,7 +26,7 @@ from .body_acceleration import acceleration_field
 AT_INSERT = 1e-9
 """Distance (m) below which a node is on the edge of a rigid insert, where stresses depend on the mesh."""
 _SAME = 1e-6  # of a mode's largest display value; round-off of the modes leaves 1e-9
-_EQUAL_FREQUENCY = 1e-6  # closer modes mix freely from one eigensolution to the next
+_EQUAL_FREQUENCY = 1e-3  # relative; round-off of 1e-11 turns modes that are this near by up to 1e-8
 
 
 @dataclass(frozen=True)

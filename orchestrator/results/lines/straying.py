@@ -8,7 +8,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assembly import HingeLine
+from ...assembly import STOPS, HingeLine
 from ..result import Result
 from ..signal import EVENT_WIDTH, Peak
 
@@ -66,10 +66,11 @@ def overruns(result: Result) -> dict[str, Overrun]:
 
 
 def folded_back(result: Result) -> dict[str, Peak]:
-    """How far (rad) lines with a latch, by name, went behind their first angle, where that is more than play."""
+    """How far (rad) lines with a latch or an end stop, by name, went behind their first angle, beyond play."""
     found = {}
     for line in result.hinge_lines:
-        if line.latches and result.has(line.sensor, "angle"):
+        ends = line.latches or result.has(f"{line.sensor}{STOPS[0]}", "in_contact")
+        if ends and result.has(line.sensor, "angle"):
             angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
             lowest = int(np.argmin(angle))
             behind = float(angle[0] - angle[lowest])

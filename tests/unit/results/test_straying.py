@@ -57,3 +57,11 @@ def test_what_it_did_before_is_told():
     assert folded_back(result(back, ["left released, right released"])[0])["L"].value == pytest.approx(
         np.radians(30.0)
     )
+
+
+def test_a_line_with_an_end_stop_may_fold_back_as_well():
+    """Regression: it met the back of its stop, as a load of its own, without a word; a line that swings freely may."""
+    back, _ = result([0.0, -30.0, 10.0, 10.0, -90.0, 20.0], [], latches=False)
+    assert folded_back(back)["L"].value == pytest.approx(np.radians(90.0))
+    back.has = lambda component, variable: component == "left"
+    assert folded_back(back) == {}
