@@ -18,3 +18,7 @@ class RunError(FanfoldError):
         super().__init__(sentence)
         self.result = result
         self.reason = reason or sentence
+
+
+class InterruptedRunError(RunError):
+    """A run that was interrupted between two steps, by Ctrl-C or what ends jobs."""

@@ -43,6 +43,7 @@ from ..results.recorder import MemoryRecorder, SignalGroup
 from ..results.result import Result
 from ..results.result_file import ResultWriter
 from .checkpoint import Checkpoint, checkpoint_file
+from .errors import InterruptedRunError
 from .errors import RunError as RunError
 from .free_space import FreeSpace
 
@@ -339,7 +340,8 @@ def _follow(
         except (ParticipantError, StepError) as error:
             raise _broken_off(f"{assembly.name}: {error}", writer) from None
         except KeyboardInterrupt:
-            raise _broken_off(f"{assembly.name}: interrupted at t = {runner.time:.6g} s", writer) from None
+            sentence = f"{assembly.name}: interrupted at t = {runner.time:.6g} s"
+            raise _broken_off(sentence, writer, InterruptedRunError) from None
         wall = perf_counter() - start
         statistics = runner.statistics
         fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
@@ -379,16 +381,18 @@ def _recorder(
     return writer
 
 
-def _broken_off(sentence: str, recorder: ResultWriter | MemoryRecorder) -> RunError:
+def _broken_off(
+    sentence: str, recorder: ResultWriter | MemoryRecorder, kind: type[RunError] = RunError
+) -> RunError:
     """What to raise where a run ends early, and where its result up to there is."""
     if isinstance(recorder, ResultWriter):
         going_on = (
             ", from whose checkpoint it can be resumed" if checkpoint_file(recorder.path).exists() else ""
         )
         where = f"results up to there are in {recorder.path}{going_on}"
-        return RunError(f"{sentence}; {where}", reason=sentence)
+        return kind(f"{sentence}; {where}", reason=sentence)
     where = "the error's attribute `result` is what it did up to there"
-    return RunError(f"{sentence}; {where}", recorder.result(), sentence)
+    return kind(f"{sentence}; {where}", recorder.result(), sentence)
 
 
 @contextmanager

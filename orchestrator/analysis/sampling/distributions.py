@@ -45,7 +45,7 @@ class Distribution:
     def nominal(self) -> float:
         """Its median; of discrete values the middle one, or the one below the middle."""
         if self.levels:
-            return self.levels[(len(self.levels) - 1) // 2]
+            return float(self.quantile(np.array([0.5 - 1e-9]))[0])
         return float(self.quantile(np.array([0.5]))[0])
 
     def spread(self, count: int) -> Vector:
@@ -115,10 +115,11 @@ def _truncated(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
 
 
 def _values(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
-    levels = np.array(sorted(set(numbers)))
+    drawn = np.array(sorted(numbers))  # one that stands there twice is drawn twice as often
+    levels = np.unique(drawn)
 
     def quantile(probability: Vector) -> Vector:
-        found: Vector = levels[np.minimum((probability * len(levels)).astype(int), len(levels) - 1)]
+        found: Vector = drawn[np.minimum((probability * len(drawn)).astype(int), len(drawn) - 1)]
         return found
 
     return Distribution(text, unit, quantile, levels[0], levels[-1], tuple(levels.tolist()))

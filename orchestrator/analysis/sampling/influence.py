@@ -79,6 +79,8 @@ def _variance_shares(study: Study, values: Vector) -> dict[str, tuple[float, flo
     if study.plan.method != "sobol-indices" or not np.isfinite(values).all():
         return None
     n, d = study.plan.runs, len(study.parameters)
+    if d == 1:  # all variance is that of the only one
+        return dict.fromkeys(study.parameters, (1.0, 1.0))
     blocks = values.reshape(d + 2, 1, n)
     known: dict[Literal["f_A", "f_B", "f_AB"], Vector] = {
         "f_A": blocks[0],

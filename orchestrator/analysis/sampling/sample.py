@@ -17,6 +17,7 @@ from fmus import Backend
 
 from ...results.result import Result
 from ...results.signal import matches
+from ...run.errors import InterruptedRunError
 from ...run.run import Loader, kept_fmus
 from ...run.simulation import Options, simulate
 from ...scene.builder import Scene
@@ -103,6 +104,8 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
             latched=dict.fromkeys(found.latch_times, True) | dict.fromkeys(found.unlatched_angles, False),
             signals=_signals(result, task),
         )
+    except InterruptedRunError:  # of the whole study, not of this sample
+        raise KeyboardInterrupt from None
     except FanfoldError as error:
         _fmus.drop()
         return Sample(index, str(error))

@@ -21,6 +21,7 @@ TWO = (varied("friction.coefficient=uniform(0.05, 0.2)"), varied("a.b,a.c*=norma
         ("triangular(0, 1, 2)", 1.0, 0.0, 2.0, 2.0 - np.sqrt(0.05)),
         ("truncated_normal(0, 1, -1, 1)", 0.0, -1.0, 1.0, norm.ppf(norm.cdf(-1) + 0.975 * (1 - 2 * norm.cdf(-1)))),
         ("values(3, 1, 2)", 2.0, 1.0, 3.0, 3.0),
+        ("values(2, 1, 2, 2)", 2.0, 1.0, 2.0, 2.0),
     ],
 )  # fmt: skip
 def test_quantiles_are_those_of_the_definition(text, median, low, high, upper):
@@ -116,3 +117,11 @@ def test_what_is_no_plan_is_a_sentence(options, said):
     with pytest.raises(StudyError) as refused:
         Plan(**{"varied": TWO, **options})
     assert said in str(refused.value)
+
+
+def test_values_that_stand_twice_are_drawn_twice_as_often():
+    """Definition: repeats are weights; a grid has each level once."""
+    found = distribution("values(0.1, 0.1, 0.1, 1.8)")
+    drawn = found.quantile((np.arange(40) + 0.5) / 40)
+    assert (np.sum(drawn == 0.1), np.sum(drawn == 1.8)) == (30, 10)
+    assert found.spread(5).tolist() == [0.1, 1.8]

@@ -12,6 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
+from orchestrator.analysis.sampling import sample as one_sample
 from orchestrator.analysis.sampling import workers
 from orchestrator.analysis.sampling.carry_out import asked_of
 from orchestrator.analysis.sampling.distributions import StudyError
@@ -22,6 +23,7 @@ from orchestrator.analysis.sampling.sample import Sample, Task, run_sample
 from orchestrator.analysis.sampling.study import Study
 from orchestrator.analysis.sampling.varied import varied
 from orchestrator.cli.main import main
+from orchestrator.run.errors import InterruptedRunError
 from orchestrator.run.simulation import Options
 from tests.unit.scene.scene_cases import SCENES
 
@@ -149,6 +151,22 @@ def test_an_interrupted_study_goes_on(here, tmp_path):
     assert [float(row[1]) for row in rows[1:]] == here.parameters["friction.coefficient"].tolist()
 
 
+def test_an_interrupted_run_is_no_failed_sample(here, tmp_path, monkeypatch):
+    """Regression: Ctrl-C within a run counted as its failure, and the study went on; the sample runs again later."""
+    path, run = tmp_path / "study.h5", one_sample.simulate
+
+    def interrupted(scene, *arguments, **others):
+        if journal_file(path).exists() and len(journal_file(path).read_text().splitlines()) > 1:
+            raise InterruptedRunError("interrupted at t = 0.1 s")
+        return run(scene, *arguments, **others)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(one_sample, "simulate", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            fanfold.study(WING, VARY, save=path, signals="root.angle", points=7, **ASKED)
+    same(fanfold.resume_study(path), here)
+
+
 def test_failed_samples_are_named_and_stop_nothing(tmp_path):
     """A value that no scene can have, among others that it can."""
     vary = {"friction.coefficient": "values(-1, 0.05, 0.1)"}
@@ -176,9 +194,9 @@ def test_what_cannot_begin_is_refused_before_the_first_run(tmp_path, monkeypatch
         fanfold.resume_study(tmp_path / "no.h5")
 
 
-def synthetic(here, method, numbers, runs=256):
+def synthetic(here, method, numbers, runs=256, texts=("a=uniform(0, 1)", "b=uniform(0, 1)")):
     """A study whose numbers are functions of its parameters."""
-    texts = ["a=uniform(0, 1)", "b=uniform(0, 1)"]
+    texts = list(texts)
     plan = Plan(tuple(map(varied, texts)), method, runs)
     asked = {**here.asked, "varied": texts, "method": method, "runs": runs}
     samples = [
@@ -207,6 +225,13 @@ def test_influence_is_that_of_closed_forms(here):
     # errors of a quasi-random sum of this size, Saltelli et al. 2010, figure 2
     assert shares.influence("latch time sum").shares["b"] == pytest.approx((0.9, 0.9), abs=0.02)
     assert shares.influence("latch time product").shares["a"] == pytest.approx((3 / 7, 4 / 7), abs=0.02)
+
+
+def test_all_variance_is_that_of_the_only_key(here):
+    numbers = {"latch time": lambda a: a}
+    assert synthetic(here, "sobol-indices", numbers, 16, ["a=uniform(0, 1)"]).influence(
+        "latch time"
+    ).shares == {"a": (1.0, 1.0)}
 
 
 def test_the_share_that_does_not_latch_has_clopper_pearson_bounds(here):
