@@ -38,7 +38,7 @@ from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, PO
 from .numerics.laws import SlackSpring
 from .numerics.relative_motion import Line, axis_frame, turn_between
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
-from .numerics.strand import mean_tension, strand_load, tension_at
+from .numerics.strand import damping_power, mean_tension, strand_load, tension_at
 
 
 class _Parameters(NamedTuple):
@@ -98,13 +98,13 @@ class _Observations(NamedTuple):
 
 
 class _Instant(NamedTuple):
-    """Geometry, elongations and tensions of both strands, and heat (W) of their damping."""
+    """Geometry, and elongations, their rates and tensions of both strands."""
 
     geometry: _Geometry
     elongations: tuple[float, float]
+    rates: tuple[float, float]
     tension_a: float
     tension_b: float
-    heat: float
 
 
 class _Constants(NamedTuple):
@@ -281,7 +281,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
         return (*scaled(-1.0, force_2), *torque_1, *force_2, *torque_2)
 
     def _now(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Instant:
-        """Geometry, tensions and heat of this instant; strands that are being adjusted are at their preload."""
+        """Geometry and tensions of this instant; strands that are being adjusted are at their preload."""
         g = self._geometry(u, s.geometry.angles)
         damping, elongations, rates = c.p.strand_damping, (0.0, 0.0), (0.0, 0.0)
         if not (self.endpoint and u.commands.hold > 0.5):
@@ -290,11 +290,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
         a, b = (
             tension_at(c.strand, damping, one, rate) for one, rate in zip(elongations, rates, strict=True)
         )
-        heat = sum(
-            (tension + c.strand.value(one)) * rate
-            for tension, one, rate in zip((a, b), elongations, rates, strict=True)
-        )
-        return _Instant(g, elongations, a, b, heat)
+        return _Instant(g, elongations, rates, a, b)
 
     def _port_rates(self, c: _Constants, u: Inputs[_Commands], g: _Geometry) -> tuple[float, float]:
         """Elongation rates of both strands from the ports' velocities."""
@@ -324,7 +320,7 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
 
     def record(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> _Observations:
         """Tensions, forces and torques of this instant, and energies."""
-        g, (a, b), tension_a, tension_b, _ = self._now(c, s, u)
+        g, (a, b), _, tension_a, tension_b = self._now(c, s, u)
         distance = norm(g.span)
         step = 0.0 if self._guided else c.p.radius_1 - c.p.radius_2
         difference = tension_a - tension_b
@@ -342,7 +338,9 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
 
     def powers(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Heat of the strands' damping (W)."""
-        return (self._now(c, s, u).heat,)
+        now = self._now(c, s, u)
+        strands = zip(now.elongations, now.rates, strict=True)
+        return (sum(damping_power(c.strand, c.p.strand_damping, one, rate) for one, rate in strands),)
 
     def follow(self, c: _Constants, s: _State, u: Inputs[_Commands], at_event: bool) -> _State:
         """Follow the angles; while strands are adjusted, the present geometry is the one of their preload."""

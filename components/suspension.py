@@ -14,7 +14,7 @@ from .numerics.laws import SlackSpring
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import Line
 from .numerics.stiff_coordinate import Memory, StepMotion
-from .numerics.strand import mean_tension, strand_load, tension_at
+from .numerics.strand import damping_power, mean_tension, strand_load, tension_at
 
 
 class _Parameters(NamedTuple):
@@ -137,7 +137,7 @@ class Suspension(Connection[_Parameters, _State, Impulse]):
         """Heat of the end-point tension (W)."""
         now = self._instant(u)
         elongation = c.elongation(now.length)
-        return ((c.tension(elongation, now.rate) + c.spring.value(elongation)) * now.rate,)
+        return (damping_power(c.spring, c.p.damping, elongation, now.rate),)
 
 
 def _span(u: Inputs[Impulse]) -> Vector3:

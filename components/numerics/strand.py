@@ -13,6 +13,11 @@ def tension_at(strand: SlackSpring, damping: float, elongation: float, rate: flo
     return max(elastic + damping * rate, 0.0) if elastic > 0.0 else 0.0
 
 
+def damping_power(strand: SlackSpring, damping: float, elongation: float, rate: float) -> float:
+    """Heat (W) of the damper at an instant."""
+    return (tension_at(strand, damping, elongation, rate) + strand.value(elongation)) * rate
+
+
 def mean_tension(
     strand: SlackSpring, damping: float, before: float, after: float, h: float, end_weight: float
 ) -> tuple[float, float]:

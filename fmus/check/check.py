@@ -166,9 +166,10 @@ def _unlike_aliases(variables: Iterable[Element]) -> Iterator[str]:
 def _problems_of_3(root: Element) -> Iterator[str]:
     variables = root.findall("ModelVariables/*")
     references = Counter(variable.get("valueReference") for variable in variables)
-    for reference in (reference for reference, count in references.items() if count > 1):
-        names = ", ".join(str(v.get("name")) for v in variables if v.get("valueReference") == reference)
-        yield f"these have the same value reference {reference}: {names}; it belongs to one variable"
+    for reference, count in references.items():
+        if count > 1:
+            names = ", ".join(str(v.get("name")) for v in variables if v.get("valueReference") == reference)
+            yield f"these have the same value reference {reference}: {names}; it belongs to one variable"
     for variable in variables:
         if variable.tag == "Float64" and not variable.get("unit") and not variable.get("declaredType"):
             yield Problem(f"Float64 variable {variable.get('name')} has no unit", "advice")

@@ -63,7 +63,10 @@ class Signal(NDArrayOperatorsMixin):
     def at(self, times: ArrayLike, side: Side = "after") -> NDArray[np.float64]:
         """Values at times (s), shape of the times, then (size,) of a vector; see `Result.at` about events."""
         asked = np.asarray(times, dtype=float)
-        found = np.array([_at(self.time, self.values, self.events, float(t), side) for t in asked.ravel()])
+        is_flag = _is_flag(self.values)
+        found = np.array(
+            [_at(self.time, self.values, self.events, float(t), side, is_flag) for t in asked.ravel()]
+        )
         return found.reshape(asked.shape + self.values.shape[1:])
 
     @property
@@ -100,7 +103,8 @@ class Instant:
 
     def __getitem__(self, key: tuple[str, str]) -> NDArray[np.float64]:
         result = self.result
-        return _at(result.time, result.signal(*key), result.events, self.time, self.side)
+        values = result.signal(*key)
+        return _at(result.time, values, result.events, self.time, self.side, _is_flag(values))
 
 
 def instant(result: Result, time: float, side: Side = "after") -> Instant:
@@ -119,13 +123,18 @@ def _refuse_outside(time: Vector, asked: float) -> None:
         )
 
 
+def _is_flag(values: Vector) -> bool:
+    """Whether a signal has nothing between its values."""
+    return bool(np.isin(values, (0.0, 1.0)).all())
+
+
 def _at(
-    time: Vector, values: Vector, events: Sequence[Event], asked: float, side: Side
+    time: Vector, values: Vector, events: Sequence[Event], asked: float, side: Side, is_flag: bool
 ) -> NDArray[np.float64]:
     """Values at a time: those of the first or last of the rows that share an instant, else between two rows."""
     left, right, share = _between(time, events, asked, side)
-    if share < 1.0 and np.isin(values, (0.0, 1.0)).all():
-        return np.asarray(values[left])  # a flag has nothing between
+    if is_flag and share < 1.0:
+        return np.asarray(values[left])
     return np.asarray(values[left] + share * (values[right] - values[left]))
 
 

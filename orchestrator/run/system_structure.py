@@ -56,8 +56,8 @@ def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: 
 
     system = System(name=assembly.name.replace("-", "_").replace(".", "_"))
     links = assembly.links if len(fmus) > 1 else ()
-    carried_by = [list(_linked(links, fmu.stem) if links else _all_of(fmu)) for fmu in fmus]
-    system.elements = [_component(fmu, found) for fmu, found in zip(fmus, carried_by, strict=True)]
+    connectors = [list(_linked(links, fmu.stem) if links else _all_of(fmu)) for fmu in fmus]
+    system.elements = [_component(fmu, found) for fmu, found in zip(fmus, connectors, strict=True)]
     system.connections = [c for link in links for c in _connections(link)]
     if experiment.step_size is not None:
         system.annotations.add_annotation(_step_annotation(experiment.step_size))
@@ -69,7 +69,7 @@ def write_ssp(path: Path, assembly: Assembly, fmus: Sequence[Path], experiment: 
             with archive.system_structure as structure:
                 structure.name, structure.version = system.name, "1.0"
                 structure.system, structure.default_experiment = system, run
-                for unit in _units(one.unit for found in carried_by for one in found if one.unit is not None):
+                for unit in _units(one.unit for found in connectors for one in found if one.unit is not None):
                     structure.units.add_unit(unit)
             _order(archive.get_file_temp_path("SystemStructure.ssd"))
             for fmu in fmus:
@@ -99,15 +99,15 @@ def _order(description: Path) -> None:
     tree.write(str(description), encoding="utf-8", xml_declaration=True)
 
 
-class _Carried(NamedTuple):
-    """A scalar of an FMU that a connector stands for: its name, causality and unit, None where SSP can tell none."""
+class _Connector(NamedTuple):
+    """What a connector stands for: a scalar's name, causality and unit, None where SSP can tell none."""
 
     name: str
     kind: str
     unit: str | None
 
 
-def _component(fmu: Path, carried: Sequence[_Carried]) -> Component:
+def _component(fmu: Path, connectors: Sequence[_Connector]) -> Component:
     """An FMU of the archive with its connectors."""
     from pyssp_standard.common_content_ssc import TypeReal
     from pyssp_standard.ssd import Component, Connector
@@ -115,26 +115,26 @@ def _component(fmu: Path, carried: Sequence[_Carried]) -> Component:
     found = Component()
     found.name, found.source = fmu.stem, f"resources/{fmu.name}"
     found.component_type, found.implementation = "application/x-fmu-sharedlibrary", "CoSimulation"
-    found.connectors += [Connector(None, one.name, one.kind, TypeReal(one.unit)) for one in carried]
+    found.connectors += [Connector(None, one.name, one.kind, TypeReal(one.unit)) for one in connectors]
     return found
 
 
-def _linked(links: Sequence[Link], name: str) -> Iterator[_Carried]:
+def _linked(links: Sequence[Link], name: str) -> Iterator[_Connector]:
     """Every scalar that a link of a component carries."""
     for link in links:
         for side, given, taken in ((link.body, MOTION, WRENCH), (link.connection, WRENCH, MOTION)):
             if side[0] == name:
                 for kind, names in (("output", given), ("input", taken)):
                     for one in names:
-                        yield from (_Carried(s, kind, UNITS[one]) for s in _scalars(side[1], one))
+                        yield from (_Connector(s, kind, UNITS[one]) for s in _scalars(side[1], one))
 
 
-def _all_of(fmu: Path) -> Iterator[_Carried]:
+def _all_of(fmu: Path) -> Iterator[_Connector]:
     """Every input and output of an FMU."""
     for variable in read_model_description(str(fmu), validate=False).modelVariables:
         if variable.causality in ("input", "output"):
             unit = variable.unit
-            yield _Carried(variable.name, variable.causality, None if has_root(unit) else unit)
+            yield _Connector(variable.name, variable.causality, None if has_root(unit) else unit)
 
 
 def _connections(link: Link) -> Iterator[Connection]:

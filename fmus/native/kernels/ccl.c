@@ -297,8 +297,9 @@ int NAME(loop_rates)(void *self, const real *raw, const real *x, const real *u, 
     const Loop *loop = self;
     (void)raw, (void)why;
     Instant now = loop_now(loop, x, u);
-    rates[0] = (now.tension.a + law_value(&loop->strand, now.elongation.a)) * now.rate.a +
-               (now.tension.b + law_value(&loop->strand, now.elongation.b)) * now.rate.b;
+    const double damping = loop->base.p[P_STRAND_DAMPING];
+    rates[0] = damping_power(&loop->strand, damping, now.elongation.a, now.rate.a) +
+               damping_power(&loop->strand, damping, now.elongation.b, now.rate.b);
     return 1;
 }
 

@@ -92,8 +92,7 @@ int NAME(suspension_rates)(void *self, const real *raw, const real *x, const rea
     (void)raw, (void)x, (void)why;
     Instant now = suspension_instant(u);
     real elongation = now.length - suspension->base.p[P_PRELOAD_LENGTH];
-    real damping = tension_of(suspension, elongation, now.rate) + law_value(&suspension->spring, elongation);
-    rates[0] = damping * now.rate;
+    rates[0] = damping_power(&suspension->spring, suspension->base.p[P_DAMPING], elongation, now.rate);
     return 1;
 }
 

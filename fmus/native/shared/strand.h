@@ -13,6 +13,11 @@ static inline real tension_at(const Law *strand, double damping, real elongation
     return above(elastic + damping * rate, 0.0);
 }
 
+/* Heat of the damper at an instant. */
+static inline real damping_power(const Law *strand, double damping, real elongation, real rate) {
+    return (tension_at(strand, damping, elongation, rate) + law_value(strand, elongation)) * rate;
+}
+
 /* Mean tension over a step between two elongations; adds to the heat. */
 static inline real mean_tension(const Law *strand, double damping, real before, real after, double h, double end_weight,
                                 real *heat) {

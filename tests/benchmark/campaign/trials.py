@@ -237,12 +237,11 @@ def _group_row(group: str, trials: Sequence[Trial]) -> str:
 
 def _estimate_sentence(trials: Sequence[Trial]) -> str:
     of_tolerance = [(d, t.tolerance) for t in trials for d in t.deviations if d.group in GROUPS]
-    told = [d for d, _ in of_tolerance]
     verdicts = [is_well_estimated(d, tolerance) for d, tolerance in of_tolerance]
     judged = [verdict for verdict in verdicts if verdict is not None]
     if not judged:
         return "no estimated errors to compare"
-    sure = sum(verdict is None and d.estimate is not None for verdict, d in zip(verdicts, told, strict=True))
+    sure = sum(v is None and d.estimate is not None for v, (d, _) in zip(verdicts, of_tolerance, strict=True))
     everything = len(judged) + sure
     return (
         f"{sum(judged)} of {len(judged)} estimated errors ({sum(judged) / len(judged):.0%}) are within a factor of 5; "

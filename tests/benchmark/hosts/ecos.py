@@ -1,4 +1,4 @@
-"""Ecos, where it is installed, as one simulation from a structure or an SSP file."""
+"""Ecos, where it is installed, with one FMU."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def load_tbb() -> None:
 
 @contextmanager
 def simulation(path: Path, step: float) -> Iterator[EcosSimulation]:
-    """An initialised simulation of an SSP file, or of one FMU as `wing`, at a fixed step (s).
+    """An initialised simulation of one FMU as `wing`, at a fixed step (s).
 
     ImportError or OSError where Ecos is not installed.
     """
@@ -33,11 +33,7 @@ def simulation(path: Path, step: float) -> Iterator[EcosSimulation]:
     from ecospy import EcosSimulation, EcosSimulationStructure
 
     with EcosSimulationStructure() as structure:
-        if path.suffix == ".ssp":
-            made = EcosSimulation(step, ssp_path=str(path))
-        else:
-            structure.add_model("wing", path)
-            made = EcosSimulation(step, structure=structure)
-        with made as running:
+        structure.add_model("wing", path)
+        with EcosSimulation(step, structure=structure) as running:
             running.init()
             yield running

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -87,30 +88,20 @@ def test_what_does_not_change_is_left_out():
     assert stiffenings(solver, HINGES, same, same, STEP) == ()
 
 
+def turning(solver, factor):
+    """The solver where everything is displaced so many times as far."""
+    return SimpleNamespace(
+        network=solver.network, displacements=lambda wrenches: factor * solver.displacements(wrenches)
+    )
+
+
 def test_a_hinge_that_would_turn_against_its_torque_tells_nothing(line):
     """Rule: derivatives of a step too long for the motion give no frequency, not that of a wing at rest."""
     solver = at_latch_up(1e9)
-
-    class Reversed:
-        network = solver.network
-
-        @staticmethod
-        def displacements(wrenches):
-            return -solver.displacements(wrenches)
-
-    assert stiffened_line(Reversed, line.hinges, STEP).fastest == 0.0
+    assert stiffened_line(turning(solver, -1.0), line.hinges, STEP).fastest == 0.0
     assert stiffened_line(solver, line.hinges, STEP).fastest > 0.0
 
 
 def test_a_hinge_that_turns_without_bound_tells_nothing(line):
     """Regression: where matrices were as good as singular the sign alone decided, and steps were judged by that."""
-    solver = at_latch_up(1e9)
-
-    class Singular:
-        network = solver.network
-
-        @staticmethod
-        def displacements(wrenches):
-            return 1e17 * solver.displacements(wrenches)
-
-    assert stiffened_line(Singular, line.hinges, STEP).fastest == 0.0
+    assert stiffened_line(turning(at_latch_up(1e9), 1e17), line.hinges, STEP).fastest == 0.0
