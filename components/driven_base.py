@@ -20,6 +20,7 @@ from .contract.frames import (
     normalized,
     rotation_matrix,
     scaled,
+    sum_of_moments,
 )
 from .contract.ports import WRENCH_SIZE
 from .contract.quantity import Quantity
@@ -51,6 +52,12 @@ class _Frame(NamedTuple):
         Vector3, integrated("rad/s2", "rad/s3", "Angular acceleration of the frame, world axes", False)
     ]
     work: Annotated[float, integrated("J", "W", "Work of the motion since the start")]
+    impulse: Annotated[
+        Vector3, integrated("N.s", "N", "Impulse of all loads since the start, axes of the frame")
+    ]
+    angular_impulse: Annotated[
+        Vector3, integrated("N.m.s", "N.m", "Angular impulse of all loads about the frame's origin, its axes")
+    ]
     middle: Annotated[Quaternion, kept("1", "Quaternion of the frame in the middle of the last step")]
     last_rate: Annotated[Vector3, kept("m/s3", "Rate of the acceleration in the last step")]
     last_angular_rate: Annotated[Vector3, kept("rad/s3", "Rate of the angular acceleration in the last step")]
@@ -59,7 +66,7 @@ class _Frame(NamedTuple):
 
 _FRAME = Record(_Frame)
 _ZERO, _UPRIGHT = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-_REST = _Frame(_ZERO, _UPRIGHT, _ZERO, _ZERO, _ZERO, _ZERO, 0.0, _UPRIGHT, _ZERO, _ZERO, 0.0)
+_REST = _Frame(_ZERO, _UPRIGHT, _ZERO, _ZERO, _ZERO, _ZERO, 0.0, _ZERO, _ZERO, _UPRIGHT, _ZERO, _ZERO, 0.0)
 
 
 class _Step(NamedTuple):
@@ -119,8 +126,9 @@ class DrivenBase(Component):
 
     The frame starts at rest at the world's origin, upright. ports: one mapping per port with `name`, `position` (3, m)
     and optional `orientation` (quaternion), in the axes of the frame. Interface loads are in these axes, in sum about
-    the frame's origin. The work of all loads on the moving ports, with its sign changed, is the energy supplied. While
-    `hold` is 1 nothing moves.
+    the frame's origin, and so are their impulses since the start, to which kinematic latches add theirs at once. The
+    work of all loads on the moving ports, with its sign changed, is the energy supplied. While `hold` is 1 nothing
+    moves.
     """
 
     kind = "driven_base"
@@ -146,6 +154,10 @@ class DrivenBase(Component):
                 "frame_orientation", 4
             ),
             SUPPLIED_ENERGY.saying("Work of the motion since the start"),
+            observed("N.s", "Impulse on the base since the start, its axes").called("interface_impulse", 3),
+            observed(
+                "N.m.s", "Angular impulse on the base since the start, its axes, about its reference point"
+            ).called("interface_angular_impulse", 3),
         ]
         self._declare(
             {"ports": [dict(port) for port in ports]},
@@ -200,6 +212,7 @@ class DrivenBase(Component):
         travel[:, :3] = made.moved(self._arms, 0.5 * h) - made.moved(self._arms, -0.5 * h)
         travel[:, 3:] = 2.0 * np.array(turn) / w
         work = wrenches @ travel.ravel() + slopes @ made.moments(self._arms).ravel()
+        force, torque = self._sums(wrenches, made.orientation)
         return _Frame(
             add(before.position, _way(*moving, h)),
             orientation,
@@ -208,11 +221,20 @@ class DrivenBase(Component):
             add(before.acceleration, scaled(h, change)),
             add(before.angular_acceleration, scaled(h, angular_change)),
             before.work - float(work),
+            add(before.impulse, scaled(h, force)),
+            add(before.angular_impulse, scaled(h, torque)),
             made.orientation,
             change,
             angular_change,
             h,
         )
+
+    def _sums(self, wrenches: Vector, orientation: Quaternion) -> tuple[Vector3, Vector3]:
+        """Force and torque of all ports about the frame's origin, axes of the frame."""
+        forces, torques = (wrenches.reshape(-1, 2, 3) @ rotation_matrix(orientation)).swapaxes(0, 1)
+        fx, fy, fz = forces.sum(0).tolist()
+        tx, ty, tz = (torques.sum(0) + sum_of_moments(self._arms, forces)).tolist()
+        return (fx, fy, fz), (tx, ty, tz)
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
         """Motion of the ports, first moments of the last step."""
@@ -245,19 +267,21 @@ class DrivenBase(Component):
         axes_before = rotation_matrix(multiply(back, now.orientation))
         axes = rotation_matrix(now.orientation)
         loads = self._loads.observe(x[_FRAME.size :], u[: self._wrenches], axes, axes_before)
-        return np.concatenate((now.position, now.orientation, (now.work,), loads))
+        impulses = now.impulse, now.angular_impulse
+        return np.concatenate((now.position, now.orientation, (now.work,), *impulses, loads))
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
-        """Rates of the frame's motion and of its accelerations, and power of the motion (W)."""
+        """Rates of the frame's motion and of its accelerations, power of the motion (W), and loads in sum."""
         n = self._wrenches
         if u[n + 1] > 0.5:
-            return np.zeros(20)
+            return np.zeros(26)
         now = _FRAME.read(x[: _FRAME.size])
         turning = multiply((0.0, *scaled(0.5, now.angular_velocity)), now.orientation)
         speeds = self.outputs(c, x, u)[: 13 * len(self._arms)].reshape(-1, 13)[:, 7:]
         power = -float(u[:n] @ speeds.ravel())
         accelerations = now.acceleration, now.angular_acceleration
-        return np.concatenate((now.velocity, turning, *accelerations, u[n + 2 : n + 8], (power,)))
+        loads = self._sums(u[:n], now.orientation)
+        return np.concatenate((now.velocity, turning, *accelerations, u[n + 2 : n + 8], (power,), *loads))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/driven_base.c` reads."""

@@ -122,6 +122,7 @@ class Signal:
 
     kind: of the variable, as FMI calls its type. factor, offset: make the value that arrives of the one that leaves.
     unit, description: of the variable. start: of a parameter that is set, all its numbers before anything sets it.
+    is_impulse: the variable is the impulse of the load that it sets, and acts by what it has grown by over a step.
     """
 
     variable: str
@@ -134,11 +135,12 @@ class Signal:
     unit: str = "1"
     description: str = ""
     start: tuple[float, ...] = ()
+    is_impulse: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class SignalFmu:
-    """An FMU that reads signals of parts and sets parameters of them, every `step` (s).
+    """An FMU that reads signals of parts and sets parameters of them, every `step` (s), or iterated with every step.
 
     start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
     variables that it gives for the record alone.
@@ -151,6 +153,7 @@ class SignalFmu:
     inputs: tuple[Signal, ...]
     outputs: tuple[Signal, ...]
     told: tuple[Signal, ...] = ()
+    iterated: bool = False
 
 
 @dataclass(frozen=True, slots=True)

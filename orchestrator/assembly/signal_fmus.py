@@ -23,6 +23,8 @@ _NUMBERS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 """Exponents that must agree; angles are ratios as well."""
+_IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
+"""Units of impulses by those of loads."""
 
 
 def signal_fmus(
@@ -89,6 +91,7 @@ class _Reader:
                 for s in self._output(name, target)
             ),
             tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
+            table.iterated and self._can_iterate(),
         )
 
     def _note(self, key: str, sentence: str) -> None:
@@ -107,6 +110,24 @@ class _Reader:
                 else f"is missing, and the FMU says none of {SMALLEST_STEP:g} s or more itself; give one",
             )
         return step
+
+    def _can_iterate(self) -> bool:
+        """Whether steps can be repeated; what it lacks is noted."""
+        able, kind = self._description.coSimulation, Path(self._table.file).name
+        saves = getattr(able, "canGetAndSetFMUstate", False) or getattr(able, "canGetAndSetFMUState", False)
+        if not saves:
+            self._note(
+                "iterated", f"{kind} cannot save its state, so a step cannot be repeated; leave it out"
+            )
+        if not able.canHandleVariableCommunicationStepSize:
+            self._note(
+                "iterated", f"{kind} takes steps of one size only, not those of the scene; leave it out"
+            )
+        if not any(self._table.targets(name) for name in self._table.outputs):
+            self._note(
+                "iterated", "no output sets a load, so there is nothing to repeat a step for; leave it out"
+            )
+        return True
 
     def _is_start(self, name: str, value: object) -> bool:
         try:
@@ -174,13 +195,17 @@ class _Reader:
                 component, kind = component_of(self._known(part)), self._parts[part].kind
                 known = {q.name: q for q in component.parameter_layout.quantities}
                 tunable(rest.partition("[")[0], component, kind)
+                if self._table.iterated and kind != "load":
+                    raise ValueError(f"sets a {kind}; what is iterated sets loads only")
                 quantity, index = scalar(rest, known, kind)
-                factor, offset = self._conversion(variable, quantity.unit)
+                impulse = self._is_impulse(variable, quantity.unit)
+                unit = _IMPULSES[quantity.unit] if impulse else quantity.unit
+                factor, offset = self._conversion(variable, unit)
                 start = quantity.start_values()
                 start[:] = self._parts[part].start.get(quantity.name, start)
                 yield Signal(
                     name, variable.type, part, quantity.name, index, factor, offset,
-                    variable.unit or quantity.unit, variable.description or "", tuple(start.tolist()),
+                    variable.unit or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
@@ -208,6 +233,16 @@ class _Reader:
         if name not in self._parts:
             raise ValueError(unknown(name, [*self._lines, *self._parts], "component"))
         return self._parts[name]
+
+    def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy
+        """Whether a variable is the impulse of a load in this unit."""
+        if unit not in _IMPULSES or not variable.unit:
+            return False
+        try:
+            self._conversion(variable, _IMPULSES[unit])
+        except ValueError:
+            return False
+        return True
 
     def _conversion(self, variable: Any, unit: str) -> tuple[float, float]:  # noqa: ANN401 - of FMPy
         """Factor and offset that make a value of `unit` of the FMU's value; ValueError where there are none.

@@ -67,6 +67,8 @@ class Master(CoSimulation):
         self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
+        if self._signals.iteration is not None:
+            largest = min(largest, self._signals.iteration.longest_step)
         self._sizes = StepSizes(largest, settings.smallest_step, network.order)
         self._sizes.restart(min(settings.start_step, largest))
         self._guard = EnergyGuard(self._energies)
@@ -230,8 +232,14 @@ class Master(CoSimulation):
     def _next_made(self, until: float) -> tuple[float, Solution] | None:
         """Size and solution of the next step, if it stands; it is not accepted yet."""
         h = self._next_step(until)
-        solution = self.solver.solve(self.time, h, self.solver.predicted(self.time, h))
+        solution = self._solved(h)
         return (h, solution) if self._stands(h, solution) else None
+
+    def _solved(self, h: float) -> Solution:
+        """A step h (s) from the present time, with FMUs that are iterated."""
+        if self._signals.iteration is None:
+            return self.solver.solve(self.time, h, self.solver.predicted(self.time, h))
+        return self._signals.iteration.solve(self.solver, self.time, h, self.settings.tolerance)
 
     def _stands(self, h: float, solution: Solution) -> bool:
         """Whether a step converged and its error is accepted; if not, a smaller step size is set."""
@@ -288,8 +296,7 @@ class Master(CoSimulation):
         found = [solution]
 
         def distance(trial: float) -> float:
-            guess = self.solver.predicted(self.time, trial)
-            found[0] = self.solver.solve(self.time, trial, guess)
+            found[0] = self._solved(trial)
             if not found[0].converged:
                 raise failure(self.solver, found[0], self.time, trial)
             if isinstance(crossed, Event):
@@ -305,6 +312,8 @@ class Master(CoSimulation):
         return None
 
     def _accept(self, h: float, solution: Solution) -> None:
+        if self._signals.iteration is not None:
+            self._signals.iteration.accept(h)
         self.solver.accept(self.time, h)
         self._advance(h)
         self._watch()

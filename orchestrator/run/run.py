@@ -35,7 +35,7 @@ from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
 from ..cosim.rows import recorded_layout
 from ..cosim.settings import Settings
-from ..cosim.signals.exchange import recorded
+from ..cosim.signals.joined import recorded
 from ..cosim.signals.process import SignalProcess
 from ..cosim.stepping import StepError
 from ..results.key_figures import Headline, headline

@@ -410,9 +410,10 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
         return 0;
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
-    if (sizes->parameters != a->parameter_count + 1 || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
+    const size_t own = a->driven.is_there ? 2 : 1;
+    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
         return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
-                      (unsigned long)sizes->parameters, (unsigned long)a->parameter_count + 1);
+                      (unsigned long)sizes->parameters, (unsigned long)(a->parameter_count + own));
     a->standing_size = arrange_standing(a, NULL);
     a->snapshot_size = 2 + a->standing_size + a->states + a->input_count;
     a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
@@ -457,7 +458,8 @@ static void take_tolerance(Assembly *a, double tolerance) {
     m->error.resolved = allowed_error(by, tolerance, 2.0, by[LOOSE_AT_ORDER_2]);
 }
 
-/* Every component checks its own; they take them where the run comes to it. The tolerance comes last. */
+/* Every component checks its own; they take them where the run comes to it. How a driven base takes its rates and the
+   tolerance come last. */
 static int prepare(void *self, const double *p, Reason *why) {
     Assembly *a = self;
     for (size_t i = 0; i < a->participants; i++) {
@@ -468,7 +470,9 @@ static int prepare(void *self, const double *p, Reason *why) {
             return refuse(why, "%.100s: %.380s", instance->name, own.text);
     }
     memcpy(a->wanted, p, a->parameter_count * sizeof(double));
-    take_tolerance(a, p[a->parameter_count]);
+    p += a->parameter_count;
+    a->meets_rates = a->driven.is_there && *p++ > 0.5;
+    take_tolerance(a, *p);
     return 1;
 }
 
@@ -582,12 +586,25 @@ static void drive(Assembly *a, const double *u, double h) {
     }
 }
 
+/* Give a driven base the constant accelerations that lead to the rates at the end of a step h (s), from now on. */
+static void drive_to_rates(Assembly *a, const double *u, double h) {
+    const DrivenFrame *d = &a->driven;
+    SavedState *saved = a->saved[d->participant];
+    double *state = saved->numbers + saved->known, *x = a->instance[d->participant]->x;
+    for (size_t k = 0; k < BASE_RATES; k++) {
+        const size_t at = d->acceleration[k / 3] + k % 3;
+        x[at] = state[at] = (u[d->first + k] - state[d->rate[k / 3] + k % 3]) / h;
+        a->input[d->participant][d->change + k] = 0.0;
+    }
+}
+
 /* Step to the next communication point exactly, or through an event before it, with the base driven to it; rows end
    there. */
 static int run_driven(Assembly *a, const double *u, double h, int to_event) {
     RowBlock *r = &a->master.loop.rows;
     if (!go_back(a)) return 0;
-    drive(a, u, h);
+    if (a->meets_rates) drive_to_rates(a, u, h);
+    else drive(a, u, h);
     coupling_restart(&a->master.network); /* loads of other accelerations tell nothing of those to come */
     begin_segment(&a->master);
     if (!run_to(a, a->time + h, to_event)) return 0;

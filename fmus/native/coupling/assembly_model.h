@@ -45,7 +45,8 @@ typedef struct {
    A component's state: OUTER numbers, see below, applied parameters, inputs, peaks, rows of the ring (time, segment,
    recorded, channels), and snapshots in slots: serial, time, standing, states, inputs. `stands` tells whether all
    this is that of the state numbered `serial`; run_serial numbers what the run itself has come to. driven_step,
-   longest_step (s): the last one that the base was driven over, and the longest, 0 before. */
+   longest_step (s): the last one that the base was driven over, and the longest, 0 before. meets_rates: whether the base
+   has the rates given to it at a step's end. */
 typedef struct {
     Master master;
     Instance **instance;
@@ -62,7 +63,7 @@ typedef struct {
     size_t participants, flags, commands, inputs_count, peak_count, row_size, standing_size, snapshot_size, parameter_count, input_count;
     size_t rows, snapshots, newest, states;
     double time, serial, run_serial, last_run, peak_time, last_row_time, target, driven_step, longest_step;
-    int stands, at_event;
+    int stands, at_event, meets_rates;
     char said[512];
 } Assembly;
 

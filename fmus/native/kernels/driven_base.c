@@ -91,6 +91,17 @@ static inline real work_of_ports(const DrivenBase *base, const DrivenStep *s, Qu
     return work;
 }
 
+/* Force and torque of all ports about the frame's origin, axes of the frame. */
+static inline void sum_loads(const DrivenBase *base, const real *u, Quaternion frame, Vector3 sums[2]) {
+    const Quaternion back = quaternion_conjugate(frame);
+    sums[0] = sums[1] = (Vector3){0.0, 0.0, 0.0};
+    for (size_t k = 0; k < base->ports; k++, u += WRENCH_SIZE) {
+        const Vector3 force = quaternion_rotate(back, vector_of(u)), torque = quaternion_rotate(back, vector_of(u + 3));
+        sums[0] = vector_add(sums[0], force);
+        sums[1] = vector_add(sums[1], vector_add(torque, vector_cross(arm_of(base, k), force)));
+    }
+}
+
 /* Where the frame stands still. */
 static inline void stay(const double *x, real *x_next) {
     for (size_t i = 0; i < STATES; i++) x_next[i] = x[i];
@@ -119,6 +130,13 @@ int NAME(driven_base_step)(void *self, const double *x, const real *u, double h,
     const Quaternion after = quaternion_multiply(turned_after(s.turn, 0.5 * h), s.orientation);
     const Quaternion between = quaternion_multiply(after, quaternion_conjugate(before));
     const Course shift_after = course_after(shift, h), turn_after = course_after(turn, h);
+    Vector3 sums[2];
+    sum_loads(base, u, s.orientation, sums);
+    for (size_t i = 0; i < 2; i++) {
+        const double *impulse = x + X_IMPULSE + 3 * i; /* the angular one behind the other */
+        const Vector3 before_it = {impulse[0], impulse[1], impulse[2]};
+        vector_store(vector_add(before_it, vector_scaled(h, sums[i])), x_next + X_IMPULSE + 3 * i);
+    }
     x_next[X_WORK] = x[X_WORK] - work_of_ports(base, &s, between, u, slopes);
     vector_store(vector_add((Vector3){p[0], p[1], p[2]}, way_of(shift, h)), x_next + X_POSITION);
     quaternion_store(after, x_next + X_ORIENTATION);
@@ -160,7 +178,7 @@ void NAME(driven_base_outputs)(void *self, const real *x, const real *u, real *y
     }
 }
 
-/* Rates of the frame's motion and of its accelerations, and power of the motion. */
+/* Rates of the frame's motion and of its accelerations, power of the motion, and loads in sum. */
 int NAME(driven_base_rates)(void *self, const real *raw, const real *x, const real *u, real *rates, Reason *why) {
     const DrivenBase *base = self;
     const real *own = own_inputs(base, u);
@@ -182,6 +200,10 @@ int NAME(driven_base_rates)(void *self, const real *raw, const real *x, const re
         rates[13 + i] = own[U_ACCELERATION_RATE + i];
     }
     rates[19] = -power;
+    Vector3 sums[2];
+    sum_loads(base, u, frame, sums);
+    vector_store(sums[0], rates + 20);
+    vector_store(sums[1], rates + 23);
     return 1;
 }
 
@@ -233,6 +255,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     vector_store(vector_of(x + X_POSITION), z + Z_FRAME_POSITION);
     quaternion_store(frame, z + Z_FRAME_ORIENTATION);
     z[Z_SUPPLIED_ENERGY] = x[X_WORK];
+    memcpy(z + Z_INTERFACE_IMPULSE, x + X_IMPULSE, 6 * sizeof(double)); /* the angular one behind the other */
     rotation_matrix(frame, axes);
     rotation_matrix(quaternion_multiply(back, frame), axes_before);
     observe_port_loads(base->ports, base->arms, x + STATES, u, axes, axes_before, z + OBSERVATIONS);

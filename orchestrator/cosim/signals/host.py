@@ -30,6 +30,7 @@ class Host:
     def __init__(self) -> None:
         self.said: deque[str] = deque(maxlen=1)
         self._fmu: Any = None
+        self._kept: Any = None
 
     def open(
         self,
@@ -38,8 +39,12 @@ class Host:
         inputs: Sequence[str],
         outputs: Sequence[str],
         values: Sequence[float],
+        keeps: bool,
     ) -> list[float]:
-        """Instantiate what is unpacked in a folder, initialise it at t = 0 with these inputs, and give its outputs."""
+        """Instantiate what is unpacked in a folder, initialise it at t = 0 with these inputs, and give its outputs.
+
+        keeps: its state is kept, for steps that are tried.
+        """
         description = read_model_description(folder, validate=False)
         self._fmi2 = description.fmiVersion.startswith("2.")
         self._variables = {v.name: v for v in description.modelVariables}
@@ -52,7 +57,10 @@ class Host:
         self._fmu.enterInitializationMode()
         self._hand_over(values)
         self._fmu.exitInitializationMode()
-        return self._given()
+        given = self._given()
+        if keeps:
+            self.keep()
+        return given
 
     def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """Step from a time (s) over h with the inputs of the end, and give the outputs."""
@@ -65,6 +73,20 @@ class Host:
             if early:
                 raise RuntimeError(f"it returned early, at t = {reached:.6g} s, which was not allowed to it")
         return self._given()
+
+    def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
+        """The same from the state that was kept last."""
+        (self._fmu.setFMUstate if self._fmi2 else self._fmu.setFMUState)(self._kept)
+        return self.sample(time, h, values)
+
+    def keep(self) -> None:
+        """Keep the present state in place of the last one."""
+        last, self._kept = self._kept, (self._fmu.getFMUstate if self._fmi2 else self._fmu.getFMUState)()
+        self._forget(last)
+
+    def _forget(self, state: Any) -> None:  # noqa: ANN401 - of FMPy
+        if state is not None:
+            (self._fmu.freeFMUstate if self._fmi2 else self._fmu.freeFMUState)(state)
 
     def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
         text = arguments[-1]
@@ -96,6 +118,7 @@ class Host:
     def close(self) -> None:
         """Terminate and free the instance."""
         if self._fmu is not None:
+            self._forget(self._kept)
             self._fmu.terminate()
             self._fmu.freeInstance()
 

@@ -61,6 +61,7 @@ class SignalProcess:
             self._inputs,
             self.outputs,
             values,
+            self.fmu.iterated,
         )
         return found
 
@@ -68,6 +69,15 @@ class SignalProcess:
         """The outputs after a step from a time (s) over h, with the inputs of its end."""
         found: list[float] = self._ask("sample", time + h, f"do a step of {h:g} s", time, h, values)
         return found
+
+    def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
+        """The same from the state that was kept last, of this time, whatever was tried since."""
+        found: list[float] = self._ask("tried", time + h, f"do a step of {h:g} s", time, h, values)
+        return found
+
+    def keep(self, time: float) -> None:
+        """The state that it has come to, at a time (s), is the one to try from."""
+        self._ask("keep", time, "save its state")
 
     def _ask(self, name: str, time: float, action: str, *arguments: object) -> Any:  # noqa: ANN401
         try:

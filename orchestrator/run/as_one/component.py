@@ -53,6 +53,16 @@ _TOLERANCE = Quantity(
     variability="fixed",
 )
 """The last parameter, as the native core expects of what `steps_inside`."""
+_MEETS_RATES = Quantity(
+    "base_meets_rates",
+    "1",
+    "1: at the end of a step the base has the rates given before it, by constant accelerations; 0: they are those of "
+    "its beginning, and what follows is extrapolated",
+    minimum=0.0,
+    maximum=1.0,
+    variability="fixed",
+)
+"""Of a driven base, the last parameter but one."""
 _INITIAL = "initial_"
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
 
@@ -107,6 +117,7 @@ class AssembledScene(Component, registered=False):
             (),
             parameters=(
                 *self._as_here(_of_parts(self._names, [c.parameter_layout for _, c in self._parts])),
+                *([_MEETS_RATES] if _is_driven(assembly) else ()),
                 _TOLERANCE,
             ),
             inputs=[*(quantity for _, quantity in commands), *_drives(assembly)],
@@ -214,6 +225,10 @@ def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
                     Command((number, place), 0),
                     quantity.saying(f"{participant.name}: 1: lets go at this communication point, for good"),
                 )
+
+
+def _is_driven(assembly: Assembly) -> bool:
+    return any(part.kind == DRIVEN for part in assembly.parts)
 
 
 def _drives(assembly: Assembly) -> Iterator[Quantity]:

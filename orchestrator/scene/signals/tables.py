@@ -25,7 +25,12 @@ class Fmu(Table):
     file: Annotated[str, AfterValidator(_is_there)]
     """Path from the scene's folder."""
     step: Duration | None = None
-    """Its communication step; by default what it says itself."""
+    """Its communication step; by default what it says itself. The longest one, if it is iterated."""
+    iterated: bool = False
+    """Whether it takes every step of the scene, which is repeated until its loads agree with the motion at the end.
+
+    It must set nothing but loads, save its state, and take steps of any size.
+    """
     parameters: dict[str, Any] = Field(default_factory=dict)
     """Start values by the FMU's names."""
     inputs: dict[str, str] = Field(default_factory=dict)

@@ -41,11 +41,14 @@ class {name}(Fmi2Slave):
 """
 
 
-def slave(folder: Path, name: str = "Controller", fault: str = "pass") -> Path:
-    """A proportional and derivative controller as a PythonFMU; fault: what it does late in its steps."""
+def slave(folder: Path, name: str = "Controller", fault: str = "pass", **options: bool) -> Path:
+    """A proportional and derivative controller as a PythonFMU; fault: what it does late in its steps.
+
+    options: what it can do, by the names of its model description.
+    """
     source = folder / f"{name.lower()}.py"
     source.write_text(_SLAVE.format(name=name, fault=fault), encoding="utf-8")
-    return Path(FmuBuilder.build_FMU(str(source), dest=str(folder)))
+    return Path(FmuBuilder.build_FMU(str(source), dest=str(folder), **options))
 
 
 def spacecraft(until: float = 1.0, **keys: object) -> fanfold.Scene:

@@ -1,0 +1,175 @@
+"""An FMU with signals among the participants: what it is given, and how what it gives is set."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from components import Quantity
+
+from ...assembly import Signal, SignalFmu
+from ..participant import Participant, ParticipantError, Vector
+from .process import SignalProcess
+
+Target = tuple[str, str]
+"""Name of a participant, and of a parameter of it."""
+
+
+def recorded(fmu: SignalFmu) -> tuple[Quantity, ...]:
+    """What is recorded of an FMU: its inputs and its outputs, in its own units."""
+    signals = {s.variable: s for s in (*fmu.inputs, *fmu.outputs, *fmu.told)}
+    return tuple(
+        Quantity(name.replace("/", "_"), s.unit, s.description or f"Signal of {fmu.path.name}")
+        for name, s in signals.items()
+    )
+
+
+@dataclass(slots=True)
+class _Place:
+    """Where a signal is: an array, its element, and the two numbers that convert it."""
+
+    array: Vector
+    element: int
+    factor: float
+    offset: float
+
+    def value(self) -> float:
+        return self.array.item(self.element) * self.factor + self.offset
+
+
+class Participants:
+    """Those that signals come from and go to. observations: of all of them in order."""
+
+    def __init__(self, participants: Sequence[Participant], observations: Vector) -> None:
+        self._by_name = {p.name: p for p in participants}
+        sizes = [p.observation_layout.size for p in participants]
+        self._firsts = dict(zip(self._by_name, np.cumsum([0, *sizes]).tolist(), strict=False))
+        self._observations = observations
+        self._parameters: dict[Target, Vector] = {}
+
+    def source(self, signal: Signal) -> _Place:
+        """Where an input of an FMU comes from."""
+        participant = self._by_name[signal.part]
+        if signal.quantity in participant.observation_layout:
+            first = self._firsts[signal.part] + participant.observation_layout[signal.quantity].start
+            return _Place(self._observations, first + signal.index, signal.factor, signal.offset)
+        first = participant.output_layout[signal.quantity].start
+        return _Place(participant.outputs, first + signal.index, signal.factor, signal.offset)
+
+    def will_set(self, signal: Signal) -> None:
+        """Parameters have their start values before anything sets them."""
+        self._parameters.setdefault((signal.part, signal.quantity), np.array(signal.start))
+
+    def set_among(self, names: Sequence[str]) -> bool:
+        """Whether parameters of any of these are set."""
+        return any(part in names for part, _ in self._parameters)
+
+    def set(self, values: Iterator[tuple[Signal, float]], who: str, time: float) -> bool:
+        """Set parameters; whether anything changed. ParticipantError with who set them at a time (s)."""
+        changed: dict[Target, Vector] = {}
+        for signal, value in values:
+            key = signal.part, signal.quantity
+            if self._parameters[key].item(signal.index) != value:
+                self._parameters[key][signal.index] = value
+                changed[key] = self._parameters[key]
+        for (part, name), numbers in changed.items():
+            try:
+                self._by_name[part].set_parameter(name, numbers.tolist())
+            except ParticipantError as error:
+                raise ParticipantError(f"{who}, at t = {time:.6g} s: {error}") from None
+        return bool(changed)
+
+
+class JoinedFmu:
+    """One FMU, what it is given by participants, and what it sets of them; its signals go into `values`.
+
+    What of its outputs is an impulse beside the load that it sets, sets what it has grown by in a step, over the step.
+    """
+
+    def __init__(self, process: SignalProcess, participants: Participants, values: Vector) -> None:
+        self.process, self.fmu = process, process.fmu
+        self._participants, self._values = participants, values
+        self._sources = [participants.source(s) for s in self.fmu.inputs]
+        self._last: Mapping[str, float] = {}
+        self._time = 0.0
+        for signal in self.fmu.outputs:
+            participants.will_set(signal)
+
+    def start(self) -> bool:
+        """Initialise it at t = 0; whether that changed anything."""
+        given = self._named(self.process.open(self.inputs()), 0.0)
+        self._last = given
+        changed = self._participants.set(
+            ((s, given[s.variable] * s.factor + s.offset) for s in self.fmu.outputs if not s.is_impulse),
+            self.fmu.name,
+            0.0,
+        )
+        self._note(given)
+        return changed
+
+    def sample(self, time: float, h: float) -> Mapping[str, float]:
+        """Its outputs after a step from a time (s) over h, with the inputs of the end."""
+        return self._named(self.process.sample(time, h, self.inputs()), time + h)
+
+    def take(self, given: Mapping[str, float], h: float, time: float) -> bool:
+        """Set what its outputs at a time (s), after a step over h, are joined to; whether that changed anything."""
+        changed = self._participants.set(
+            ((s, self._growth(s, given) / h if s.is_impulse else given[s.variable] * s.factor + s.offset)
+             for s in self.fmu.outputs),
+            self.fmu.name,
+            time,
+        )  # fmt: skip
+        self.accept(given)
+        return changed
+
+    def accept(self, given: Mapping[str, float]) -> None:
+        """Its outputs now, which the next step starts from, and its inputs, for the record."""
+        self._last = given
+        self._note(given)
+
+    def tried(self, h: float) -> Mapping[str, float]:
+        """Its outputs after a step over h (s) from where it was kept, with the present inputs, which are of the end."""
+        return self._named(self.process.tried(self._time, h, self.inputs()), self._time + h)
+
+    def keep(self, given: Mapping[str, float], h: float) -> None:
+        """The step tried last, over h (s), led to these outputs and is made."""
+        self.process.keep(self._time + h)
+        self._time += h
+        self.accept(given)
+
+    def means(self, given: Mapping[str, float], h: float) -> Vector:
+        """Of what its outputs set, over a step h (s) that ends with these: of both ends, or what an impulse tells."""
+        return np.array(
+            [
+                self._growth(s, given) / h
+                if s.is_impulse
+                else 0.5 * (given[s.variable] + self._last[s.variable]) * s.factor + s.offset
+                for s in self.fmu.outputs
+            ]
+        )
+
+    def _growth(self, signal: Signal, given: Mapping[str, float]) -> float:
+        return (given[signal.variable] - self._last[signal.variable]) * signal.factor
+
+    def set(self, values: Sequence[float], time: float) -> None:
+        """Set what its outputs are joined to, in their order."""
+        self._participants.set(zip(self.fmu.outputs, values, strict=True), self.fmu.name, time)
+
+    def inputs(self) -> list[float]:
+        """What it is given at present."""
+        return [place.value() for place in self._sources]
+
+    def _named(self, outputs: Sequence[float], time: float) -> Mapping[str, float]:
+        given = dict(zip(self.process.outputs, outputs, strict=True))
+        for name, value in given.items():
+            if not np.isfinite(value):
+                raise ParticipantError(f"{self.fmu.name}: its output {name} is {value} at t = {time:.6g} s")
+        return given
+
+    def _note(self, given: Mapping[str, float]) -> None:
+        """Its signals at its last communication point, for the record."""
+        shown = dict(zip((s.variable for s in self.fmu.inputs), self.inputs(), strict=True))
+        shown |= given
+        self._values[: len(shown)] = list(shown.values())
