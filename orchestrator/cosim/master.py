@@ -123,13 +123,17 @@ class Master(CoSimulation):
                     continue
                 h, solution = found
                 self._observe(h)
+            reached = [] if crossed is None else [crossed, *self._reached_with(crossed, h)]
             is_break = self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
-            if isinstance(crossed, Event):
-                self._happen(crossed)
-            elif crossed is not None:
-                self._latch(crossed)
-            elif is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
+            for one in reached:
+                self._let_act(one)
+            if (
+                is_break
+                and not reached
+                and self._scheduled.due(self.time) is None
+                and not self._signals.is_due(self.time)
+            ):
                 self._renew()
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
@@ -280,6 +284,22 @@ class Master(CoSimulation):
             if after <= 0.0 < before and h * before / (before - after) <= best_time:
                 best, best_time = one, h * before / (before - after)
         return best
+
+    def _let_act(self, one: HingeLine | Event) -> None:
+        """A line latches or an event happens, unless what came with it has let go of the line."""
+        if isinstance(one, Event):
+            self._happen(one)
+        elif line := next((line for line in self._pending if line.name == one.name), None):
+            self._latch(line)
+
+    def _reached_with(self, crossed: HingeLine | Event, h: float) -> list[HingeLine | Event]:
+        """What else falls through zero at the instant that a step h (s) ends at, where something does."""
+        found = []
+        for one in self._awaited():
+            left, before = self._left(one), self._before[one.name]
+            if one is not crossed and before > 0.0 and left <= (before - left) / h * INSTANT:
+                found.append(one)
+        return found
 
     def _awaited(self) -> list[HingeLine | Event]:
         """What may come within a step."""

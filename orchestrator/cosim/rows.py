@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -43,6 +44,7 @@ class Rows:
         self._recorder = recorder
         self._now, self._held = (observations, scene), (observations.copy(), scene.copy())
         self._time: float | None = None
+        self._last = -inf
         layouts = [p.observation_layout for p in participants]
         first = np.cumsum([0, *(layout.size for layout in layouts)]).tolist()
         self._slices = [
@@ -107,9 +109,12 @@ class Rows:
     def extend(self, times: Vector, rows: Matrix) -> None:
         """Hand on rows that were made elsewhere, all of them before the one held."""
         if len(times):
-            self._recorder.extend(times, rows)
+            self._recorder.extend(np.maximum(times, self._last), rows)
+            self._last = max(self._last, float(times[-1]))
 
     def _append(self, time: float, observations: Vector, scene: Vector) -> None:
+        # the instant after an event lies behind it, where another may follow at once
+        self._last = time = max(time, self._last)
         self._recorder.append(time, [*(observations[part] for part in self._slices), scene])
 
 

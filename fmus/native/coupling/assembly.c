@@ -213,7 +213,8 @@ static void take_row(void *taker, double time, double segment, const double *val
         a->rows--;
     }
     double *row = a->ring + a->rows++ * a->row_size;
-    row[0] = a->last_row_time = time;
+    /* the instant after an event lies behind it, where another may follow at once */
+    row[0] = a->last_row_time = a->rows > 1 ? fmax(time, a->last_row_time) : time;
     row[1] = segment;
     memcpy(row + 2, values, (a->row_size - 2) * sizeof(double));
     if (time <= a->target) note_peaks(a, a->rows - 1);

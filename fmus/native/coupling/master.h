@@ -82,6 +82,9 @@ struct Master {
     char said[512];
 };
 
+/* Of `pending`: it acts at this instant. */
+#define REACHED 2.0
+
 static int is_pending_condition(const Event *e) { return *e->pending && isnan(e->time); }
 
 static double *sensed(const Master *m, const HingeLine *line) {
@@ -499,6 +502,30 @@ static int see_to_unsolved(Master *m) {
     return 0;
 }
 
+/* Whether what fell by a step h falls through zero at the instant that ends it. */
+static int is_reached(const Crossing *c, double h) {
+    return c->before + c->rate * h > 0.0 && c->before <= c->rate * INSTANT;
+}
+
+/* Mark what is met at the instant that ends a step h. */
+static void mark_reached(Master *m, double h) {
+    size_t k = 0;
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending && is_reached(m->crossing + k++, h)) *m->line[i].pending = REACHED;
+    for (size_t i = 0; i < m->events; i++)
+        if (is_pending_condition(m->event + i) && is_reached(m->crossing + k++, h)) *m->event[i].pending = REACHED;
+}
+
+/* Let what is marked act, unless what came before it has let go of it. */
+static int let_act(Master *m) {
+    int fine = 1;
+    for (size_t i = 0; fine && i < m->lines; i++)
+        if (*m->line[i].pending == REACHED) fine = latch_line(m, m->line + i);
+    for (size_t i = 0; fine && i < m->events; i++)
+        if (*m->event[i].pending == REACHED) fine = happen(m, m->event + i);
+    return fine;
+}
+
 /* Accept the step at hand, which may end where something crosses, and let that act. */
 static int end_step(Master *m) {
     Loop *l = &m->loop;
@@ -529,10 +556,11 @@ static int end_step(Master *m) {
     size_t k = 0;
     m->event_time = l->time;
     m->is_crossed = 1.0;
+    mark_reached(m, l->h);
     for (size_t i = 0; i < m->lines; i++)
-        if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i);
+        if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i) && let_act(m);
     for (size_t i = 0; i < m->events; i++)
-        if (is_pending_condition(m->event + i) && k++ == number) return happen(m, m->event + i);
+        if (is_pending_condition(m->event + i) && k++ == number) return happen(m, m->event + i) && let_act(m);
     return 1;
 }
 

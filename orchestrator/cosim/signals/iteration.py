@@ -14,7 +14,7 @@ from .joined import JoinedFmu
 _MOST = 8
 """Repetitions of a step before derivatives are taken anew, and then before it is given up."""
 _AGREED = 1e-2
-"""Part of the tolerance that loads may be apart by, of the largest of their kind now or, over a longest step, so far."""
+"""Part of the tolerance that loads may be apart by, of the largest of their kind so far."""
 _LEAST = 1e-6
 """Of loads (N, N.m) in whose size others are judged where there are hardly any."""
 
@@ -64,7 +64,9 @@ class Iteration:
         """What the FMUs have come to in the step solved last, over h (s), is where the next one starts."""
         for one, given in zip(self._fmus, self._given, strict=True):
             one.keep(given, h)
-        lasting = min(1.0, h / self.longest_step)  # the mean of an impulse over a short step is no size to judge by
+        lasting = min(
+            1.0, h / self.longest_step
+        )  # the mean of an impulse over a short step is no size to judge by
         self._largest = np.maximum(self._largest, lasting * self._largest_alike(self._loads))
 
     def _made(

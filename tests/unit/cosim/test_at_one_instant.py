@@ -1,0 +1,88 @@
+"""Latches and events that come at one instant: all of them act, in every master, and no time runs back."""
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.cosim.compiled_master import CompiledMaster
+from orchestrator.cosim.master import Master
+from tests.references.native_fmus import needs_native
+from tests.unit.run.as_one.host import Host
+
+PANEL = {
+    "mass": 2.0,
+    "center_of_mass": [0.5, 0.0, 0.0],
+    "inertia": [0.1, 0.2, 0.3],
+    "points": {"root": [0.0, 0.0, 0.0]},
+}
+SIDES = {"A": ("a", "left"), "B": ("b", "right")}
+
+
+def twins(kind="spring", axes=("+y", "+y"), **tree):
+    """The same panel on both sides of a fixed spacecraft."""
+    bodies = [{"name": body, "rigid": PANEL} for body, _ in SIDES.values()]
+    lines = [
+        {
+            "name": name,
+            "inboard": "base",
+            "outboard": body,
+            "axis": axis,
+            "aligned_angle": "90 deg",
+            "motor": {"stowed": "0.6 N.m", "deployed": "0.2 N.m"},
+            "latch": {"kind": kind, "stiffness": "500 N.m/rad"},
+            "hinges": [{"name": f"hinge_{body}", "inboard": point, "outboard": "root"}],
+        }
+        for (name, (body, point)), axis in zip(SIDES.items(), axes, strict=True)
+    ]
+    base = {"points": {"left": [0.0, 1.0, 0.0], "right": [0.0, -1.0, 0.0]}}
+    whole = {"scene": {"name": "twins", "until": 2.5}, "base": base, "body": bodies, "hinge_line": lines}
+    return fanfold.Scene.of_tree("twins.toml", whole | tree)
+
+
+@pytest.mark.parametrize("master", [CompiledMaster, Master])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("kind", ["spring", "kinematic"])
+def test_twins_latch_together(monkeypatch, tmp_path, master, tolerance, kind):
+    """Symmetry. Regression: one of both was past its latch when the other engaged, and went on for ever.
+
+    Or rows of the instant after the first were later than those of the second, and the file was called damaged.
+    """
+    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
+    run = fanfold.simulate(twins(kind), tolerance=tolerance, refine=False, save=tmp_path / "twins.h5")
+    assert run.latch_times["A"] == pytest.approx(run.latch_times["B"], abs=2e-6)
+    angles = [run[f"hinge_{body}", "angle"][-1] for body, _ in SIDES.values()]
+    assert angles == pytest.approx([np.pi / 2] * 2, abs=0.06)
+    assert np.all(np.diff(run.time) >= 0.0)
+    if kind == "spring":
+        peaks = run.headline.latch_torque_peaks
+        assert peaks["A"] == pytest.approx(peaks["B"], rel=1e-3)
+        assert peaks["A"] == pytest.approx(24.51, rel=1e-2)
+
+
+def test_mirrored_twins(tmp_path):
+    """Symmetry: the same about the opposite axis."""
+    run = fanfold.simulate(twins(axes=("+y", "-y")), save=tmp_path / "twins.h5")
+    assert run.latch_times["A"] == pytest.approx(run.latch_times["B"], abs=1e-6)
+
+
+@needs_native
+@pytest.mark.parametrize("kind", ["spring", "kinematic"])
+def test_twins_as_one_fmu(tmp_path, kind):
+    """The master in C does what the one in Python does."""
+    expected = fanfold.simulate(twins(kind), estimate=False).latch_times
+    (path,) = fanfold.export(twins(kind), tmp_path, as_one=True)
+    host = Host(path).start().to(2.5, 0.1)
+    found = {name: host[f"{name}.latch_time"] for name in SIDES}
+    assert found == pytest.approx(expected, abs=4e-7)  # impulses take 1e-7 s, before or after what is told
+
+
+def test_an_event_at_the_angle_of_a_latch(tmp_path):
+    """A condition that is met where a latch engages: both act, and what one does holds for the other as well."""
+    event = {
+        "name": "cut",
+        "when": {"component": "A", "variable": "angle", "above": "90 deg"},
+        "set": {"A": {"motor_stiffness": 0.0}},
+    }
+    run = fanfold.simulate(twins(event=[event]), save=tmp_path / "twins.h5")
+    assert set(run.latch_times) == {"A", "B"}
+    assert np.all(run["hinge_a", "motor_torque"][run.time > run.latch_times["A"] + 1e-6] == 0.0)
