@@ -130,7 +130,10 @@ def _common_problems(root: Element) -> Iterator[str]:
         yield Problem("variableNamingConvention is not structured", "advice")
     for flag in _STATE_FLAGS[root.get("fmiVersion", "")]:
         if root.find(f"CoSimulation[@{flag}='true']") is None:
-            yield Problem(f"{flag} is not true, so no step can be repeated", "Fanfold needs")
+            yield Problem(
+                f"{flag} is not true, so it can be no component of a scene; an [[fmu]] with signals can do without",
+                "Fanfold needs",
+            )
 
 
 def _problems_of_2(root: Element) -> Iterator[str]:

@@ -139,7 +139,8 @@ def _tell_of_locks(assembly: Assembly) -> None:
     if names := ", ".join(line.name for line in assembly.hinge_lines if line.kinematic):
         warn(
             f"{assembly.name}: the impulse of a kinematic latch is not in the interface loads that the base gives, so "
-            f"a spacecraft that takes these lacks it: {names}; let them latch by a spring or a table"
+            f"a spacecraft that takes these lacks it: {names}; it is in the base's interface impulses, or let them "
+            "latch by a spring or a table"
         )
 
 

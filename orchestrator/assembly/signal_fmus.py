@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
@@ -16,13 +17,17 @@ from fmus.description.units import base_unit
 from ..scene.schema import SMALLEST_STEP, CheckedScene
 from ..scene.signals.tables import Fmu
 from ..scene.table import SceneError
-from . import HingeLine, Part, Signal, SignalFmu
+from . import Assembly, Event, HingeLine, Part, Signal, SignalFmu
 from .events import component_of, scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
 _BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 """Exponents that must agree; angles are ratios as well."""
+MEETS_RATES = "base_meets_rates"
+"""Parameter of a scene as one FMU with a driven base."""
+_FREQUENCY = re.compile(r"^k?Hz$|^1/min$|^r?ev/|^rpm$", re.ASCII)
+"""Units that count turns, as angles have no exponent that must agree."""
 _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
 """Units of impulses by those of loads."""
 
@@ -139,7 +144,7 @@ class _Reader:
             else:
                 whole = variable.type in _WHOLE
                 sound = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
-                kind = "a whole number" if whole else f"a number of {variable.unit or '1'}"
+                kind = "a whole number" if whole else f"a number of {_unit(variable) or '1'}"
             if not sound:
                 raise ValueError(f"is {value!r}; it must be {kind}")
         except ValueError as error:
@@ -183,7 +188,7 @@ class _Reader:
             return
         yield Signal(
             name, variable.type, sensor, quantity.name, index, 1.0 / factor, -offset / factor,
-            variable.unit or quantity.unit, variable.description or "",
+            _unit(variable) or quantity.unit, variable.description or "",
         )  # fmt: skip
 
     def _output(self, name: str, target: str) -> Iterator[Signal]:
@@ -205,7 +210,7 @@ class _Reader:
                 start[:] = self._parts[part].start.get(quantity.name, start)
                 yield Signal(
                     name, variable.type, part, quantity.name, index, factor, offset,
-                    variable.unit or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
+                    _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
@@ -217,7 +222,7 @@ class _Reader:
         except ValueError as error:
             self._note(f"outputs.{name}", str(error))
             return
-        unit, text = variable.unit or "1", variable.description or ""
+        unit, text = _unit(variable) or "1", variable.description or ""
         yield Signal(name, variable.type, "", "", 0, unit=unit, description=text)
 
     def _part(self, path: str) -> tuple[str, str]:
@@ -236,7 +241,7 @@ class _Reader:
 
     def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy
         """Whether a variable is the impulse of a load in this unit."""
-        if unit not in _IMPULSES or not variable.unit:
+        if unit not in _IMPULSES or not _unit(variable):
             return False
         try:
             self._conversion(variable, _IMPULSES[unit])
@@ -249,23 +254,32 @@ class _Reader:
 
         A variable without a unit is taken to be in that of the scene's components.
         """
-        if not variable.unit or variable.unit == unit:
+        said = _unit(variable)
+        if not said or said == unit:
             return 1.0, 0.0
-        base = self._units.get(variable.unit)
+        base = self._units.get(said)
         try:
             ours, our_factor = base_unit(unit)
             if base is not None:
                 theirs = {name: getattr(base, name) for name in _BASE}
                 factor, offset = float(base.factor or 1.0), float(base.offset or 0.0)
             else:
-                theirs, factor = base_unit(variable.unit)
+                theirs, factor = base_unit(said)
                 offset = 0.0
         except ComponentError:
-            said = f"is in {variable.unit!r}, of which the FMU tells no base unit; {unit} is needed"
-            raise ValueError(said) from None
+            raise ValueError(
+                f"is in {said!r}, of which the FMU tells no base unit; {unit} is needed"
+            ) from None
         if any((theirs.get(name) or 0) != ours.get(name, 0) for name in _BASE):
-            raise ValueError(f"is in {variable.unit}, which cannot be converted to {unit}")
+            raise ValueError(f"is in {said}, which cannot be converted to {unit}")
+        if _FREQUENCY.search(said) and unit == "rad/s":
+            raise ValueError(f"is in {said}, a frequency, and rad/s is 2 pi times that; give it in rad/s")
         return factor / our_factor, offset / our_factor
+
+
+def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
+    """Unit of a variable, its own or that of the type that it is declared to have; none as an empty text."""
+    return variable.unit or getattr(variable.declaredType, "unit", None) or ""
 
 
 def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
@@ -281,12 +295,69 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     return found
 
 
-def unit_sentences(fmus: Sequence[SignalFmu], scene: CheckedScene) -> Iterator[str]:
-    """What is said of variables that have no unit, and so are taken as they are."""
+def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
+    """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
     tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
-    for fmu in fmus:
-        variables = {v.name: v for v in _description(fmu.path).modelVariables}
-        bare = [s for s in (*fmu.inputs, *fmu.outputs) if not variables[s.variable].unit and s.unit != "1"]
-        if bare and fmu.name in tables:
-            listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
-            yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
+    for fmu in assembly.signal_fmus:
+        if (table := tables.get(fmu.name)) is not None:
+            yield from _bare_units(fmu)
+            yield from _of_several_hinges(fmu, table, assembly.hinge_lines)
+            yield from _set_by_events(fmu, assembly.events)
+            yield from _driven_wing(fmu, table)
+
+
+def _bare_units(fmu: SignalFmu) -> Iterator[str]:
+    """Variables without unit, which are taken as they are."""
+    variables = {v.name: v for v in _description(fmu.path).modelVariables}
+    bare = [s for s in (*fmu.inputs, *fmu.outputs) if not _unit(variables[s.variable]) and s.unit != "1"]
+    if bare:
+        listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
+        yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
+
+
+def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
+    """Loads by the name of a line that has several hinges."""
+    hinges = {line.name: line for line in lines if len(line.hinges) > 1}
+    units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
+    for name, source in table.inputs.items():
+        line = hinges.get(source.partition(".")[0])
+        if line is not None and "N" in units[name]:
+            number = len(line.hinges)
+            yield f"fmu.{fmu.name}.inputs.{name}: {source} is that of {line.sensor} alone, one of {number} hinges"
+    for name in table.outputs:
+        for target in table.targets(name):
+            line = hinges.get(target.partition(".")[0])
+            if line is not None and "N" in units[name]:
+                yield (
+                    f"fmu.{fmu.name}.outputs.{name}: each of the {len(line.hinges)} hinges of {line.name} gets the "
+                    "whole value; divide what is meant for the line"
+                )
+
+
+def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
+    """Parameters that an event sets as well."""
+    targets = {(s.part, s.quantity) for s in fmu.outputs}
+    for event in events:
+        for setting in event.settings:
+            if (setting.part, setting.parameter) in targets:
+                yield (
+                    f"event.{event.name}: it sets {setting.part}.{setting.parameter}, as the FMU {fmu.name} does; from "
+                    "the event on the FMU does no longer"
+                )
+
+
+def _driven_wing(fmu: SignalFmu, table: Fmu) -> Iterator[str]:
+    """A wing as one FMU whose loads are held, or whose base does not meet the rates that it is given."""
+    if not any(v.name == MEETS_RATES for v in _description(fmu.path).modelVariables) or not fmu.inputs:
+        return
+    if not fmu.iterated:
+        yield (
+            f"fmu.{fmu.name}: loads of this wing are held over a step, which is unstable where it is heavy beside its "
+            f"spacecraft, and may be in bands of steps; compare two steps, or give iterated = true and parameters = {{ "
+            f"{MEETS_RATES} = 1 }}"
+        )
+    elif not table.parameters.get(MEETS_RATES):
+        yield (
+            f"fmu.{fmu.name}: it is iterated, with the rates of a step's end; give parameters = {{ {MEETS_RATES} = 1 "
+            "}, without which its base lags behind them"
+        )

@@ -83,7 +83,7 @@ class CompiledMaster(Master):
 
     def _next_made(self, until: float) -> tuple[float, Solution] | None:
         solver = self.solver
-        if not isinstance(solver, NativeSolver) or self._signals.iteration is not None:
+        if not isinstance(solver, NativeSolver) or self._signals.iterates:
             return super()._next_made(until)
         stop, solution = self._follow(solver, until)
         h: float = self._loop.h

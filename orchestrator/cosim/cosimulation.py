@@ -149,6 +149,7 @@ class CoSimulation(ABC):
         self._without(event.releases)
         with self._supplied():
             self._scheduled.set(event)
+        self._signals.leave(event)
 
     def _exchange_signals(self, *, start: bool = False) -> bool:
         """Have FMUs with signals take part at this instant, or start; whether they changed anything."""

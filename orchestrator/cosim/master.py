@@ -15,6 +15,7 @@ from . import stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
+from .events.crossings import Fall, find_event, first_met, met_at_the_end
 from .implicit.convergence import Solution, Tolerance
 from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
@@ -34,7 +35,7 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
-from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure, find_event
+from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure
 
 ITERATED = {2: 1e-2, 4: 1e-3}
 MOST_ITERATED = 1e-6
@@ -67,8 +68,7 @@ class Master(CoSimulation):
         self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
         largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
-        if self._signals.iteration is not None:
-            largest = min(largest, self._signals.iteration.longest_step)
+        largest = min(largest, self._signals.longest_step)
         self._sizes = StepSizes(largest, settings.smallest_step, network.order)
         self._sizes.restart(min(settings.start_step, largest))
         self._guard = EnergyGuard(self._energies)
@@ -116,24 +116,19 @@ class Master(CoSimulation):
             if made is None:
                 continue
             h, solution = made
-            crossed = self._crossed(h)
+            crossed = first_met(self._falls(), h)
             if crossed is not None:
                 found = self._step_to(crossed, h, solution)
                 if found is None:
                     continue
                 h, solution = found
                 self._observe(h)
-            reached = [] if crossed is None else [crossed, *self._reached_with(crossed, h)]
-            is_break = self.time + h >= self._break - stepping.BREAK_REACHED
+            reached = [] if crossed is None else met_at_the_end(self._falls(), h)
+            is_break = not reached and self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
-            for one in reached:
+            for one in sorted(reached, key=lambda one: crossed is None or one is not crossed.one):
                 self._let_act(one)
-            if (
-                is_break
-                and not reached
-                and self._scheduled.due(self.time) is None
-                and not self._signals.is_due(self.time)
-            ):
+            if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._renew()
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
@@ -241,9 +236,7 @@ class Master(CoSimulation):
 
     def _solved(self, h: float) -> Solution:
         """A step h (s) from the present time, with FMUs that are iterated."""
-        if self._signals.iteration is None:
-            return self.solver.solve(self.time, h, self.solver.predicted(self.time, h))
-        return self._signals.iteration.solve(self.solver, self.time, h, self.settings.tolerance)
+        return self._signals.solve(self.solver, self.time, h, self.settings.tolerance)
 
     def _stands(self, h: float, solution: Solution) -> bool:
         """Whether a step converged and its error is accepted; if not, a smaller step size is set."""
@@ -276,15 +269,6 @@ class Master(CoSimulation):
             self._plan.divide(self.segments)
         return self._parts <= _MOST_PARTS
 
-    def _crossed(self, h: float) -> HingeLine | Event | None:
-        """What fell through zero first in the step just made: the sensor of a line, or the distance of a condition."""
-        best, best_time = None, h
-        for one in self._awaited():
-            after, before = self._left(one), self._before[one.name]
-            if after <= 0.0 < before and h * before / (before - after) <= best_time:
-                best, best_time = one, h * before / (before - after)
-        return best
-
     def _let_act(self, one: HingeLine | Event) -> None:
         """A line latches or an event happens, unless what came with it has let go of the line."""
         if isinstance(one, Event):
@@ -292,26 +276,19 @@ class Master(CoSimulation):
         elif line := next((line for line in self._pending if line.name == one.name), None):
             self._latch(line)
 
-    def _reached_with(self, crossed: HingeLine | Event, h: float) -> list[HingeLine | Event]:
-        """What else falls through zero at the instant that a step h (s) ends at, where something does."""
-        found = []
-        for one in self._awaited():
-            left, before = self._left(one), self._before[one.name]
-            if one is not crossed and before > 0.0 and left <= (before - left) / h * INSTANT:
-                found.append(one)
-        return found
-
     def _awaited(self) -> list[HingeLine | Event]:
         """What may come within a step."""
         return [*self._pending, *self._scheduled.conditional]
+
+    def _falls(self) -> list[Fall]:
+        """What was left of all that may come before the step just made, and is left after it."""
+        return [Fall(one, self._before[one.name], self._left(one)) for one in self._awaited()]
 
     def _left(self, one: HingeLine | Event) -> float:
         """How far a line is from its latch, or a condition from holding as last observed."""
         return self._scheduled.distance(one) if isinstance(one, Event) else self._distance(one)
 
-    def _step_to(
-        self, crossed: HingeLine | Event, h: float, solution: Solution
-    ) -> tuple[float, Solution] | None:
+    def _step_to(self, crossed: Fall, h: float, solution: Solution) -> tuple[float, Solution] | None:
         """Repeat the step so that it ends where a line latches or a condition holds; None with a smaller size set."""
         found = [solution]
 
@@ -319,12 +296,12 @@ class Master(CoSimulation):
             found[0] = self._solved(trial)
             if not found[0].converged:
                 raise failure(self.solver, found[0], self.time, trial)
-            if isinstance(crossed, Event):
+            if isinstance(crossed.one, Event):
                 self._observe(trial)
-            return self._left(crossed)
+            return self._left(crossed.one)
 
         try:
-            return find_event(distance, self._before[crossed.name], self._left(crossed), h), found[0]
+            return find_event(distance, crossed.before, crossed.after, h), found[0]
         except (StepError, ParticipantError):
             if not self._smaller():
                 raise
@@ -332,8 +309,7 @@ class Master(CoSimulation):
         return None
 
     def _accept(self, h: float, solution: Solution) -> None:
-        if self._signals.iteration is not None:
-            self._signals.iteration.accept(h)
+        self._signals.accept(h)
         self.solver.accept(self.time, h)
         self._advance(h)
         self._watch()

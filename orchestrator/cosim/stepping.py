@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from ctypes import Structure
 from math import ceil, floor, log, sqrt
 
@@ -35,9 +35,6 @@ TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may lea
 STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
-EVENT_TOLERANCE = 1e-11
-"""Of the distance of an event, relative: where it is taken for met."""
-_EVENT_SEARCH = 40
 _LONGER = 1.1
 _PLAN_TAIL, _PLAN_PARTS = 8, 4
 _SEARCH = "the static search before the run"
@@ -197,31 +194,6 @@ def to_own_events(segments: Sequence[Sequence[float]]) -> list[list[float]]:
     Without, an event that comes a little later leaves a step so tiny that loads after it are off.
     """
     return [[*steps[:-1], _LONGER * steps[-1]] if steps else [] for steps in segments]
-
-
-def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
-    """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
-
-    `distance(h)` restores, steps by h and returns the distance; it is called last with the result, so the
-    participants end there. Illinois variant of the false position, safe and without derivatives.
-    """
-    low, high, f_low, f_high = 0.0, h, before, after
-    side = 0
-    for _ in range(_EVENT_SEARCH):
-        trial = (f_low * high - f_high * low) / (f_low - f_high)
-        trial = min(max(trial, low + 1e-3 * (high - low)), high)
-        value = distance(trial)
-        if abs(value) < EVENT_TOLERANCE or high - low < 1e-12:
-            return trial
-        if value > 0.0:
-            low, f_low = trial, value
-            f_high *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            high, f_high = trial, value
-            f_low *= 0.5 if side == -1 else 1.0
-            side = -1
-    return trial
 
 
 def failure(solver: Solver, solution: Solution, time: float, h: float) -> Exception:

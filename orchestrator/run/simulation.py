@@ -15,7 +15,7 @@ from fmus import Backend, native_library
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.plausibility import doubts
-from ..assembly.signal_fmus import unit_sentences
+from ..assembly.signal_fmus import signal_sentences
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
@@ -161,7 +161,7 @@ def simulate(
     for sentence in [
         *doubts(scene),
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
-        *unit_sentences(assembly.signal_fmus, scene),
+        *signal_sentences(assembly, scene),
     ]:
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until

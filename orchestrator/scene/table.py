@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, model_validator
@@ -73,14 +74,33 @@ def _axis(value: object) -> object:
 
 
 def _tensor(value: object) -> object:
-    """Principal moments (3) or xx, yy, zz, xy, xz, yz (6) of the tensor as a symmetric matrix."""
+    """Moments about the axes (3), xx, yy, zz, xy, xz, yz (6) or the rows of the tensor as a symmetric matrix."""
     if not isinstance(value, list | tuple) or len(value) not in (3, 6):
         raise ValueError(
-            f"is {value!r}; give three principal moments, or the six entries xx, yy, zz, xy, xz, yz"
+            f"is {value!r}; give three moments, the six entries xx, yy, zz, xy, xz, yz, or three rows of three"
         )
+    if any(isinstance(entry, list | tuple) for entry in value):
+        return _symmetric(value)
     entries = [to_si(entry, "kg.m2") for entry in value]
     a, b, c, d, e, f = entries if len(entries) == 6 else (*entries, 0.0, 0.0, 0.0)
     return ((a, d, e), (d, b, f), (e, f, c))
+
+
+def _symmetric(rows: Sequence[object]) -> object:
+    """Rows of a tensor as they are."""
+    table = [
+        [to_si(entry, "kg.m2") for entry in row]
+        for row in rows
+        if isinstance(row, list | tuple) and len(row) == 3
+    ]
+    if len(rows) != 3 or len(table) != 3:
+        raise ValueError(f"is {rows!r}; a tensor has three rows of three")
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        if table[i][j] != table[j][i]:
+            raise ValueError(
+                f"has {table[i][j]:g} and {table[j][i]:g} across its diagonal; a tensor is symmetric"
+            )
+    return tuple(tuple(row) for row in table)
 
 
 def _physical(value: Tensor) -> Tensor:
@@ -103,7 +123,17 @@ def _direction(value: object) -> Vector3:
 
 _THREE = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
 _NAMED_AXIS = {"anyOf": [{"enum": list(_AXES)}, _THREE]}
-_TENSOR = {"type": "array", "items": schema_of("kg.m2"), "minItems": 3, "maxItems": 6}
+_MOMENT = schema_of("kg.m2")
+_TENSOR = {
+    "anyOf": [
+        {"type": "array", "items": items, "minItems": size, "maxItems": size}
+        for items, size in (
+            (_MOMENT, 3),
+            (_MOMENT, 6),
+            ({"type": "array", "items": _MOMENT, "minItems": 3, "maxItems": 3}, 3),
+        )
+    ]
+}
 Direction = Annotated[Vector3, BeforeValidator(_direction, json_schema_input_type=written_as(_THREE))]
 Name = Annotated[str, AfterValidator(_identifier), AfterValidator(_short)]
 SceneName = Annotated[str, AfterValidator(_scene_name), AfterValidator(_short)]

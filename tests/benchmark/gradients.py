@@ -23,6 +23,7 @@ import orchestrator as fanfold
 from orchestrator.analysis.sampling.gradients import Gradients, Parameter, parameter
 from orchestrator.analysis.sampling.neighbours import run_beside
 from orchestrator.cosim import stepping
+from orchestrator.cosim.events import crossings
 from orchestrator.results.estimated_errors import PROMISED
 from orchestrator.run.run import Outcome, run
 from orchestrator.run.simulation import Options
@@ -121,7 +122,7 @@ def main() -> None:
         f"a run {runs:.3f} s, with derivatives by {len(KEYS)} keys {gradients:.3f} s: {gradients / runs:.2f} runs"
     )
     if chosen.differences:
-        stepping.EVENT_TOLERANCE = MET
+        crossings.EVENT_TOLERANCE = MET
         options = Options(
             until=chosen.until, tolerance=chosen.tolerance, **{k: frozenset({v}) for k, v in fidelity.items()}
         )

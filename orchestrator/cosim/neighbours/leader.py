@@ -12,8 +12,10 @@ import numpy as np
 from ...assembly import Event, HingeLine
 from .. import stepping
 from ..compiled_master import CompiledMaster
+from ..events.crossings import Fall
 from ..implicit.convergence import Solution, Tolerance
 from ..implicit.native_solver import NativeSolver, Stop
+from ..stepping import StepError
 from .neighbour import Neighbour
 from .solvers import Beside, LeadingSolver
 
@@ -39,6 +41,7 @@ class Leader(CompiledMaster):
         self._ends_at: HingeLine | Event | None = None
         self._in_event, self._until = False, inf
         self._instants: list[float] = []
+        self._met: list[str] = []
 
     def initialize(self, *, preload: bool) -> None:
         """All of them."""
@@ -63,15 +66,14 @@ class Leader(CompiledMaster):
             one.take(data, steps)
         return found
 
-    def _step_to(
-        self, crossed: HingeLine | Event, h: float, solution: Solution
-    ) -> tuple[float, Solution] | None:
+    def _step_to(self, crossed: Fall, h: float, solution: Solution) -> tuple[float, Solution] | None:
         found = super()._step_to(crossed, h, solution)
-        self._ends_at = crossed if found else None
+        self._ends_at = crossed.one if found else None
         return found
 
     def _accept(self, h: float, solution: Solution) -> None:
         crossed, self._ends_at = self._ends_at, None
+        self._met.clear()
         meets = None if crossed is None else (crossed, self._left(crossed))
         solved = self._leading.at_hand(self.time, h, solution)
         end = self.time + h
@@ -80,6 +82,16 @@ class Leader(CompiledMaster):
         for one in self._neighbours:
             one.follow(solved, meets, until, to_break=to_break)
         super()._accept(h, solution)
+
+    def _let_act(self, one: HingeLine | Event) -> None:
+        """StepError where something else has acted at this instant: neighbours would meet it sooner or later."""
+        self._met.append(one.name)
+        if len(self._met) > 1:
+            raise StepError(
+                f"{' and '.join(self._met)} come at one instant, t = {self.time:.6g} s: with other values one of them "
+                "comes first, so that numbers have no derivatives there"
+            )
+        super()._let_act(one)
 
     def _happen(self, event: Event) -> None:
         with self._one_event() as is_whole:

@@ -7,6 +7,9 @@ from math import inf
 
 import numpy as np
 
+from ...assembly import Event
+from ..implicit.convergence import Solution
+from ..implicit.solver import Solver
 from ..participant import Participant, Vector
 from .iteration import Iteration
 from .joined import JoinedFmu, Participants, recorded
@@ -31,7 +34,7 @@ class SignalExchange:
         observations: Vector,
         bodies: Sequence[str],
     ) -> None:
-        known = Participants(participants, observations)
+        self._participants = known = Participants(participants, observations)
         sizes = [len(recorded(one.fmu)) for one in processes]
         self.values = np.zeros(sum(sizes))
         ends = np.cumsum([0, *sizes]).tolist()
@@ -43,7 +46,28 @@ class SignalExchange:
         self._steps = [0] * len(self._sampled)
         self._sets_bodies = known.set_among(bodies)
         iterated = [one for one in self._all if one.fmu.iterated]
-        self.iteration = Iteration(iterated) if iterated else None
+        self._iteration = Iteration(iterated) if iterated else None
+
+    @property
+    def iterates(self) -> bool:
+        """Whether there are FMUs that take every step of the participants."""
+        return self._iteration is not None
+
+    @property
+    def longest_step(self) -> float:
+        """Step (s) that FMUs which are iterated may be taken over at the most."""
+        return inf if self._iteration is None else self._iteration.longest_step
+
+    def solve(self, solver: Solver, time: float, h: float, tolerance: float) -> Solution:
+        """A step h (s) of the participants, with the FMUs that are iterated."""
+        if self._iteration is None:
+            return solver.solve(time, h, solver.predicted(time, h))
+        return self._iteration.solve(solver, time, h, tolerance)
+
+    def accept(self, h: float) -> None:
+        """The step solved last, over h (s), is made."""
+        if self._iteration is not None:
+            self._iteration.accept(h)
 
     @property
     def is_any(self) -> bool:
@@ -70,6 +94,10 @@ class SignalExchange:
     def start(self) -> bool:
         """Initialise all at t = 0; whether that changed anything."""
         return any([one.start() for one in self._all])
+
+    def leave(self, event: Event) -> None:
+        """What an event has set is no longer set by any FMU."""
+        self._participants.leave((setting.part, setting.parameter) for setting in event.settings)
 
     def exchange(self, time: float) -> bool:
         """Step all that have come to the end of their step; whether what they give is different from before.

@@ -1,6 +1,7 @@
 """The process of an FMU that has signals: `python -m orchestrator.cosim.signals.host END`, the number of a pipe's end.
 
-It answers requests, a name and arguments, by (True, what was asked for) or (False, why not). Signals of the system are
+It answers requests, a name and arguments, by (True, what was asked for) or (False, (why not, whether a smaller step may
+do)). Signals of the system are
 for the process that asks: this one ends with it.
 """
 
@@ -20,6 +21,8 @@ from fmpy import read_model_description
 from fmpy.simulation import instantiate_fmu
 
 Value = float | int | bool | str
+_DISCARD = 2
+"""Status of a step that may be tried again with a smaller size, and of no other."""
 _FMI2_KINDS = {"Enumeration": "Integer"}
 _FMI3_KINDS = {"Enumeration": "Int64"}
 
@@ -134,7 +137,8 @@ def serve(connection: Connection) -> None:
         try:
             answer = True, getattr(host, name)(*arguments)
         except Exception as error:
-            answer = False, " ".join(host.said).strip() or f"{error}" or type(error).__name__
+            why = " ".join(host.said).strip() or f"{error}" or type(error).__name__
+            answer = False, (why, getattr(error, "status", None) == _DISCARD)
         host.said.clear()
         connection.send(answer)
 

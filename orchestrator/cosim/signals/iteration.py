@@ -10,6 +10,7 @@ from ..implicit.convergence import Solution
 from ..implicit.solver import Solver
 from ..participant import Matrix, ParticipantError, Vector
 from .joined import JoinedFmu
+from .process import DiscardedStepError
 
 _MOST = 8
 """Repetitions of a step before derivatives are taken anew, and then before it is given up."""
@@ -80,13 +81,14 @@ class Iteration:
         solution = solver.solve(time, h, guess)
         if not solution.converged:
             return solution, loads
+        solver.observe(time + h)
         try:
-            solver.observe(time + h)
             self._given = [one.tried(h) for one in self._fmus]
-        except ParticipantError as error:
+        except DiscardedStepError as error:
             return solution._replace(converged=False, correction=np.inf, failure=error), loads
         means = [one.means(given, h) for one, given in zip(self._fmus, self._given, strict=True)]
-        return solution, np.concatenate(means) - loads
+        acts = np.concatenate([one.act() for one in self._fmus])
+        return solution, np.where(acts, np.concatenate(means) - loads, 0.0)
 
     def _corrected(self, apart: Vector, solver: Solver, time: float, h: float) -> tuple[Solution, Vector]:
         """The step under better loads; derivatives are brought up to what it tells."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,6 +48,7 @@ class Participants:
         self._firsts = dict(zip(self._by_name, np.cumsum([0, *sizes]).tolist(), strict=False))
         self._observations = observations
         self._parameters: dict[Target, Vector] = {}
+        self._left: set[Target] = set()
 
     def source(self, signal: Signal) -> _Place:
         """Where an input of an FMU comes from."""
@@ -66,12 +67,20 @@ class Participants:
         """Whether parameters of any of these are set."""
         return any(part in names for part, _ in self._parameters)
 
-    def set(self, values: Iterator[tuple[Signal, float]], who: str, time: float) -> bool:
+    def leave(self, targets: Iterable[Target]) -> None:
+        """Set these parameters no longer, which something else has set."""
+        self._left |= set(targets)
+
+    def may_set(self, signal: Signal) -> bool:
+        """Whether nothing else has set its parameter."""
+        return (signal.part, signal.quantity) not in self._left
+
+    def set(self, values: Iterable[tuple[Signal, float]], who: str, time: float) -> bool:
         """Set parameters; whether anything changed. ParticipantError with who set them at a time (s)."""
         changed: dict[Target, Vector] = {}
         for signal, value in values:
             key = signal.part, signal.quantity
-            if self._parameters[key].item(signal.index) != value:
+            if key not in self._left and self._parameters[key].item(signal.index) != value:
                 self._parameters[key][signal.index] = value
                 changed[key] = self._parameters[key]
         for (part, name), numbers in changed.items():
@@ -149,6 +158,10 @@ class JoinedFmu:
                 for s in self.fmu.outputs
             ]
         )
+
+    def act(self) -> list[bool]:
+        """Which of its outputs set something still."""
+        return [self._participants.may_set(s) for s in self.fmu.outputs]
 
     def _growth(self, signal: Signal, given: Mapping[str, float]) -> float:
         return (given[signal.variable] - self._last[signal.variable]) * signal.factor

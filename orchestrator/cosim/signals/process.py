@@ -25,6 +25,10 @@ _LAST_MOMENT = 2.0
 """Time (s) that a process has to end by itself."""
 
 
+class DiscardedStepError(ParticipantError):
+    """An FMU could not make a step, and may make a smaller one from the state before."""
+
+
 class SignalProcess:
     """An FMU in a process of its own; a context manager. ParticipantError where it fails, crashes or hangs.
 
@@ -93,7 +97,9 @@ class SignalProcess:
             self._kill()
             raise ParticipantError(f"{self.fmu.name}: at t = {time:.6g} s {self._end()}") from None
         if not answered:
-            raise ParticipantError(f"{self.fmu.name}: cannot {action} at t = {time:.6g} s: {what}")
+            why, discarded = what
+            sentence = f"{self.fmu.name}: cannot {action} at t = {time:.6g} s: {why}"
+            raise DiscardedStepError(sentence) if discarded else ParticipantError(sentence)
         return what
 
     def _end(self) -> str:

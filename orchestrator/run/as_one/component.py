@@ -16,6 +16,7 @@ from fmus.build import component_data
 from fmus.native.compile import ASSEMBLY
 
 from ...assembly import Assembly, HingeLine
+from ...assembly.signal_fmus import MEETS_RATES
 from ...cosim.network import Network
 from ...cosim.participant import InProcess
 from ...cosim.ports import Order
@@ -54,7 +55,7 @@ _TOLERANCE = Quantity(
 )
 """The last parameter, as the native core expects of what `steps_inside`."""
 _MEETS_RATES = Quantity(
-    "base_meets_rates",
+    MEETS_RATES,
     "1",
     "1: at the end of a step the base has the rates given before it, by constant accelerations; 0: they are those of "
     "its beginning, and what follows is extrapolated",

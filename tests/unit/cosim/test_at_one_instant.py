@@ -86,3 +86,10 @@ def test_an_event_at_the_angle_of_a_latch(tmp_path):
     run = fanfold.simulate(twins(event=[event]), save=tmp_path / "twins.h5")
     assert set(run.latch_times) == {"A", "B"}
     assert np.all(run["hinge_a", "motor_torque"][run.time > run.latch_times["A"] + 1e-6] == 0.0)
+
+
+@needs_native
+def test_numbers_have_no_derivatives_where_lines_latch_together():
+    """Which of both comes first hangs on the sign of a change: there is no derivative, and that is told."""
+    with pytest.raises(fanfold.FanfoldError, match=r"(B and A|A and B) come at one instant, t = 2.04"):
+        fanfold.gradients(twins(), ["hinge_line.A.motor.stowed"])

@@ -6,8 +6,9 @@ from math import cos, pi
 
 import pytest
 
+from orchestrator.cosim.events.crossings import find_event
 from orchestrator.cosim.implicit.convergence import MAX_ITERATIONS, is_too_slow
-from orchestrator.cosim.stepping import StepSizes, find_event
+from orchestrator.cosim.stepping import StepSizes
 
 LARGEST, SMALLEST = 0.02, 2e-5
 STEPS = 200

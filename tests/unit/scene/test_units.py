@@ -3,8 +3,10 @@
 from math import pi
 
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
 from components import REGISTRY
+from orchestrator.scene.table import Inertia
 from orchestrator.scene.units import UNITS, to_si, written
 
 
@@ -64,3 +66,14 @@ def test_sizes_beyond_all_bounds_are_refused(value):
     """Found by the benchmark of mutated scenes: products of such lengths and masses overflowed."""
     with pytest.raises(ValueError, match=r"it must be at most 1e\+30 m, so check the unit"):
         to_si(value, "m")
+
+
+def test_rows_of_a_tensor():
+    """Definition: rows of an inertia are its entries, as its six numbers are; one that is not symmetric is refused."""
+    tensor = TypeAdapter(Inertia)
+    rows = [["5 kg.m2", 0.1, 0.2], [0.1, 6.0, 0.3], [0.2, 0.3, 7.0]]
+    assert tensor.validate_python(rows) == tensor.validate_python([5.0, 6.0, 7.0, 0.1, 0.2, 0.3])
+    with pytest.raises(ValidationError, match="a tensor is symmetric"):
+        tensor.validate_python([[5.0, 0.1, 0.2], [-0.1, 6.0, 0.3], [0.2, 0.3, 7.0]])
+    with pytest.raises(ValidationError, match="three rows of three"):
+        tensor.validate_python([[5.0, 0.1], [0.1, 6.0], [0.2, 0.3]])

@@ -13,6 +13,7 @@ from orchestrator.analysis.sampling.gradients import parameter
 from orchestrator.analysis.sampling.neighbours import run_beside
 from orchestrator.cli.main import main
 from orchestrator.cosim import stepping
+from orchestrator.cosim.events import crossings
 from orchestrator.cosim.fmu import FmuParticipant
 from orchestrator.results.key_figures import headline
 from orchestrator.run.simulation import Options
@@ -151,7 +152,7 @@ def test_amos3_against_runs_of_their_own(monkeypatch):
     found = fanfold.gradients(scene, KEYS, central=True, rigid="all", until=12.0, tolerance=1e-3)
     assembly = options.assemble(scene.check_one_run())
     followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), 12.0)
-    monkeypatch.setattr(stepping, "EVENT_TOLERANCE", MET)
+    monkeypatch.setattr(crossings, "EVENT_TOLERANCE", MET)
     plan = stepping.to_own_events(followed.segments)
     true = [differences(scene, options, parameter(scene.tree, key), plan) for key in KEYS]
     for name, number, row in zip(found.names, found.numbers, found.derivatives, strict=True):

@@ -14,9 +14,14 @@ FREE = {"mass": "500 kg", "center_of_mass": [-1.0, 0.0, 0.0], "inertia": [400.0,
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
-def mounted(wing, step):
+LIGHT = {"mass": "5 kg", "center_of_mass": [-0.1, 0.0, 0.0], "inertia": [4.0, 4.0, 4.0]}
+HELD = {"force": "interface_force", "torque": "interface_torque"}
+ITERATED = {"force": "interface_impulse", "torque": "interface_angular_impulse"}
+
+
+def mounted(wing, step, free=FREE, told=("HL.latch_time",), *, iterated=False):
     """The spacecraft with the wing's loads as loads of its own, in its axes; its rates drive the wing's base."""
-    base = {"points": {"root": [0.0, 0.0, 0.0]}, "free": FREE}
+    base = {"points": {"root": [0.0, 0.0, 0.0]}, "free": free}
     loads = [
         {
             "name": f"wing_{axis}",
@@ -32,8 +37,8 @@ def mounted(wing, step):
         for i in (1, 2, 3)
     }
     outputs = {
-        f"base.interface_{kind}[{i}]": f"wing_{axis}.added_{kind}"
-        for kind in ("force", "torque")
+        f"base.{given}[{i}]": f"wing_{axis}.added_{kind}"
+        for kind, given in (ITERATED if iterated else HELD).items()
         for i, axis in enumerate(AXES, 1)
     }
     fmu = {
@@ -41,7 +46,8 @@ def mounted(wing, step):
         "file": str(wing),
         "step": step,
         "inputs": inputs,
-        "outputs": {**outputs, "HL.latch_time": []},
+        "outputs": {**outputs, **{name: [] for name in told}},
+        **({"iterated": True, "parameters": {"base_meets_rates": 1}} if iterated else {}),
     }
     tree = {"scene": {"name": "mounted", "until": 1.2}, "base": base, "connection": loads, "fmu": [fmu]}
     return fanfold.Scene.of_tree("mounted.toml", tree)
@@ -66,6 +72,51 @@ def test_a_wing_turns_its_spacecraft(tmp_path):
     (coarse, _), (fine, latched) = errors("10 ms"), errors("5 ms")
     assert latched < 1e-4
     assert 0.4 < fine / coarse < 0.6
+
+
+def opening(kind="spring"):
+    """The wing with a latch whose damping does not hang on what it is mounted on."""
+    tree = latching().tree
+    tree["hinge_line"][0]["latch"] |= {"kind": kind, "effective_inertia": "1 kg.m2"}
+    return fanfold.Scene.of_tree("latching.toml", tree)
+
+
+def on_light_spacecraft(kind="spring"):
+    tree = opening(kind).tree
+    tree["base"]["free"] = LIGHT
+    return fanfold.Scene.of_tree("whole.toml", tree)
+
+
+def test_an_iterated_wing_is_the_wing_built_in(tmp_path):
+    """A panel of 8 kg on 5 kg, where held loads blow up at once: latch time, peak and attitude of the whole scene."""
+    whole = fanfold.simulate(on_light_spacecraft(), until=1.2, tolerance=1e-6, estimate=False)
+    (wing,) = fanfold.export(opening(), tmp_path, as_one=True, driven_base=True)
+    told = ("HL.latch_time", "HL.latch_torque_peak")
+    run = fanfold.simulate(mounted(wing, "20 ms", LIGHT, told, iterated=True), estimate=False)
+    assert run["wing", "HL.latch_time"][-1] == pytest.approx(whole.latch_times["HL"], rel=1e-6)
+    peak = whole.headline.latch_torque_peaks["HL"]
+    assert run["wing", "HL.latch_torque_peak"][-1] == pytest.approx(peak, rel=2e-4)
+    exact = whole["base", "attitude"][:, 1]
+    turned = np.interp(whole.time, run.time, run["base", "attitude"][:, 1])
+    assert turned == pytest.approx(exact, abs=5e-4 * np.max(np.abs(exact)))
+
+
+@pytest.mark.filterwarnings("ignore:latching. the impulse of a kinematic latch")
+def test_an_iterated_wing_gives_the_impulse_of_its_lock(tmp_path):
+    """A load of no length, in what the base's impulse grows by: the attitude is that of the whole scene, and stays."""
+    whole = fanfold.simulate(on_light_spacecraft("kinematic"), until=0.8, tolerance=1e-6, estimate=False)
+    (wing,) = fanfold.export(opening("kinematic"), tmp_path, as_one=True, driven_base=True)
+    run = fanfold.simulate(mounted(wing, "5 ms", LIGHT, iterated=True), until=0.8, estimate=False)
+    latch_time = whole.latch_times["HL"]
+    assert run["wing", "HL.latch_time"][-1] == pytest.approx(latch_time, rel=2e-5)
+    angles = np.interp([latch_time + 0.1, 0.8], run.time, run["base", "attitude"][:, 1])
+    assert angles == pytest.approx([whole["base", "attitude"][-1, 1]] * 2, rel=1e-3)
+
+
+def test_a_held_wing_is_told(tmp_path):
+    (wing,) = fanfold.export(latching(), tmp_path, as_one=True, driven_base=True)
+    with pytest.warns(fanfold.FanfoldWarning, match="held over a step, which is unstable where it is heavy"):
+        fanfold.simulate(mounted(wing, "5 ms"), until=0.1, estimate=False)
 
 
 @pytest.mark.parametrize("step", ["1 ms", "10 ms", "100 ms"])

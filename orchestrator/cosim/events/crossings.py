@@ -1,0 +1,69 @@
+"""What falls through zero within a step: which comes first, what comes with it, and where in the step that is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from components.numerics.scheme import INSTANT
+
+from ...assembly import Event, HingeLine
+
+EVENT_TOLERANCE = 1e-11
+"""Of the distance of an event, relative: where it is taken for met."""
+_EVENT_SEARCH = 40
+
+
+class Fall(NamedTuple):
+    """How far a line was from its latch, or a condition from holding, before a step and is after it."""
+
+    one: HingeLine | Event
+    before: float
+    after: float
+
+    def time(self, h: float) -> float:
+        """Time (s) after the start of the step h at which it is zero, by a straight line."""
+        return h * self.before / (self.before - self.after)
+
+
+def first_met(falls: Sequence[Fall], h: float) -> Fall | None:
+    """What falls through zero first in a step h (s); the last of those that come together."""
+    best, best_time = None, h
+    for fall in falls:
+        if fall.after <= 0.0 < fall.before and fall.time(h) <= best_time:
+            best, best_time = fall, fall.time(h)
+    return best
+
+
+def met_at_the_end(falls: Sequence[Fall], h: float) -> list[HingeLine | Event]:
+    """All that fall through zero at the instant that a step h (s) ends at."""
+    return [
+        fall.one
+        for fall in falls
+        if fall.before > 0.0 and fall.after <= (fall.before - fall.after) / h * INSTANT
+    ]
+
+
+def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
+    """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
+
+    `distance(h)` restores, steps by h and returns the distance; it is called last with the result, so the
+    participants end there. Illinois variant of the false position, safe and without derivatives.
+    """
+    low, high, f_low, f_high = 0.0, h, before, after
+    side = 0
+    for _ in range(_EVENT_SEARCH):
+        trial = (f_low * high - f_high * low) / (f_low - f_high)
+        trial = min(max(trial, low + 1e-3 * (high - low)), high)
+        value = distance(trial)
+        if abs(value) < EVENT_TOLERANCE or high - low < 1e-12:
+            return trial
+        if value > 0.0:
+            low, f_low = trial, value
+            f_high *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            high, f_high = trial, value
+            f_low *= 0.5 if side == -1 else 1.0
+            side = -1
+    return trial

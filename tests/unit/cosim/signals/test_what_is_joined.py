@@ -1,0 +1,97 @@
+"""What FMUs of other tools are joined to: units as tools write them, lines of several hinges, events."""
+
+import zipfile
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+from tests.unit.cosim.signals.signal_cases import STEP, controlled, slave
+
+
+def with_units(file, types="", units="", **declared):
+    """The FMU with attributes of variables, and definitions of units and types."""
+    copy = file.with_name("Declared.fmu")
+    with zipfile.ZipFile(file) as old, zipfile.ZipFile(copy, "w") as new:
+        for entry in old.namelist():
+            content = old.read(entry)
+            if entry == "modelDescription.xml":
+                text = content.decode()
+                for name, attribute in declared.items():
+                    start = text.index(f'name="{name}"')
+                    place = text.index("<Real", start) + len("<Real")
+                    text = f"{text[:place]} {attribute}{text[place:]}"
+                told = f"<UnitDefinitions>{units}</UnitDefinitions><TypeDefinitions>{types}</TypeDefinitions>"
+                content = text.replace("<ModelVariables>", f"{told}<ModelVariables>").encode()
+            new.writestr(entry, content)
+    return copy
+
+
+DEGREE = '<Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>'
+HERTZ = '<Unit name="Hz"><BaseUnit s="-1"/></Unit>'
+
+
+def test_units_of_declared_types(tmp_path):
+    """Definition: the type that a variable is declared to have tells its unit. Regression: they were left out.
+
+    A gain of 10 N.m a degree on an angle that it gets in degrees is one of 573 N.m/rad.
+    """
+    types = '<SimpleType name="Angle"><Real unit="deg"/></SimpleType>'
+    file = with_units(slave(tmp_path), types, DEGREE, angle='declaredType="Angle"')
+    run = fanfold.simulate(controlled(file), estimate=False)
+    angles = run["controller", "angle"]
+    assert angles.unit == "deg"
+    assert angles[:][-1] == pytest.approx(
+        np.degrees(run["craft", "attitude"][-1, 1]), rel=0.2
+    )  # of the last sample
+
+
+def test_a_frequency_is_no_angular_rate(tmp_path):
+    """Regression: Hz has the exponents of rad/s, and went through with a factor of one."""
+    file = with_units(slave(tmp_path), "", HERTZ, rate='unit="Hz"')
+    with pytest.raises(fanfold.FanfoldError, match=r"inputs.rate: is in Hz, a frequency"):
+        fanfold.simulate(controlled(file))
+
+
+def panel_on_two_hinges(file, **joined):
+    scene = fanfold.Scene("line", until="0.2 s")
+    scene.base("ground", points={"left": (0, -0.5, 0), "right": (0, 0.5, 0)})
+    points = {"left": (0, -0.5, 0), "right": (0, 0.5, 0)}
+    rigid = {"mass": 5.0, "center_of_mass": (0.5, 0, 0), "inertia": (1, 1, 1), "points": points}
+    scene.body("panel", rigid=rigid)
+    scene.hinge_line(
+        "HL", "ground", "panel", axis="+y", aligned_angle="90 deg",
+        motor={"stowed": "1 N.m", "deployed": "1 N.m"}, hinges={"a": ("left", "left"), "b": ("right", "right")},
+    )  # fmt: skip
+    scene.fmu("controller", file, step=STEP, **joined)
+    return scene
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_line_of_several_hinges_is_told(tmp_path):
+    """Definition of a line's name: each hinge is set to the whole, the sensor alone is read."""
+    joined = {"inputs": {"angle": "HL.motor_torque"}, "outputs": {"torque": "HL.motor_constant_torque"}}
+    scene = panel_on_two_hinges(slave(tmp_path), **joined)
+    told = [str(one) for one in caught(scene)]
+    assert any("outputs.torque: each of the 2 hinges of HL gets the whole value" in one for one in told)
+    assert any("inputs.angle: HL.motor_torque is that of a alone" in one for one in told)
+
+
+def caught(scene):
+    with pytest.warns(fanfold.FanfoldWarning) as found:
+        fanfold.simulate(scene, estimate=False)
+    return [one.message for one in found]
+
+
+@pytest.mark.parametrize("noise", ["pass", "self.torque += 1e-15 * self.count"])
+def test_an_event_takes_a_parameter_from_an_fmu(tmp_path, noise):
+    """A wheel that fails stays failed. Regression: it healed at the next sample, unless that was the one before."""
+    scene = controlled(slave(tmp_path, fault=noise), parameters={"gain": 0.0, "damping": 0.0})
+    tree = scene.tree | {
+        "event": [{"name": "fails", "time": "0.52 s", "set": {"wheel": {"added_torque": 0.25}}}]
+    }
+    scene = fanfold.Scene.of_tree("craft.toml", tree)
+    assert any("from the event on the FMU does no longer" in str(one) for one in caught(scene))
+    run = fanfold.simulate(scene, estimate=False)
+    after = run.time > 0.52 + 1e-6
+    assert np.all(run["wheel", "applied_torque"][after] == 0.25)
