@@ -145,7 +145,7 @@ MEANINGS = {
     "import.stated": "What the model should have, to compare with",
     "stated.mass": "Mass",
     "stated.center_of_mass": "Centre of mass",
-    "stated.inertia": "Principal moments about the centre of mass",
+    "stated.inertia": "Moments about the axes of the model through the centre of mass (the diagonal)",
     "rigid_twin": "Mass properties of the rigid body, where they differ from those of the finite elements",
     "rigid_twin.hardware": "Whether masses at the ends of the hinge arms are part of it",
     "rigid_twin.mass": "Mass",

@@ -109,7 +109,12 @@ def orthonormal_modes(
     elastic = model.without_rigid_motions(basis @ complement)
     stiffness = elastic.T @ _times(model.stiffness, elastic)
     mass = elastic.T @ _times(model.mass_matrix, elastic)
-    values, vectors = linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T))
+    try:
+        values, vectors = linalg.eigh(0.5 * (stiffness + stiffness.T), 0.5 * (mass + mass.T))
+    except linalg.LinAlgError:
+        raise ComponentError(
+            "some motions have no kinetic energy, or a negative one, by the mass matrix; it is not that of a body"
+        ) from None
     modes = model.without_rigid_motions(elastic @ vectors)
     return np.sqrt(values), modes * _signs(modes)
 
@@ -185,7 +190,9 @@ def craig_bampton(
         invariant8=invariant8,
         invariant9=invariants.i9,
         display_positions=model.display_positions,
-        display_shapes=_times(model.display_displacement, modes).reshape(-1, 3, frequency.size),
+        display_shapes=_times(model.display_displacement, modes).reshape(
+            len(model.display_positions), 3, frequency.size
+        ),
         display_faces=model.display_faces,
     )
     if not second_order_modes:

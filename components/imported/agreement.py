@@ -35,8 +35,10 @@ _SIZES = (1e-2, 300.0)
 """m; deployable structures are longer than a hinge and shorter than a station."""
 _FREQUENCIES = (1e-3, 1e5)
 """Hz, of the first elastic mode."""
-_DENSITY = 3e4
-"""kg/m3 of the box around the nodes: osmium has 22,600."""
+_DENSITIES = (1e-6, 3e4)
+"""kg/m3 of the box around the nodes: osmium has 22,600, and a solar sail a thousandth."""
+_SLENDER = 0.05
+"""Least thickness of that box over its size, or flat and straight bodies would have no density."""
 _LOOSE = (
     "a part of the model is not joined to the rest: with all attachment points held, it still moves freely"
 )
@@ -105,11 +107,21 @@ def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stat
     mass = rigid.T @ np.asarray(model.mass_matrix @ rigid)
     if not np.linalg.eigvalsh(mass)[0] > 0.0:
         return (Finding("mass", "", "the mass of rigid motions is not positive; is this the mass matrix?"),)
+    if not _moves_with_energy(model):
+        return (Finding("mass", "", "some motions have negative kinetic energy by the mass matrix"),)
     first = first_frequency(model)
     if isnan(first):
         return (Finding("stiffness", "", _INDEFINITE),)
     found = [*_rigid(model, mass, first), *_mass(model, mass, stated), *_units(data, model, first)]
     return (*found, *_soft_points(model), *_outputs(model))
+
+
+def _moves_with_energy(model: FiniteElementModel) -> bool:
+    """Whether no motion has negative kinetic energy, of models whose modes are all looked at."""
+    if model.stiffness.shape[0] > _DENSE:
+        return True
+    energies = linalg.eigvalsh(model.mass_matrix.toarray())
+    return bool(energies[0] > -_FREE * energies[-1])
 
 
 def first_frequency(model: FiniteElementModel) -> float:
@@ -207,9 +219,8 @@ def _size(model: FiniteElementModel) -> float:
 def _units(data: FiniteElementData, model: FiniteElementModel, first: float) -> Iterator[Finding]:
     """Whether size, density and frequency are those of a structure in SI units."""
     size = _size(model)
-    # the box is at least a hundredth of the size thick, or flat and straight bodies would have no density
     sides = np.maximum(
-        np.ptp(np.vstack([data.coordinates, *model.point_positions.values()]), axis=0), 0.01 * size
+        np.ptp(np.vstack([data.coordinates, *model.point_positions.values()]), axis=0), _SLENDER * size
     )
     density = model.mass / float(np.prod(sides)) if size else 0.0
     doubts = []
@@ -217,7 +228,7 @@ def _units(data: FiniteElementData, model: FiniteElementModel, first: float) -> 
         doubts.append(f"it would be {size:.4g} m long")
     if first < inf and not _FREQUENCIES[0] <= first <= _FREQUENCIES[1]:
         doubts.append(f"its first mode would be at {first:.3g} Hz")
-    if density > _DENSITY:
+    if size and not _DENSITIES[0] <= density <= _DENSITIES[1]:
         doubts.append(f"it would have {density:.3g} kg/m3")
     problem = ""
     if doubts:

@@ -44,9 +44,14 @@ class ImportedBody:
         return _loaded(self)[1]
 
     def modes(self, asked: int) -> int:
-        """Fixed-interface modes to keep: as many as asked for, of a reduced model at most its own."""
-        data = self.data()
-        return min(asked, data.amplitudes) if data.ready else asked
+        """Fixed-interface modes to keep: as many as asked for, of a reduced model at most its own.
+
+        One whose degrees of freedom are all at its attachment points has none.
+        """
+        data, model = _loaded(self)[:2]
+        if data.ready:
+            return min(asked, data.amplitudes)
+        return asked if model.stiffness.shape[0] > 6 * len(model.attachment_dofs) else 0
 
     def agreement(self, reduced: ModalData | None = None) -> tuple[Finding, ...]:
         """The agreement check, with the frequencies of the reduced body where it is given."""

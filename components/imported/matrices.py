@@ -153,14 +153,25 @@ def _needed(found: Matrices, name: str) -> Any:  # noqa: ANN401 - dense or spars
 def _sparse(matrix: Any) -> SparseMatrix:  # noqa: ANN401 - dense or sparse
     if not sparse.issparse(matrix) and np.ndim(matrix) != 2:
         raise ComponentError(f"a matrix has {np.ndim(matrix)} dimensions; it must have two")
-    return sparse.csr_array(matrix, dtype=float)
+    return sparse.csr_array(_real(matrix), dtype=float)
 
 
 def _dense(matrix: Any) -> Vector:  # noqa: ANN401 - dense or sparse
-    return np.array(
-        matrix.toarray() if isinstance(matrix, sparse.coo_array | sparse.csr_array) else matrix,
-        dtype=np.float64,
-    )
+    dense = matrix.toarray() if isinstance(matrix, sparse.coo_array | sparse.csr_array) else matrix
+    return np.array(_real(dense), dtype=np.float64)
+
+
+def _real(matrix: Any) -> Any:  # noqa: ANN401 - dense or sparse
+    """A matrix without the imaginary part of zero that it may have; ComponentError for any other."""
+    if not np.iscomplexobj(matrix):
+        return matrix
+    share = abs(matrix.imag).max() / max(abs(matrix).max(), np.finfo(float).tiny)
+    if share > 0.0:
+        raise ComponentError(
+            f"a matrix is complex, with imaginary parts up to {share:.3g} of its largest entry; give its real part, "
+            "and damping as modal_damping_ratio or structural_damping"
+        )
+    return matrix.real
 
 
 def _table(found: Matrices, name: str, columns: int) -> Vector:

@@ -86,7 +86,10 @@ def _moving(data: FiniteElementData, name: str, node: int) -> tuple[Vector, Spar
         raise ComponentError(f"node {name}: there is no node {node}; {told_nodes(known)}")
     own = data.dofs_of(node)
     if not {1, 2, 3} <= own.keys():
-        raise ComponentError(f"node {name}: node {node} does not move in all three directions")
+        raise ComponentError(
+            f"node {name}: node {node} does not move by itself in all three directions; where a rigid element or a "
+            "mean has it, take its point, or a node beside it"
+        )
     rows = sparse.lil_array((6, len(data.dofs)))
     for component, dof in own.items():
         rows[component - 1, dof] = 1.0

@@ -77,7 +77,8 @@ def _rigid(data: FiniteElementData, element: JoinedPoint) -> tuple[FiniteElement
         own = data.dofs_of(node)
         if not own:
             raise ComponentError(
-                f"{element.name}: node {node} has no degree of freedom that could move with it"
+                f"{element.name}: node {node} has no degree of freedom left that could move with it; it has none, or "
+                "another rigid element has it already"
             )
         gone += own.values()
         rows += [motion[component - 1] for component in own]
@@ -101,7 +102,8 @@ def _mean(data: FiniteElementData, mean: JoinedPoint) -> tuple[FiniteElementData
         own = data.dofs_of(node)
         if not {1, 2, 3} <= own.keys():
             raise ComponentError(
-                f"{mean.name}: node {node} lacks a translation, so no mean can be taken of it"
+                f"{mean.name}: node {node} has no three translations left, so no mean can be taken of it; it lacks "
+                "one, or a rigid element or another mean has it already"
             )
         columns += [own[k] for k in (1, 2, 3)]
         motions.append(rigid_motion(data.coordinates[data.place(node)] - position)[:3])

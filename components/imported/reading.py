@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
@@ -24,6 +25,8 @@ ENDINGS = (".npz", ".op4", ".op2", ".asm", *_BULK, ".sti", ".mtx")
 """Of files that hold everything, or K and M at least."""
 _CALCULIX = {"stiffness": ".sti", "mass": ".mas", "dofs": ".dof", "coordinates": ".inp"}
 _HEAD = b"%%MatrixMarket"
+_EXPONENTS = bytes.maketrans(b"dD", b"eE")
+_NO_NUMBER = re.compile(rb"[^\s0-9eE+.-]")
 
 
 def read(paths: Mapping[str, Path]) -> FiniteElementData:
@@ -106,12 +109,28 @@ def _matrix(name: str, path: Path) -> Any:  # noqa: ANN401 - dense or sparse, en
             if size > len(content):
                 raise ValueError(f"it has {size} rows or columns in {len(content)} characters")
             # SciPy reads beyond the end of a file that is cut off within an exponent, but not beyond a line
-            return sparse.coo_array(io.mmread(BytesIO(content + b"\n")))
+            return sparse.coo_array(io.mmread(BytesIO(_in_plain_numbers(content) + b"\n")))
         except (ValueError, OSError, TypeError, OverflowError) as error:
             raise ComponentError(f"{path.name}: cannot be read as Matrix Market: {error}") from None
     if name not in ("stiffness", "mass"):
         return read_columns(path)
     return _part_of_substructure(name, path) if is_user_element(path) else read_entries(path)
+
+
+def _in_plain_numbers(content: bytes) -> bytes:
+    """A Matrix Market file with exponents of Fortran as others have them; ValueError for what is no number.
+
+    SciPy stops a number at the first letter that it does not know, and goes on without a word.
+    """
+    lines = content.split(b"\n")
+    first = next((k for k, line in enumerate(lines) if not line.startswith(b"%")), len(lines))
+    numbers = b"\n".join(lines[first:]).translate(_EXPONENTS)
+    if wrong := _NO_NUMBER.search(numbers):
+        row = first + 1 + numbers.count(b"\n", 0, wrong.start())
+        raise ValueError(
+            f"line {row} is {lines[row - 1].decode(errors='replace').strip()!r}, which is no numbers"
+        )
+    return b"\n".join([*lines[:first], numbers])
 
 
 def _part_of_substructure(name: str, path: Path) -> LabelledMatrix:

@@ -15,7 +15,7 @@ from ..scene.bodies import body_definition, scene_points
 from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.locked_groups import joined
-from ..scene.loops.closing import left_open, start_poses
+from ..scene.loops.closing import closed, left_open, start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 
@@ -25,6 +25,8 @@ _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
+_TURNED = 0.2
+"""rad; places are written to a few degrees, and loops close from there."""
 _THICK = 0.2
 """Thickness of a plate over its shorter side, from which on plate theory does not hold by far."""
 _FLAT = 1e-3
@@ -52,6 +54,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_through_one_another(scene),
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
+        *_turned_to_close(scene),
         *_free_along_the_line(scene),
         *_askew_loops(scene),
         *_moving_from_rest(scene),
@@ -133,6 +136,24 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
                 f"connection.{name}: hinge lines carry its bodies, and their start angles leave it open by "
                 f"{1e3 * size:.4g} mm (or mrad), which its stiffness turns into load; check the stowed_angle of each "
                 "line of the loop and its digits, or place a body of the loop instead"
+            )
+
+
+def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
+    """Placed bodies that joints turn far out of the attitude that they are written with."""
+    for name, angle in closed(scene, scene_points(scene)).turned.items():
+        if angle > _TURNED:
+            joints = [
+                one.name
+                for one in scene.connections
+                if one.preset is not None
+                and one.axes is None
+                and name in {seat.body for seat in one.ports.values()}
+            ]
+            advice = f"give {', '.join(joints)} axes (in the world), or " if joints else ""
+            yield (
+                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from where its place says, as their ports "
+                f"have the axes of their bodies; {advice}place it as they hold it"
             )
 
 

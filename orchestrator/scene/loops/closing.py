@@ -7,7 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components.contract.frames import Vector3, exponential, multiply, normalized, rotate, skew
+from components.contract.frames import (
+    Quaternion,
+    Vector3,
+    conjugate,
+    exponential,
+    multiply,
+    norm,
+    normalized,
+    rotate,
+    rotation_vector,
+    skew,
+)
 from components.flexible.modal import ModalData
 
 from ..bodies import StartPose, body_model, motions, moved, written_poses
@@ -41,11 +52,15 @@ class Weight(NamedTuple):
 
 
 class Closed(NamedTuple):
-    """Poses with the loops closed as far as they go, what stays open by connection (m or rad), how far bodies moved."""
+    """Poses with the loops closed as far as they go, what stays open by connection (m or rad), how far bodies moved.
+
+    moved: the farthest, m. turned: angles (rad) by body.
+    """
 
     poses: dict[str, StartPose]
     open_by: dict[str, float]
     moved: float
+    turned: dict[str, float]
 
 
 def start_poses(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, StartPose]:
@@ -72,7 +87,7 @@ def _closed(
     placed = [b for b in scene.bodies if b.place is not None and b.name in poses and b.name not in driven]
     held = [c for c in constraints(scene, points, poses) if acts(c, {body.name for body in placed})]
     if not held:
-        return Closed(poses, {}, 0.0)
+        return Closed(poses, {}, 0.0, {})
     names = [body.name for body in placed]
     weights = [Weight.of(body_model(body, flexible=False)) for body in placed]
     for share in shares:
@@ -81,7 +96,13 @@ def _closed(
         poses = close(now, poses, names, weights)
     left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
     moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
-    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved)
+    turned = {n: _angle(start[n].orientation, poses[n].orientation) for n in names}
+    return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved, turned)
+
+
+def _angle(before: Quaternion, after: Quaternion) -> float:
+    """Angle (rad) between two attitudes."""
+    return norm(rotation_vector(multiply(after, conjugate(before))))
 
 
 def left_open(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, float]:
