@@ -78,7 +78,7 @@ class _Step(NamedTuple):
 class _Trial(NamedTuple):
     """Where an iteration stands: travel (m) and Cayley rotation vectors of the nodes, world axes, and what follows.
 
-    change: of (s, k), (m, 6). stress: mean over the step of what does work on these. loads: on the nodes, (n, 6).
+    growth: of the strains, (m, 6). stress: mean over the step of what does work on these. loads: on the nodes, (n, 6).
     """
 
     travel: Vector
@@ -86,7 +86,7 @@ class _Trial(NamedTuple):
     quaternion: Vector
     poses: Poses
     strains: Strains
-    change: Vector
+    growth: Vector
     stress: Vector
     loads: Vector
 
@@ -201,10 +201,7 @@ class Beam(Component):
         velocity = n.velocity + h * (self._inverse_masses @ trial.loads[:, :3])
         spin = np.einsum("nij,nj->ni", n.directors, self._inertia * n.rate) + h * trial.loads[:, 3:]
         rate = np.einsum("nji,nj->ni", trial.poses.directors, spin) / self._inertia
-        change = np.concatenate(
-            (trial.strains.s - start.strains.s, trial.strains.k - start.strains.k), axis=1
-        )
-        squares = (self.elements.stiffness * change**2).sum(1)
+        squares = (self.elements.stiffness * trial.growth**2).sum(1)
         heat = x[0] + damping * float(self.elements.lengths @ squares)
         return self._state(heat, position, trial.quaternion, velocity, rate)
 
@@ -251,8 +248,8 @@ class Beam(Component):
         strains = self.elements.strains(poses)
         old, before = self._before(start, poses, strains)
         mean = old.mean(poses)
-        change = self.elements.changes(mean, travel, turn)
-        stress = self.elements.stresses(before, strains) + start.damping * self.elements.stiffness * change
+        growth = self.elements.grown(before, strains, self.elements.changes(mean, travel, turn))
+        stress = self.elements.stresses(before, strains, start.damping * growth)
         pairs = self.elements.loads(mean, stress)
         loads = np.zeros((len(turn), 6))
         loads[:-1] += pairs[:, :6]
@@ -261,7 +258,7 @@ class Beam(Component):
         arms = self._world_arms(0.5 * (old.directors + poses.directors))
         force = start.wrench[:, :3]
         np.add.at(loads, self._at, np.hstack((force, _cross(arms, force) + start.wrench[:, 3:])))
-        return _Trial(travel, turn, quaternion, poses, strains, change, stress, loads)
+        return _Trial(travel, turn, quaternion, poses, strains, growth, stress, loads)
 
     def _before(self, start: _Step, poses: Poses, strains: Strains) -> tuple[Poses, Strains]:
         """Poses and strains at the start of a step, in static solutions those of its end."""
@@ -294,7 +291,8 @@ class Beam(Component):
         """
         static = start.strains is None
         old, before = self._before(start, trial.poses, trial.strains)
-        stiffness = self.elements.stiffnesses(before, trial.strains, start.damping)
+        viscous = start.damping * trial.growth
+        stiffness = self.elements.stiffnesses(before, trial.strains, start.damping, viscous)
         # where the end stands for the start as well, it counts twice
         pairs = -(2.0 if static else 1.0) * self.elements.tangent(old, trial.poses, trial.stress, stiffness)
         nodes = np.zeros((len(trial.turn), 6, 6))

@@ -168,23 +168,29 @@ class Elements:
         )  # fmt: skip
         return found
 
-    def stresses(self, start: Strains, end: Strains) -> Vector:
-        """Means (m, 6) over a step of what does the work of elasticity on (s, k)."""
-        change, _ = self.changes_of_strain(start, end)
-        mean = 0.5 * self.stiffness * (self.excess(start) + self.excess(end))
-        found: Vector = np.einsum("nji,nj->ni", change, mean)
+    def grown(self, start: Strains, end: Strains, change: Vector) -> Vector:
+        """Changes (m, 6) of the strains over a step by those of (s, k), without cancellation."""
+        by_change, _ = self.changes_of_strain(start, end)
+        found: Vector = np.einsum("nij,nj->ni", by_change, change)
         return found
 
-    def stiffnesses(self, start: Strains, end: Strains, damping: float) -> Vector:
-        """Derivatives (m, 6, 6) by (s, k) at the end of these and of a viscous part.
+    def _means(self, start: Strains, end: Strains, viscous: Vector) -> Vector:
+        """Mean resultants (m, 6) over a step. viscous: growth of strains that viscosity resists, by stiffness."""
+        found: Vector = self.stiffness * (0.5 * (self.excess(start) + self.excess(end)) + viscous)
+        return found
 
-        damping: of the stiffness, over the size of the step.
-        """
+    def stresses(self, start: Strains, end: Strains, viscous: Vector) -> Vector:
+        """Means (m, 6) over a step of what does the work of elasticity and viscosity on (s, k)."""
+        change, _ = self.changes_of_strain(start, end)
+        found: Vector = np.einsum("nji,nj->ni", change, self._means(start, end, viscous))
+        return found
+
+    def stiffnesses(self, start: Strains, end: Strains, damping: float, viscous: Vector) -> Vector:
+        """Derivatives (m, 6, 6) of these by (s, k) at the end. damping: of the stiffness, over the size of the step."""
         change, by_y = self.changes_of_strain(start, end)
-        mean = 0.5 * self.stiffness * (self.excess(start) + self.excess(end))
         rates = self._changes(end, end, by_y.slope_c, by_y.slope_d)
-        found: Vector = 0.5 * change.swapaxes(1, 2) @ (self.stiffness[:, None] * rates)
-        return found + self._curvature(start, end, mean, by_y) + damping * np.diag(self.stiffness)
+        found: Vector = (0.5 + damping) * change.swapaxes(1, 2) @ (self.stiffness[:, None] * rates)
+        return found + self._curvature(start, end, self._means(start, end, viscous), by_y)
 
     def _curvature(self, start: Strains, end: Strains, mean: Vector, by_y: Differences) -> Vector:
         """Derivative (m, 6, 6) by (s, k) at the end of E^T times fixed resultants."""

@@ -62,7 +62,7 @@ def _stiffness(elements: Elements, poses: Poses) -> SparseMatrix:
     """Of the unloaded beam, (6 n, 6 n)."""
     rest = elements.strains(poses)
     nothing = np.zeros((len(elements.lengths), 6))
-    pairs = -elements.tangent(poses, poses, nothing, 2.0 * elements.stiffnesses(rest, rest, 0.0))
+    pairs = -elements.tangent(poses, poses, nothing, 2.0 * elements.stiffnesses(rest, rest, 0.0, nothing))
     first = 6 * np.arange(len(pairs))[:, None, None]
     row, column = np.indices((12, 12))
     entries = (pairs.ravel(), ((first + row).ravel(), (first + column).ravel()))

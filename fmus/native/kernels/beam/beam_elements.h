@@ -80,12 +80,14 @@ static inline Differences differences_of(const Strains *start, const Strains *en
     return f;
 }
 
-/* Means over a step of an element. force, moment: resultants. */
+/* Means over a step of an element. force, moment: resultants, with those of viscosity. */
 typedef struct {
     double square, s[3], k[3], c, d, g, w, force[3], moment[3], along, work;
 } Means;
 
-static inline Means means_of(const Beam *beam, size_t m, const Strains *start, const Strains *end) {
+/* damping: of the stiffness, over the size of the step; change: of the strains over it, read where there is damping. */
+static inline Means means_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double damping,
+                             const double change[6]) {
     Means a;
     a.square = beam->lengths[m] * beam->lengths[m];
     for (int i = 0; i < 3; i++) {
@@ -93,6 +95,10 @@ static inline Means means_of(const Beam *beam, size_t m, const Strains *start, c
         a.k[i] = 0.5 * (start->k[i] + end->k[i]);
         a.force[i] = 0.5 * beam->stiffness[i] * (start->e[i] + end->e[i]);
         a.moment[i] = 0.5 * beam->stiffness[3 + i] * (start->e[3 + i] + end->e[3 + i]);
+        if (damping > 0.0) {
+            a.force[i] += damping * beam->stiffness[i] * change[i];
+            a.moment[i] += damping * beam->stiffness[3 + i] * change[3 + i];
+        }
     }
     a.c = 0.5 * (start->c + end->c);
     a.d = 0.5 * (start->d + end->d);
@@ -103,11 +109,26 @@ static inline Means means_of(const Beam *beam, size_t m, const Strains *start, c
     return a;
 }
 
-/* Mean over a step of what does the work of elasticity on (s, k). */
-static inline void stress_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double stress[6]) {
+/* Change of the strains over a step by those z of (s, k), without cancellation. */
+static inline void strain_change(const Beam *beam, size_t m, const Strains *start, const Strains *end, const double z[6],
+                                 double change[6]) {
     double difference, by_end;
     (void)divided(start->y, end->y, &difference, &by_end);
-    const Means a = means_of(beam, m, start, end);
+    const Means a = means_of(beam, m, start, end, 0.0, NULL);
+    const double q = a.square, bent = dot3(a.k, z + 3), turned = 2.0 * q * (start->d + end->y * difference) * bent;
+    const double along = q * a.d * (dot3(a.k, z) + dot3(a.s, z + 3)) + 2.0 * q * q * a.g * difference * bent;
+    for (int i = 0; i < 3; i++) {
+        change[i] = a.c * z[i] + turned * a.s[i] - q * a.w * z[3 + i] - along * a.k[i];
+        change[3 + i] = a.c * z[3 + i] + turned * a.k[i];
+    }
+}
+
+/* Mean over a step of what does the work of elasticity and viscosity on (s, k). */
+static inline void stress_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double damping,
+                             const double change[6], double stress[6]) {
+    double difference, by_end;
+    (void)divided(start->y, end->y, &difference, &by_end);
+    const Means a = means_of(beam, m, start, end, damping, change);
     const double q = a.square;
     const double bent = 2.0 * q * ((start->d + end->y * difference) * a.work - q * a.g * difference * a.along);
     for (int i = 0; i < 3; i++) {
@@ -146,12 +167,11 @@ static inline void change_of(const double a[9], const double b[9], const double 
     }
 }
 
-/* Derivatives (6, 6) of the same, and of a viscous part, by (s, k) at the end of the step: all six columns at once by the
-   rule of products. damping: of the stiffness, over the size of the step. */
+/* Derivatives (6, 6) of the same by (s, k) at the end of the step: all six columns at once by the rule of products. */
 FANFOLD_INLINED void stiffness_of(const Beam *beam, size_t m, const Strains *start, const Strains *end, double damping,
-                                double matrix[36]) {
+                                const double change[6], double matrix[36]) {
     const Differences f = differences_of(start, end);
-    const Means a = means_of(beam, m, start, end);
+    const Means a = means_of(beam, m, start, end, damping, change);
     const double q = a.square, *C = beam->stiffness, *s = end->s, *k = end->k;
     /* derivatives of y, g = k.s, d g, of means of c and d; of resultants, and of their products with means */
     const double y[6] = {0.0, 0.0, 0.0, 2.0 * q * k[0], 2.0 * q * k[1], 2.0 * q * k[2]};
@@ -163,7 +183,7 @@ FANFOLD_INLINED void stiffness_of(const Beam *beam, size_t m, const Strains *sta
         d[j] = 0.5 * f.slope_d * y[j];
     }
     for (int i = 0; i < 3; i++) {
-        const double stretch = 0.5 * C[i], bend = 0.5 * C[3 + i];
+        const double stretch = (0.5 + damping) * C[i], bend = (0.5 + damping) * C[3 + i];
         for (int j = 0; j < 6; j++) {
             force[i][j] = stretch * (s[i] * f.slope_c * y[j] - q * k[i] * w[j]);
             moment[i][j] = bend * k[i] * f.slope_c * y[j];
@@ -194,9 +214,8 @@ FANFOLD_INLINED void stiffness_of(const Beam *beam, size_t m, const Strains *sta
                                       q * (0.5 * w[j] * a.force[i] + a.w * force[i][j] + turned * a.s[i]);
         }
         matrix[6 * i + 3 + i] -= 0.5 * q * a.d * a.along;
-        matrix[6 * (3 + i) + 3 + i] += 0.5 * bent + damping * C[3 + i];
+        matrix[6 * (3 + i) + 3 + i] += 0.5 * bent;
         matrix[6 * (3 + i) + i] -= 0.5 * q * a.d * a.along;
-        matrix[7 * i] += damping * C[i];
     }
 }
 

@@ -55,7 +55,7 @@ typedef struct {
     int quasi_static;
     Shape start, end;
     double *travel, *turn, *quaternions, *spins; /* of nodes: spins are angular momenta at the start, world axes */
-    double *stresses, *changes; /* of elements, 6 each: means over a step, changes of (s, k) over it */
+    double *stresses, *changes; /* of elements, 6 each: means over a step, changes of strains over it */
     double *loads, *residual, *next, *inputs;
     Factors predicted, renewed; /* at the start's uniform motion; where an iteration stands */
     Key start_of_factors, end_of_step;

@@ -134,11 +134,13 @@ FANFOLD_VECTORISED static void load_nodes(Beam *beam, const Step *step) {
     for (size_t m = 0; m + 1 < beam->nodes; m++) {
         double *stress = beam->stresses + 6 * m, *change = beam->changes + 6 * m;
         const Middle middle = middle_of(start, &beam->end, m);
-        stress_of(beam, m, start->strains + m, beam->end.strains + m, stress);
+        const Strains *before_it = start->strains + m, *after = beam->end.strains + m;
         if (step->damping > 0.0) {
-            change_of(middle.a, middle.b, middle.span, beam->travel + 3 * m, beam->turn + 3 * m, beam->lengths[m], change);
-            for (int i = 0; i < 6; i++) stress[i] += step->damping * beam->stiffness[i] * change[i];
+            double z[6];
+            change_of(middle.a, middle.b, middle.span, beam->travel + 3 * m, beam->turn + 3 * m, beam->lengths[m], z);
+            strain_change(beam, m, before_it, after, z, change);
         }
+        stress_of(beam, m, before_it, after, step->damping, change, stress);
         add_loads(middle.a, middle.b, middle.span, stress, beam->loads + NODE * m);
     }
     for (size_t k = 0; k < beam->ports; k++) {
@@ -233,7 +235,7 @@ FANFOLD_VECTORISED static void factorise(Beam *beam, const Step *step, Factors *
         const Middle middle = middle_of(start, end, m);
         const double *a = end->directors + 9 * m, length = beam->lengths[m];
         double mean[6 * COORDINATES], last[6 * COORDINATES], g[36], k[COORDINATES * COORDINATES] = {0.0};
-        stiffness_of(beam, m, start->strains + m, end->strains + m, step->damping, g);
+        stiffness_of(beam, m, start->strains + m, end->strains + m, step->damping, beam->changes + 6 * m, g);
         motions_of(middle.a, middle.b, middle.span, length, mean);
         motions_of(a, a + 9, end->spans + 3 * m, length, last);
         add_geometric(middle.a, middle.b, middle.span, a, a + 9, beam->stresses + 6 * m, k);
