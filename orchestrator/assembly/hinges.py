@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from math import sqrt
 from typing import Literal, NamedTuple
 
@@ -73,11 +73,32 @@ def latch_setting(
 def line_latch(
     scene: CheckedScene, line: HingeLine, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> LatchSetting:
-    """The latch of a line; the spacecraft is rigid at every fidelity, so its model lacks no compliance."""
-    complete = {**flexible, scene.base.name: True}
-    inboard, outboard = complete[line.inboard], complete[line.outboard]
+    """The latch of a line; the spacecraft, rigid at every fidelity, lacks no compliance but what is stated of it."""
+    latch, base = line.latch, scene.base.name
+    inboard = flexible[line.inboard] if line.inboard != base else not (latch and latch.inboard_stiffness)
+    outboard = flexible[line.outboard] if line.outboard != base else not (latch and latch.outboard_stiffness)
     inertia = 0.0 if line.latch is None else line.latch.effective_inertia or effective_inertia(scene, line)
     return latch_setting(line.latch, inboard, outboard, mode, scene.structural_damping, inertia)
+
+
+def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterator[str]:
+    """Sentences on measured latches whose torque a run with these bodies flexible does not follow."""
+    bodies = {body.name: body.name in flexible for body in scene.bodies}
+    for line in scene.hinge_lines:
+        if line.latch is None or line.latch.measured is None:
+            continue
+        setting = line_latch(scene, line, bodies, "mean")
+        if setting.kind != "table":
+            place = (
+                "it locks"
+                if setting.kind == "kinematic"
+                else f"a spring of {setting.stiffness:.4g} N.m/rad does"
+            )
+            yield (
+                f"hinge_line.{line.name}.latch.measured: it is the torque of hinges beside which all compliance is "
+                f"modelled, and is not followed here, as {line.inboard} or {line.outboard} is rigid, or its kind says "
+                f"otherwise; {place} instead"
+            )
 
 
 def assembly_line(

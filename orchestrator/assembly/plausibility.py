@@ -21,12 +21,14 @@ from ..scene.schema import CheckedScene
 
 _ANGLES = 181
 """Places on a line's way that are looked at."""
+_NOTHING = 1e-9
+"""Of a motor's largest torque: rounding where it gives none."""
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _TURNED = 0.2
-"""rad; places are written to a few degrees, and loops close from there."""
+"""rad; places are written to a few degrees, and loops close from there; tables may end as early."""
 _THICK = 0.2
 """Thickness of a plate over its shorter side, from which on plate theory does not hold by far."""
 _FLAT = 1e-3
@@ -51,6 +53,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_without_load(scene),
         *_never_stepped(scene),
         *_held_by_friction(scene),
+        *_beyond_tables(scene),
         *_through_one_another(scene),
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
@@ -119,13 +122,33 @@ def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
         if line.harness is not None:
             opening = line.harness.opening_law
             taken -= np.array([opening.value(angle) for angle in angles.tolist()])
-        short = np.flatnonzero(given < taken)
+        short = np.flatnonzero(given < taken - _NOTHING * np.abs(given).max())
         if short.size:
             k = int(short[0])
             yield (
                 f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
-                f"friction and harness take {taken[k]:.4g} N.m; unless something else drives it, it stops there"
+                f"friction and harness take {taken[k]:.4g} N.m; unless its speed carries it on or something else "
+                "drives it, it stops there"
             )
+
+
+def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
+    """Lines that go beyond what tables of their motor or harness tell."""
+    for line in scene.hinge_lines:
+        low, high = sorted((line.initial_angle, line.deployed_angle))
+        for name, table in (("motor", line.motor), ("harness", line.harness)):
+            if table is None or not table.angle:
+                continue
+            for end, beyond in (
+                (table.angle[0], low - table.angle[0]),
+                (table.angle[-1], table.angle[-1] - high),
+            ):
+                if beyond < -_TURNED:
+                    yield (
+                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, and the line goes "
+                        f"from {degrees(low):.4g} to {degrees(high):.4g} deg; beyond, the torque goes on by the slope "
+                        "at the end"
+                    )
 
 
 def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:

@@ -14,6 +14,7 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..assembly.hinges import unfollowed_curves
 from ..assembly.plausibility import doubts
 from ..assembly.signal_fmus import signal_sentences
 from ..cosim.native.library import absence_sentence
@@ -162,6 +163,7 @@ def simulate(
         *doubts(scene),
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
         *signal_sentences(assembly, scene),
+        *unfollowed_curves(scene, {*assembly.flexible, *assembly.large_deformation}),
     ]:
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until

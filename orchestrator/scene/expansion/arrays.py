@@ -11,10 +11,14 @@ from pydantic import BeforeValidator, Field, ValidationError
 from components.contract.errors import unknown
 from components.contract.frames import Quaternion, Vector3, exponential, rotate, scaled
 
+from ..body_tables import Motion
 from ..layers import Tree
 from ..table import Axis, Name, Table
 from ..units import to_si
 
+_MOTION_AXES = {
+    f"{kind}_axis": list(Motion.model_fields[f"{kind}_axis"].default) for kind in ("translation", "rotation")
+}
 _PARTS = ("body", "connection", "hinge_line", "ccl", "damper")
 
 
@@ -31,8 +35,9 @@ class Array(Table):
     """[[array]]: count copies, each turned by a further share of a full turn about an axis.
 
     In every text {i} is the number of the copy, from 1, and {next} that of the one after it, the first after the last.
-    Turned are the places of bodies, that is their offset and orientation, and the axes of connections; points of other
-    bodies are those that the texts name.
+    Turned are the places of bodies, that is their offset and orientation, the axes of their motions, and the axes of
+    connections; points of other bodies are those that the texts name. A hinge line puts its outboard body in the axes
+    of the inboard one, so that copies on one body outside the array stand parallel.
     """
 
     name: Name
@@ -105,6 +110,10 @@ def _copy(array: Array, entry: Mapping[str, Any], number: int) -> Tree:
         if "offset" in place:
             turned["offset"] = _turned_vector(place["offset"], turn, "m")
         copy["place"] = place | turned
+    motion = copy.get("motion")
+    if isinstance(motion, dict):
+        turned = {key: _turned_vector(motion.get(key, axis), turn, "1") for key, axis in _MOTION_AXES.items()}
+        copy["motion"] = motion | turned
     if "axes" in copy:
         copy["axes"] = _turned(copy["axes"], turn)
     return copy

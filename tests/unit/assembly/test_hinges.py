@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.hinges import line_latch
+from orchestrator.assembly.hinges import line_latch, unfollowed_curves
 from orchestrator.scene.builder import Scene
 from orchestrator.scene.table import SceneError
 from tests.references.edits import edited
@@ -65,6 +65,29 @@ def test_latch_of_a_free_base_follows_the_same_rule():
     for flexible, expected in ((True, ("kinematic", 0.0)), (False, ("spring", 2500.0))):
         latch = line_latch(scene, scene.hinge_lines[0], dict.fromkeys(AMOS3_BODIES, flexible), "mean")
         assert (latch.kind, latch.stiffness) == expected
+
+
+def test_compliance_that_is_stated_of_a_base_is_in_the_latch():
+    """Springs in series: no model has what the spacecraft gives way by. Regression: it was left out, as if one had."""
+    scene = Scene.load(
+        "amos3",
+        settings={
+            "hinge_line.HL1.latch.inboard_stiffness": "4000 N.m/rad",
+            "hinge_line.HL1.latch.stiffness": "1500 N.m/rad",
+        },
+    ).check()
+    for flexible, expected in ((True, series(1500.0, 2500.0)), (False, 1500.0)):
+        latch = line_latch(scene, scene.hinge_lines[0], dict.fromkeys(AMOS3_BODIES, flexible), "mean")
+        assert (latch.kind, latch.stiffness) == ("spring", pytest.approx(expected, rel=1e-12))
+
+
+def test_a_measured_latch_that_is_not_followed_is_told():
+    """Definition: it is the torque of hinges alone. Regression: with a rigid panel it did nothing, without a word."""
+    scene = Scene.load("bepicolombo").check()
+    (sentence,) = unfollowed_curves(scene, set())
+    assert "hinge_line.HL2.latch.measured" in sentence
+    assert "a spring of 2217 N.m/rad does instead" in sentence
+    assert not list(unfollowed_curves(scene, {body.name for body in scene.bodies}))
 
 
 def test_hinges_share_the_totals_of_their_line():

@@ -192,6 +192,16 @@ def test_an_array_goes_around():
     assert [c.ports["lower"].body for c in scene.connections] == ["spoke_2", "spoke_3", "spoke_1"]
 
 
+def test_motions_of_an_array_go_around():
+    """Regression: places were turned and the axes of motions were not, so that spokes went different ways."""
+    law = 'motion = { translation = [{ profile = "step5", duration = 1, change = 0.1 }] }'
+    scene = scene_of(RING.replace("rigid =", f"{law}\nrigid ="))
+    for i, body in enumerate(scene.bodies):
+        angle = 2 * pi * i / 3
+        assert body.motion.translation_axis == pytest.approx((cos(angle), sin(angle), 0.0), abs=1e-12)
+        assert body.motion.rotation_axis == pytest.approx((0.0, 0.0, 1.0), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
