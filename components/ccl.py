@@ -34,9 +34,10 @@ from .contract.frames import (
 )
 from .contract.ports import WRENCH_SIZE
 from .contract.record import Record, kept, observed, tunable
-from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
+from .contract.roles import CUT, DISSIPATED_ENERGY, END_WEIGHT, HOLD, LOAD, ORDER, POTENTIAL_ENERGY
 from .numerics.laws import SlackSpring
 from .numerics.relative_motion import Line, axis_frame, turn_between
+from .numerics.scheme import FAR_APART
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 from .numerics.strand import damping_power, mean_tension, strand_load, tension_at
 
@@ -47,6 +48,7 @@ class _Parameters(NamedTuple):
     preload: Annotated[float, tunable("N", "Tension of each strand at the start", 40.0, 0.0)]
     strand_stiffness: Annotated[float, tunable("N/m", "Stiffness of one strand", 5000.0, 1e-9)]
     strand_damping: Annotated[float, tunable("N.s/m", "Damping of one strand", 0.0, 0.0)]
+    cut: Annotated[float, CUT.saying("1: the cable is cut, and its strands carry nothing")]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
 
@@ -142,7 +144,8 @@ class CableLoop(Connection[_Parameters, _State, _Commands]):
     def prepare(self, p: Vector) -> _Constants:
         """Constants of the given parameters."""
         one = self._checked(p)
-        strand = SlackSpring(one.strand_stiffness, one.preload)
+        preload = one.preload if one.cut < 0.5 else -FAR_APART * one.strand_stiffness
+        strand = SlackSpring(one.strand_stiffness, preload)
         return _Constants(one, strand, self._is_paired(one.order, one.end_weight))
 
     def _geometry(self, u: Inputs[_Commands], reference: tuple[float, float]) -> _Geometry:

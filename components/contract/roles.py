@@ -37,6 +37,8 @@ END_WEIGHT = Quantity(
     "end_weight", "1", "Weight of the end value in mean wrenches", 1, 0.5, 0.5, 1.0, "tunable"
 )
 """Parameter: one half keeps energy, one is for static solutions."""
+CUT = Quantity("cut", "1", "1: it is cut, and carries nothing", 1, 0.0, 0.0, 1.0, "tunable")
+"""Parameter of a cable that an event releases."""
 ORDER = Quantity(
     "order", "1", "Order of mean wrenches in time: 2, or 4, which needs first moments from the master",
     1, 2.0, 2.0, 4.0, "fixed",

@@ -25,3 +25,5 @@ NEVER = 1e300
 """Time (s) to what is not to come."""
 STOPPED = -1.0
 """Size of a step in the record of a load where the step was an impulse, which is no load that lasts."""
+FAR_APART = 1e9
+"""Elongation (m) that a cut strand lacks to be taut."""

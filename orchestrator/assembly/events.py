@@ -9,6 +9,7 @@ from typing import Any
 from components import LAGGED, REGISTRY, Component, ComponentError, Quantity
 from components.contract.errors import unknown
 from components.contract.roles import (
+    CUT,
     END_WEIGHT,
     FAILURE_COMMAND,
     LATCH_COMMAND,
@@ -59,7 +60,8 @@ class _EventReader:
         condition = None if table.when is None else self._condition(f"{table.name}.when", table.when)
         found = Event(table.name, table.time, condition)
         for name in table.release:
-            found = found.also(releases=tuple(self._released(f"{table.name}.release", name)))
+            for part in self._parts_of(f"{table.name}.release", name):
+                found = self._released(f"{table.name}.release", found, part)
         for name, variables in table.set.items():
             for part in self._parts_of(f"{table.name}.set.{name}", name):
                 found = self._with_settings(f"{table.name}.set.{name}", found, part, variables)
@@ -75,15 +77,18 @@ class _EventReader:
                     f"{key}: {one} is held or within a piece of held lines, so it does not take part in the run"
                 )
 
-    def _released(self, key: str, name: str) -> Iterator[str]:
-        for part in self._parts_of(key, name):
-            if any(command in component_of(part).input_layout for command in RELEASES):
-                yield part.name
-            else:
-                self.problems.append(
-                    f"{key}: {part.name} is a {part.kind}, which cannot be released; hinges and hold-downs can. "
-                    "Set a parameter of it instead, such as a stiffness"
-                )
+    def _released(self, key: str, event: Event, part: Part) -> Event:
+        """With a part that lets go, or is cut."""
+        component = component_of(part)
+        if any(command in component.input_layout for command in RELEASES):
+            return event.also(releases=(part.name,))
+        if CUT.name in component.parameter_layout:
+            return event.also(settings=(Setting(part.name, CUT.name, 1.0, CUT.unit),))
+        self.problems.append(
+            f"{key}: {part.name} is a {part.kind}, which cannot be released; hinges, hold-downs and cable loops can. "
+            "Set a parameter of it instead, such as a stiffness"
+        )
+        return event
 
     def _condition(self, key: str, when: When) -> Condition | None:
         name = self._lines[when.component].sensor if when.component in self._lines else when.component

@@ -327,7 +327,8 @@ static void *loop_create(const Data *data, const Sizes *sizes, Memory *memory, s
 
 static int loop_prepare(void *self, const double *p, Reason *why) {
     Loop *loop = self;
-    loop->strand = strand_law(p[P_STRAND_STIFFNESS], p[P_PRELOAD]);
+    const double preload = p[P_CUT] < 0.5 ? p[P_PRELOAD] : -FAR_APART * p[P_STRAND_STIFFNESS];
+    loop->strand = strand_law(p[P_STRAND_STIFFNESS], preload);
     return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 

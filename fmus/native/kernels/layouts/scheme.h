@@ -16,5 +16,6 @@
 #define CREST_SURE 4.0
 #define NEVER 1e+300
 #define STOPPED -1.0
+#define FAR_APART 1000000000.0
 
 #endif
