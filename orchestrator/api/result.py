@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +19,7 @@ from ..run.progress import Progress
 from ..run.run import RunError
 from ..run.simulation import Simulation
 from ..run.verify import Verified
+from ..scene.builder import Names, listed
 from .progress import chosen, in_notebook
 from .quantities import Quantity, in_si
 
@@ -122,10 +122,10 @@ class Result(Record):
 
         return plot_all(self, folder, format)
 
-    def to_dataframe(self, components: Sequence[str] | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
+    def to_dataframe(self, components: Names | None = None) -> Any:  # noqa: ANN401 - pandas may be absent
         """Signals as a table (pandas.DataFrame) over time: columns COMPONENT.VARIABLE, of vectors with [1], [2], ...
 
-        components: by name; by default all. ResultError where pandas is not installed.
+        components: one or several by name; by default all. ResultError where pandas is not installed.
         """
         try:
             import pandas as pd
@@ -134,7 +134,7 @@ class Result(Record):
                 "a data frame needs pandas, which is not installed: pip install pandas"
             ) from None
         columns: dict[str, Any] = {}
-        for component in self.components if components is None else components:
+        for component in self.components if components is None else listed(components):
             for variable in self.variables(component):
                 values = self.signal(component, variable)
                 name = f"{component}.{variable}"

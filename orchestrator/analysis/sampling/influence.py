@@ -10,7 +10,9 @@ import numpy as np
 from scipy.stats import sobol_indices
 
 from components.contract.component import Vector
+from components.contract.errors import unknown
 
+from .distributions import StudyError
 from .study import Study
 
 _LOW, _HIGH = 0.05, 0.95
@@ -43,6 +45,8 @@ def influence(study: Study, number: str) -> Influence | None:
     One at a time: the differences themselves. Other methods: a linear regression on all parameters, from the 5 % to the
     95 % quantile of each. Indices of variance are those of Sobol' (first order and total, Saltelli et al. 2010).
     """
+    if number not in study.numbers:
+        raise StudyError(f"{number} {unknown(number, list(study.numbers), 'headline number')}")
     values = study.numbers[number]
     known = np.isfinite(values)
     if not known.any() or np.ptp(values[known]) <= 1e-12 * np.abs(values[known]).max():

@@ -46,6 +46,8 @@ class Plan:
             raise StudyError(f"{', '.join(twice)}: varied twice; a key gets one value")
         if self.runs < 1:
             raise StudyError(f"{self.runs} runs are none; give one at least")
+        if self.seed < 0:
+            raise StudyError(f"seed {self.seed} is none; give a whole number of 0 or more")
         if self.levels < 2:
             raise StudyError(f"a grid of {self.levels} levels has no range; give two at least")
         if self.method in _POWERS and self.runs & (self.runs - 1):

@@ -170,12 +170,13 @@ def test_a_data_frame_has_every_signal(latched, monkeypatch):
     np.testing.assert_array_equal(
         frame["base.interface_force[3]"], latched.signal("base", "interface_force")[:, 2]
     )
+    assert set(latched.to_dataframe("base")) == {name for name in frame if name.startswith("base.")}
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ResultError, match="needs pandas, which is not installed: pip install pandas"):
         latched.to_dataframe()
 
 
-@pytest.mark.filterwarnings("ignore:.*unless something else drives it")  # as is told before the run, too
+@pytest.mark.filterwarnings("ignore:.*or something else drives it")  # as is told before the run, too
 def test_what_is_not_as_it_should_be_is_a_warning():
     """Here friction exceeds the motor's torque; the warning points at the line that ran the scene."""
     stuck = fanfold.load(WING).with_settings(

@@ -111,6 +111,7 @@ def test_designs_are_what_they_are_called():
         ({"method": "sobol", "runs": 100}, "give a power of two: 64 or 128"),
         ({"method": "grid", "levels": 100_000}, "this takes 10,000,000,000 runs"),
         ({"runs": 0}, "0 runs are none"),
+        ({"seed": -1}, "seed -1 is none"),
     ],
 )
 def test_what_is_no_plan_is_a_sentence(options, said):

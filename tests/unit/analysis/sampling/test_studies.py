@@ -221,6 +221,10 @@ def test_influence_is_that_of_closed_forms(here):
     single = synthetic(here, "one-at-a-time", numbers)
     assert single.influence("latch time sum").changes == {"a": (-0.5, 0.5), "b": (-1.5, 1.5)}
     assert influence(single, "same") is None
+    with pytest.raises(
+        StudyError, match="latch time some is not a known headline number; did you mean latch time"
+    ):
+        single.influence("latch time some")
     shares = synthetic(here, "sobol-indices", numbers, runs=1024)
     # errors of a quasi-random sum of this size, Saltelli et al. 2010, figure 2
     assert shares.influence("latch time sum").shares["b"] == pytest.approx((0.9, 0.9), abs=0.02)
