@@ -18,6 +18,7 @@ from ..scene.schema import SMALLEST_STEP, CheckedScene
 from ..scene.signals.tables import Fmu
 from ..scene.table import SceneError
 from . import Assembly, Event, HingeLine, Part, Signal, SignalFmu
+from .array_elements import element, length
 from .events import component_of, scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
@@ -156,10 +157,17 @@ class _Reader:
         """A variable of the FMU; ValueError where it is none of these causalities, or no scalar."""
         of_them = [v.name for v in self._variables.values() if v.causality in causalities]
         variable = self._variables.get(name)
+        if variable is None and (found := element(name)) is not None:
+            array, place = found
+            variable = self._variables.get(array)
+            size = length(variable) if variable is not None else None
+            if size is not None and place >= size:
+                raise ValueError(f"has no such element; {array} has {size}")
+            of_them = [array] if size is not None else of_them
+        elif variable is not None and variable.dimensions:
+            raise ValueError(f"is an array; its elements can be joined, such as {name}[1]")
         if variable is None or variable.causality not in causalities:
             raise ValueError(f"{unknown(name, of_them, causalities[0])} (of {Path(self._table.file).name})")
-        if variable.dimensions:
-            raise ValueError("is an array; scalars can be joined")
         return variable
 
     def _signal_variable(self, name: str, causality: str) -> Any:  # noqa: ANN401 - of FMPy
@@ -309,7 +317,12 @@ def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
     """Variables without unit, which are taken as they are."""
     variables = {v.name: v for v in _description(fmu.path).modelVariables}
-    bare = [s for s in (*fmu.inputs, *fmu.outputs) if not _unit(variables[s.variable]) and s.unit != "1"]
+    bare = []
+    for signal in (*fmu.inputs, *fmu.outputs):
+        array, _ = element(signal.variable) or (signal.variable, 0)
+        variable = variables.get(signal.variable) or variables[array]
+        if not _unit(variable) and signal.unit != "1":
+            bare.append(signal)
     if bare:
         listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
         yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"

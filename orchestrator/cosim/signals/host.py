@@ -20,6 +20,8 @@ from typing import Any
 from fmpy import read_model_description
 from fmpy.simulation import instantiate_fmu
 
+from orchestrator.assembly.array_elements import element, length
+
 Value = float | int | bool | str
 _DISCARD = 2
 """Status of a step that may be tried again with a smaller size, and of no other."""
@@ -95,8 +97,15 @@ class Host:
         text = arguments[-1]
         self.said.append(text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text))
 
+    def _variable(self, name: str) -> tuple[Any, int, int]:
+        """A variable, how many elements it has, and the place of the one that a name means."""
+        if name in self._variables:
+            return self._variables[name], 1, 0
+        array, place = element(name) or (name, 0)
+        return self._variables[array], length(self._variables[array]) or 1, place
+
     def _kind(self, name: str) -> str:
-        kind = self._variables[name].type
+        kind = self._variable(name)[0].type
         found: str = (_FMI2_KINDS if self._fmi2 else _FMI3_KINDS).get(kind, kind)
         return found
 
@@ -106,17 +115,24 @@ class Host:
             value = bool(value)
         elif kind != "String":
             value = float(value) if kind in ("Real", "Float64", "Float32") else round(float(value))
-        getattr(self._fmu, f"set{kind}")([self._variables[name].valueReference], [value])
+        variable, size, place = self._variable(name)
+        values = [value] if size == 1 else self._values(name)
+        values[place] = value
+        getattr(self._fmu, f"set{kind}")([variable.valueReference], values)
 
     def _hand_over(self, values: Sequence[float]) -> None:
         for name, value in zip(self._inputs, values, strict=True):
             self._set(name, value)
 
     def _given(self) -> list[float]:
-        return [
-            float(getattr(self._fmu, f"get{self._kind(name)}")([self._variables[name].valueReference])[0])
-            for name in self._outputs
-        ]
+        return [float(self._values(name)[self._variable(name)[2]]) for name in self._outputs]
+
+    def _values(self, name: str) -> list[Any]:
+        """All elements of the variable that a name is of."""
+        variable, size, _ = self._variable(name)
+        more = {} if size == 1 else {"nValues": size}
+        found: list[Any] = getattr(self._fmu, f"get{self._kind(name)}")([variable.valueReference], **more)
+        return found
 
     def close(self) -> None:
         """Terminate and free the instance."""

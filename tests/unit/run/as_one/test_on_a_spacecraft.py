@@ -87,10 +87,11 @@ def on_light_spacecraft(kind="spring"):
     return fanfold.Scene.of_tree("whole.toml", tree)
 
 
-def test_an_iterated_wing_is_the_wing_built_in(tmp_path):
+@pytest.mark.parametrize("fmi", ["2.0", "3.0"])
+def test_an_iterated_wing_is_the_wing_built_in(tmp_path, fmi):
     """A panel of 8 kg on 5 kg, where held loads blow up at once: latch time, peak and attitude of the whole scene."""
     whole = fanfold.simulate(on_light_spacecraft(), until=1.2, tolerance=1e-6, estimate=False)
-    (wing,) = fanfold.export(opening(), tmp_path, as_one=True, driven_base=True)
+    (wing,) = fanfold.export(opening(), tmp_path, as_one=True, driven_base=True, fmi=fmi)
     told = ("HL.latch_time", "HL.latch_torque_peak")
     run = fanfold.simulate(mounted(wing, "20 ms", LIGHT, told, iterated=True), estimate=False)
     assert run["wing", "HL.latch_time"][-1] == pytest.approx(whole.latch_times["HL"], rel=1e-6)
