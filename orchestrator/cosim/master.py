@@ -15,7 +15,7 @@ from . import stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
-from .events.crossings import Fall, find_event, first_met, met_at_the_end
+from .events.crossings import Fall, find_event, first_met, met_at_the_end, still_to_latch
 from .implicit.convergence import Solution, Tolerance
 from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
@@ -127,7 +127,7 @@ class Master(CoSimulation):
             is_break = not reached and self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
             for one in sorted(reached, key=lambda one: crossed is None or one is not crossed.one):
-                self._let_act(one)
+                self._let_act(one, reached)
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._renew()
             self._keep_snapshot(h)
@@ -269,12 +269,12 @@ class Master(CoSimulation):
             self._plan.divide(self.segments)
         return self._parts <= _MOST_PARTS
 
-    def _let_act(self, one: HingeLine | Event) -> None:
-        """A line latches or an event happens, unless what came with it has let go of the line."""
+    def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
+        """An event happens, or a line latches, with those that lock with it, unless another has let go of it."""
         if isinstance(one, Event):
             self._happen(one)
-        elif line := next((line for line in self._pending if line.name == one.name), None):
-            self._latch(line)
+        elif lines := still_to_latch(one, reached, self._pending):
+            self._latch(*lines)
 
     def _awaited(self) -> list[HingeLine | Event]:
         """What may come within a step."""
@@ -347,17 +347,19 @@ class Master(CoSimulation):
             self._begin_segment()
         self._watch()
 
-    def _latch(self, line: HingeLine) -> None:
-        """Engage all latches of a line; a kinematic one takes the relative rate away in an impulse."""
-        self._pending.remove(line)
+    def _latch(self, line: HingeLine, *others: HingeLine) -> None:
+        """Engage all latches of a line; kinematic ones, of others too, take relative rates away in an impulse."""
+        lines = (line, *others)
+        self._pending = [one for one in self._pending if one not in lines]
         roughness = None
         if line.kinematic:
             # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
             self._impulse()
         elif self.settings.fixed_step is None:
             roughness = self._roughness()
-        self.recorder.event(self.time, line.sensor, f"{line.name} latch-up")
-        size = self._engage(line)
+        for one in lines:
+            self.recorder.event(self.time, one.sensor, f"{one.name} latch-up")
+        size = min(self._engage(one) for one in lines)
         self.solver.forget()
         if line.kinematic:
             self._impulse()

@@ -82,8 +82,9 @@ struct Master {
     char said[512];
 };
 
-/* Of `pending`: it acts at this instant. */
+/* Of `pending`: it acts at this instant; it locks with another. */
 #define REACHED 2.0
+#define LOCKING 3.0
 
 static int is_pending_condition(const Event *e) { return *e->pending && isnan(e->time); }
 
@@ -355,13 +356,33 @@ static double engage(Master *m, HingeLine *line) {
     return h;
 }
 
-/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse. */
+/* Have others that lock at this instant do so with a line. */
+static void join_locks(Master *m) {
+    for (HingeLine *other = m->line; other < m->line + m->lines; other++)
+        if (*other->pending == REACHED && other->is_kinematic) {
+            *other->pending = LOCKING;
+            *other->latch_time = m->loop.time;
+        }
+}
+
+/* Engage those that lock with a line; the step (s) to go on with, 0 for a failure. */
+static double engage_joined(Master *m, double size) {
+    for (HingeLine *other = m->line; other < m->line + m->lines; other++)
+        if (*other->pending == LOCKING) {
+            *other->pending = 0.0;
+            size = fmin(size, engage(m, other));
+        }
+    return size;
+}
+
+/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse, with others at once. */
 static int latch_line(Master *m, HingeLine *line) {
     *line->pending = 0.0;
     *line->latch_time = m->loop.time;
+    if (line->is_kinematic) join_locks(m);
     /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
     if (line->is_kinematic ? !make_impulse(m) : !note_roughness(m)) return 0;
-    const double size = engage(m, line);
+    const double size = engage_joined(m, engage(m, line));
     if (size == 0.0) return 0;
     forget_stiffnesses(&m->solver);
     if (line->is_kinematic ? !make_impulse(m) : !record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;

@@ -44,6 +44,15 @@ def met_at_the_end(falls: Sequence[Fall], h: float) -> list[HingeLine | Event]:
     ]
 
 
+def still_to_latch(
+    line: HingeLine, reached: Sequence[HingeLine | Event], pending: Sequence[HingeLine]
+) -> list[HingeLine]:
+    """The line as it is pending, and those kinematic ones reached with it that lock with it; none if it is not."""
+    own = [one for one in pending if one.name == line.name]
+    met = {one.name for one in reached} - {line.name}
+    return own and own + [one for one in pending if one.name in met and one.kinematic and line.kinematic]
+
+
 def find_event(distance: Callable[[float], float], before: float, after: float, h: float) -> float:
     """Step size at which a distance that falls from before (> 0) through zero in h reaches zero.
 

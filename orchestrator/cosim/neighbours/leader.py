@@ -41,7 +41,6 @@ class Leader(CompiledMaster):
         self._ends_at: HingeLine | Event | None = None
         self._in_event, self._until = False, inf
         self._instants: list[float] = []
-        self._met: list[str] = []
 
     def initialize(self, *, preload: bool) -> None:
         """All of them."""
@@ -73,7 +72,6 @@ class Leader(CompiledMaster):
 
     def _accept(self, h: float, solution: Solution) -> None:
         crossed, self._ends_at = self._ends_at, None
-        self._met.clear()
         meets = None if crossed is None else (crossed, self._left(crossed))
         solved = self._leading.at_hand(self.time, h, solution)
         end = self.time + h
@@ -83,15 +81,15 @@ class Leader(CompiledMaster):
             one.follow(solved, meets, until, to_break=to_break)
         super()._accept(h, solution)
 
-    def _let_act(self, one: HingeLine | Event) -> None:
+    def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
         """StepError where something else has acted at this instant: neighbours would meet it sooner or later."""
-        self._met.append(one.name)
-        if len(self._met) > 1:
+        if len(reached) > 1:
+            names = " and ".join(other.name for other in reached)
             raise StepError(
-                f"{' and '.join(self._met)} come at one instant, t = {self.time:.6g} s: with other values one of them "
-                "comes first, so that numbers have no derivatives there"
+                f"{names} come at one instant, t = {self.time:.6g} s: with other values one of them comes first, so "
+                "that numbers have no derivatives there"
             )
-        super()._let_act(one)
+        super()._let_act(one, reached)
 
     def _happen(self, event: Event) -> None:
         with self._one_event() as is_whole:
@@ -100,9 +98,9 @@ class Leader(CompiledMaster):
             for one in self._neighbours:
                 one.happen(event, self._instants)
 
-    def _latch(self, line: HingeLine) -> None:
+    def _latch(self, line: HingeLine, *others: HingeLine) -> None:
         with self._one_event() as is_whole:
-            super()._latch(line)
+            super()._latch(line, *others)
         if is_whole:
             for one in self._neighbours:
                 one.latch(line, self._instants)

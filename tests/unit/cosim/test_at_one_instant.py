@@ -65,6 +65,26 @@ def test_mirrored_twins(tmp_path):
     assert run.latch_times["A"] == pytest.approx(run.latch_times["B"], abs=1e-6)
 
 
+@pytest.mark.parametrize("master", [CompiledMaster, Master])
+def test_mirrored_twins_lock_in_one_impulse(monkeypatch, master):
+    """Symmetry: a free spacecraft between two panels that open to both sides never turns, and both lock alike.
+
+    Regression: one locked after the other, so that the first lock turned all, and its impulse was told as 0.4 of this.
+    """
+    monkeypatch.setattr("orchestrator.run.run.CompiledMaster", master)
+    tree = twins("kinematic", axes=("+x", "-x")).tree
+    tree["base"]["free"] = {"mass": 20.0, "center_of_mass": [0, 0, 0], "inertia": [4.0, 4.0, 4.0]}
+    tree["body"] = [
+        {"name": body, "rigid": PANEL | {"center_of_mass": [0.0, side, 0.0]}}
+        for (body, _), side in zip(SIDES.values(), (0.5, -0.5), strict=True)
+    ]
+    run = fanfold.simulate(fanfold.Scene.of_tree("twins.toml", tree), refine=False)
+    impulses = run.headline.latch_impulses
+    assert impulses["A"] == pytest.approx(impulses["B"], rel=1e-6)
+    rates = np.abs(run["base", "attitude_rate"][:])
+    assert np.max(rates) < 1e-6 * np.max(np.abs(run["hinge_a", "angular_rate"][:]))
+
+
 @needs_native
 @pytest.mark.parametrize("kind", ["spring", "kinematic"])
 def test_twins_as_one_fmu(tmp_path, kind):
