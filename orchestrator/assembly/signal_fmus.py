@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from fmus.description.units import base_unit
 from ..scene.schema import SMALLEST_STEP, CheckedScene
 from ..scene.signals.tables import Fmu
 from ..scene.table import SceneError
-from . import Assembly, Event, HingeLine, Part, Signal, SignalFmu
+from . import HingeLine, Part, Signal, SignalFmu
 from .array_elements import element, length
 from .events import component_of, scalar, tunable
 
@@ -77,7 +77,7 @@ class _Reader:
         self._table, self._problems = table, problems
         self._parts = {part.name: part for part in parts}
         self._lines = {line.name: line for line in lines}
-        self._description = _description(Path(table.file))
+        self._description = model_description(Path(table.file))
         self._variables = {v.name: v for v in self._description.modelVariables}
         self._units = {u.name: u.baseUnit for u in self._description.unitDefinitions}
 
@@ -145,7 +145,7 @@ class _Reader:
             else:
                 whole = variable.type in _WHOLE
                 sound = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
-                kind = "a whole number" if whole else f"a number of {_unit(variable) or '1'}"
+                kind = "a whole number" if whole else f"a number of {unit_of(variable) or '1'}"
             if not sound:
                 raise ValueError(f"is {value!r}; it must be {kind}")
         except ValueError as error:
@@ -196,7 +196,7 @@ class _Reader:
             return
         yield Signal(
             name, variable.type, sensor, quantity.name, index, 1.0 / factor, -offset / factor,
-            _unit(variable) or quantity.unit, variable.description or "",
+            unit_of(variable) or quantity.unit, variable.description or "",
         )  # fmt: skip
 
     def _output(self, name: str, target: str) -> Iterator[Signal]:
@@ -218,7 +218,7 @@ class _Reader:
                 start[:] = self._parts[part].start.get(quantity.name, start)
                 yield Signal(
                     name, variable.type, part, quantity.name, index, factor, offset,
-                    _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
+                    unit_of(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
@@ -230,7 +230,7 @@ class _Reader:
         except ValueError as error:
             self._note(f"outputs.{name}", str(error))
             return
-        unit, text = _unit(variable) or "1", variable.description or ""
+        unit, text = unit_of(variable) or "1", variable.description or ""
         yield Signal(name, variable.type, "", "", 0, unit=unit, description=text)
 
     def _part(self, path: str) -> tuple[str, str]:
@@ -249,7 +249,7 @@ class _Reader:
 
     def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy
         """Whether a variable is the impulse of a load in this unit."""
-        if unit not in _IMPULSES or not _unit(variable):
+        if unit not in _IMPULSES or not unit_of(variable):
             return False
         try:
             self._conversion(variable, _IMPULSES[unit])
@@ -262,7 +262,7 @@ class _Reader:
 
         A variable without a unit is taken to be in that of the scene's components.
         """
-        said = _unit(variable)
+        said = unit_of(variable)
         if not said or said == unit:
             return 1.0, 0.0
         base = self._units.get(said)
@@ -285,12 +285,12 @@ class _Reader:
         return factor / our_factor, offset / our_factor
 
 
-def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
+def unit_of(variable: Any) -> str:  # noqa: ANN401 - of FMPy
     """Unit of a variable, its own or that of the type that it is declared to have; none as an empty text."""
     return variable.unit or getattr(variable.declaredType, "unit", None) or ""
 
 
-def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
+def model_description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
     try:
         found = read_model_description(str(path), validate=False)
@@ -301,76 +301,3 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     if found.coSimulation is None:
         raise _NoFmuError("is no co-simulation FMU; export it as one")
     return found
-
-
-def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
-    """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
-    tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
-    for fmu in assembly.signal_fmus:
-        if (table := tables.get(fmu.name)) is not None:
-            yield from _bare_units(fmu)
-            yield from _of_several_hinges(fmu, table, assembly.hinge_lines)
-            yield from _set_by_events(fmu, assembly.events)
-            yield from _driven_wing(fmu, table)
-
-
-def _bare_units(fmu: SignalFmu) -> Iterator[str]:
-    """Variables without unit, which are taken as they are."""
-    variables = {v.name: v for v in _description(fmu.path).modelVariables}
-    bare = []
-    for signal in (*fmu.inputs, *fmu.outputs):
-        array, _ = element(signal.variable) or (signal.variable, 0)
-        variable = variables.get(signal.variable) or variables[array]
-        if not _unit(variable) and signal.unit != "1":
-            bare.append(signal)
-    if bare:
-        listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
-        yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
-
-
-def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:
-    """Loads by the name of a line that has several hinges."""
-    hinges = {line.name: line for line in lines if len(line.hinges) > 1}
-    units = {s.variable: s.unit for s in (*fmu.inputs, *fmu.outputs)}
-    for name, source in table.inputs.items():
-        line = hinges.get(source.partition(".")[0])
-        if line is not None and "N" in units[name]:
-            number = len(line.hinges)
-            yield f"fmu.{fmu.name}.inputs.{name}: {source} is that of {line.sensor} alone, one of {number} hinges"
-    for name in table.outputs:
-        for target in table.targets(name):
-            line = hinges.get(target.partition(".")[0])
-            if line is not None and "N" in units[name]:
-                yield (
-                    f"fmu.{fmu.name}.outputs.{name}: each of the {len(line.hinges)} hinges of {line.name} gets the "
-                    "whole value; divide what is meant for the line"
-                )
-
-
-def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
-    """Parameters that an event sets as well."""
-    targets = {(s.part, s.quantity) for s in fmu.outputs}
-    for event in events:
-        for setting in event.settings:
-            if (setting.part, setting.parameter) in targets:
-                yield (
-                    f"event.{event.name}: it sets {setting.part}.{setting.parameter}, as the FMU {fmu.name} does; from "
-                    "the event on the FMU does no longer"
-                )
-
-
-def _driven_wing(fmu: SignalFmu, table: Fmu) -> Iterator[str]:
-    """A wing as one FMU whose loads are held, or whose base does not meet the rates that it is given."""
-    if not any(v.name == MEETS_RATES for v in _description(fmu.path).modelVariables) or not fmu.inputs:
-        return
-    if not fmu.iterated:
-        yield (
-            f"fmu.{fmu.name}: loads of this wing are held over a step, which is unstable where it is heavy beside its "
-            f"spacecraft, and may be in bands of steps; compare two steps, or give iterated = true and parameters = {{ "
-            f"{MEETS_RATES} = 1 }}"
-        )
-    elif not table.parameters.get(MEETS_RATES):
-        yield (
-            f"fmu.{fmu.name}: it is iterated, with the rates of a step's end; give parameters = {{ {MEETS_RATES} = 1 "
-            "}, without which its base lags behind them"
-        )

@@ -311,7 +311,7 @@ def _follow(
     recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
-        signals = _signal_processes(assembly, stack)
+        signals = _signal_processes(assembly, settings.tolerance, stack)
         runner = (
             (CompiledMaster if settings.compiled else Master)(
                 network, assembly.hinge_lines, writer, settings, assembly.events, signals
@@ -355,10 +355,10 @@ def _follow(
     return Outcome(result, kind, network.order, headline(result), costs, segments, *seen)
 
 
-def _signal_processes(assembly: Assembly, stack: ExitStack) -> list[SignalProcess]:
+def _signal_processes(assembly: Assembly, tolerance: float, stack: ExitStack) -> list[SignalProcess]:
     """A process for each FMU that has signals; RunError where one cannot be started."""
     try:
-        return [stack.enter_context(SignalProcess(fmu)) for fmu in assembly.signal_fmus]
+        return [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
     except ParticipantError as error:
         raise RunError(f"{assembly.name}: {error}") from None
 

@@ -16,7 +16,7 @@ from ..assembly import Assembly
 from ..assembly.assemble import assemble
 from ..assembly.hinges import unfollowed_curves
 from ..assembly.plausibility import doubts
-from ..assembly.signal_fmus import signal_sentences
+from ..assembly.signal_doubts import is_driven_wing, signal_sentences
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
@@ -159,6 +159,8 @@ def simulate(
     for sentence in filter(None, (python_sentence(options.backend), absence_sentence(), place_sentence())):
         tell(sentence)
     assembly = options.assemble(scene)
+    if options.step is not None:
+        _refuse_wings(assembly)
     for sentence in [
         *doubts(scene),
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
@@ -218,6 +220,16 @@ def python_sentence(backend: Backend | None) -> str:
     if backend is not None or native_library() is not None:
         return ""
     return "no native library was built at installation; PythonFMUs are used, which are slower"
+
+
+def _refuse_wings(assembly: Assembly) -> None:
+    """RunError where the loads of a wing as one FMU could grow from step to step, as no error makes steps smaller."""
+    names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and is_driven_wing(fmu)]
+    if names:
+        raise RunError(
+            f"{assembly.name}: steps beside an iterated wing ({', '.join(names)}) follow from the tolerance; at a "
+            "fixed one loads may grow without end: leave it out; the wing's own table has the longest one"
+        )
 
 
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:

@@ -44,11 +44,12 @@ class Host:
         inputs: Sequence[str],
         outputs: Sequence[str],
         values: Sequence[float],
+        tolerance: float,
         keeps: bool,
     ) -> list[float]:
         """Instantiate what is unpacked in a folder, initialise it at t = 0 with these inputs, and give its outputs.
 
-        keeps: its state is kept, for steps that are tried.
+        tolerance: relative accuracy of the experiment. keeps: its state is kept, for steps that are tried.
         """
         description = read_model_description(folder, validate=False)
         self._fmi2 = description.fmiVersion.startswith("2.")
@@ -56,10 +57,10 @@ class Host:
         self._inputs, self._outputs = tuple(inputs), tuple(outputs)
         self._fmu = instantiate_fmu(folder, description, "CoSimulation", logger=self._log)
         if self._fmi2:
-            self._fmu.setupExperiment(startTime=0.0)
+            self._fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
         for name, value in start.items():
             self._set(name, value)
-        self._fmu.enterInitializationMode()
+        self._fmu.enterInitializationMode(**({} if self._fmi2 else {"tolerance": tolerance}))
         self._hand_over(values)
         self._fmu.exitInitializationMode()
         given = self._given()

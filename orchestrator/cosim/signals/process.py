@@ -32,11 +32,12 @@ class DiscardedStepError(ParticipantError):
 class SignalProcess:
     """An FMU in a process of its own; a context manager. ParticipantError where it fails, crashes or hangs.
 
-    longest_call: time (s) after which a call that has not come to its end is taken to hang.
+    tolerance: relative accuracy that it is told to have. longest_call: time (s) after which a call that has not come
+    to its end is taken to hang.
     """
 
-    def __init__(self, fmu: SignalFmu, longest_call: float = LONGEST_CALL) -> None:
-        self.fmu = fmu
+    def __init__(self, fmu: SignalFmu, tolerance: float, longest_call: float = LONGEST_CALL) -> None:
+        self.fmu, self._tolerance = fmu, tolerance
         self._longest_call = longest_call
         self._inputs = tuple(signal.variable for signal in fmu.inputs)
         # one output may set several parameters
@@ -65,6 +66,7 @@ class SignalProcess:
             self._inputs,
             self.outputs,
             values,
+            self._tolerance,
             self.fmu.iterated,
         )
         return found

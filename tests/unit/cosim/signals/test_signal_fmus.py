@@ -211,7 +211,7 @@ def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
 def test_an_fmu_that_hangs_is_ended(tmp_path):
     """A call that does not come to its end in the time that it is given."""
     file = slave(tmp_path, fault="time.sleep(60)")
-    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), longest_call=3.0) as one:
+    with SignalProcess(SignalFmu("controller", file, STEP, {}, (), ()), 1e-4, longest_call=3.0) as one:
         one.open([])
         with pytest.raises(
             ParticipantError, match=r"controller: at t = 0\.05 s it did not answer within 3 s"
