@@ -12,6 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from components.contract.ports import MOTION_SIZE
+
 from .implicit.solver import Solver
 from .participant import Vector
 from .stepping import StepError, failure
@@ -24,6 +26,12 @@ _PARTS = 4
 _SHORTEST = 1e-5
 _AT_REST = 1e-6
 """Largest motion (m, rad) in the last step of what rests: 7e-5 m/s2 of unbalanced force over mass."""
+_LONGER, _MOST_LONGER = 2.0, 8
+"""Steps after these, each so many times as long as the one before, where something soft has not come to rest: 30 s."""
+_STEADY, _FELT = 1e-6, 1e-3
+"""Change of loads in a step, of the largest, up to which no longer one is made, and from which on it is told."""
+_NO_LOAD = 1e-6
+"""N or N.m, in whose size changes are judged where there are hardly any loads."""
 _UNHELD = 1e-3
 """Largest relative change of the motion from one step to the next where nothing holds: softer than 0.04 Hz."""
 
@@ -36,7 +44,13 @@ class StaticSearch:
 
     def __init__(self, solver: Solver) -> None:
         self._solver = solver
-        self._bodies = solver.network.bodies
+        self._before = solver.accepted.copy()
+        network = solver.network
+        self._ports = [
+            (body, port)
+            for body, ports in zip(network.bodies, network.body_ports, strict=True)
+            for port in range(len(ports))
+        ]
 
     def run(self) -> str:
         """Search; the solver's accepted wrenches are those of the equilibrium afterwards.
@@ -51,23 +65,56 @@ class StaticSearch:
             self._follow(time, h)
             time += h
             poses.append(self._poses())
-        solver.persistent = usual
         self._check_held(*poses[-3:], h=_STEPS[-1])
-        return self._restless(_motions(*poses[-2:]), _STEPS[-1])
+        h = self._go_on(poses)
+        solver.persistent = usual
+        return self._restless(_motions(*poses[-2:]), h)
+
+    def _go_on(self, poses: list[list[Vector]]) -> float:
+        """Ever longer steps, which end at t = 0 all of them, until all rests; the size (s) of the last one made.
+
+        None where all falls as one, which longer steps would only carry away.
+        """
+        h = _STEPS[-1]
+        for _ in range(_MOST_LONGER):
+            falls = all(np.abs(_motion(a, b)[:3]).max() > _AT_REST for a, b in zip(*poses[-2:], strict=True))
+            moves = max(np.abs(motion).max() for motion in _motions(*poses[-2:])) > _AT_REST
+            if falls or (not moves and self._unsteady <= _STEADY):
+                break
+            h *= _LONGER
+            self._follow(-h, h)
+            poses.append(self._poses())
+        return h
+
+    @property
+    def _unsteady(self) -> float:
+        """Change of the loads in the last step over the largest: of bodies that bend beyond what holds them."""
+        change, largest = (
+            self._solver.accepted - self._before,
+            float(np.abs(self._solver.accepted).max(initial=0.0)),
+        )
+        return float(np.abs(change).max(initial=0.0)) / max(largest, _NO_LOAD)
 
     def _restless(self, motions: Sequence[Vector], h: float) -> str:
         worst = int(np.argmax([np.abs(motion).max() for motion in motions]))
-        if np.abs(motions[worst]).max() <= _AT_REST:
-            return ""
-        return (
-            f"it does not start quite at rest: the search for static equilibrium ends while {self._bodies[worst].name} "
-            f"still moves {_described(motions[worst], h)}; joints are soft beside the loads that bend them, or "
-            "next to nothing holds it in that direction"
-        )
+        name = self._ports[worst][0].name
+        if np.abs(motions[worst]).max() > _AT_REST:
+            return (
+                f"it does not start quite at rest: the search for static equilibrium ends while {name} still moves "
+                f"{_described(motions[worst], h)}; joints are soft beside the loads that bend them, or next to nothing "
+                "holds it in that direction"
+            )
+        if self._unsteady > _FELT:
+            return (
+                "it does not start quite at rest: the search for static equilibrium ends while loads still change by "
+                f"{self._unsteady:.2g} of the largest; a body bends more slowly than the search is long"
+            )
+        return ""
 
     def _follow(self, time: float, h: float) -> None:
         """A step, or several short ones in its place where it does not converge."""
         solver = self._solver
+        self._before[:] = solver.accepted
         solution = solver.solve(time, h, solver.accepted)
         if solution.converged:
             solver.accepted[:] = solver.wrenches
@@ -79,8 +126,10 @@ class StaticSearch:
             self._follow(time + part * h / _PARTS, h / _PARTS)
 
     def _poses(self) -> list[Vector]:
-        """Position and quaternion (7,) of the first port of every body."""
-        return [body.outputs[:7].copy() for body in self._bodies]
+        """Position and quaternion (7,) of every port of all bodies."""
+        return [
+            body.outputs[MOTION_SIZE * port : MOTION_SIZE * port + 7].copy() for body, port in self._ports
+        ]
 
     def _check_held(self, *poses: Sequence[Vector], h: float) -> None:
         """StepError that names the body that moves most, if nothing slows it down."""
@@ -91,14 +140,14 @@ class StaticSearch:
         if size <= _AT_REST or change > _UNHELD * size:
             return
         raise StepError(
-            f"there is no static equilibrium to start from: with all hinges held, {self._bodies[worst].name} still "
+            f"there is no static equilibrium to start from: with all hinges held, {self._ports[worst][0].name} still "
             f"moves {_described(last[worst], h)}; nothing, or next to nothing, holds it in that direction: add a "
             "connection with stiffness there, or start without preload"
         )
 
 
 def _motions(before: Sequence[Vector], after: Sequence[Vector]) -> list[Vector]:
-    """Motions of all bodies; where none stays, but for their mean translation: a free spacecraft falls as one."""
+    """Motions of all ports; where none stays, but for their mean translation: a free spacecraft falls as one."""
     moves = [_motion(a, b) for a, b in zip(before, after, strict=True)]
     if not all(move.any() for move in moves):
         return moves
