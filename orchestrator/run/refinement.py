@@ -20,6 +20,7 @@ from tempfile import TemporaryDirectory
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
+from ..cosim.stepping import StepError
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     OF_LATCHES,
@@ -32,7 +33,7 @@ from ..results.estimated_errors import (
 )
 from ..scene.schema import TOLERANCES
 from .companion import with_estimates
-from .progress import Progress, followed, silent
+from .progress import Progress, Watch, followed, silent
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _AIM = 3.0
@@ -40,6 +41,8 @@ _AIM = 3.0
 _PER_DECADE = 5.0
 _MOST = 0.01
 """Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
+_COSTLIEST = 50
+"""Times the steps of the run before that a repetition may take: ten follow from the tolerance, others from ringing."""
 _FALLING = 1.0 / 3.0
 _AT_THE_MOST = 2.0
 """Times what is left where errors fall as they should."""
@@ -108,6 +111,24 @@ def smaller_tolerance(tolerance: float, error: float, asked: float | None = None
     return max(TOLERANCES[0], _MOST * (asked or tolerance), tolerance * part)
 
 
+class _Bounded:
+    """A watch that ends a run which takes more than so many steps, as it sees them: some at a time."""
+
+    def __init__(self, watch: Watch, most: int) -> None:
+        self._watch, self._most = watch, most
+        self._made, self._last = 0.0, 0.0
+
+    def __call__(self, time: float, h: float) -> None:
+        """Show a step, and count those since the last one shown."""
+        self._watch(time, h)
+        self._made += max(1.0, (time - self._last) / h)
+        self._last = time
+        if self._made > self._most:
+            raise StepError(
+                f"at t = {time:.6g} s it has taken {self._made:.0f} steps, {_COSTLIEST} times those of the run before"
+            )
+
+
 def _again(
     assembly: Assembly,
     outcome: Outcome,
@@ -123,7 +144,8 @@ def _again(
     with ExitStack() as stack:
         beside = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         with followed(progress, name, end) as watch:
-            found = run(assembly, beside, settings, until, watch=watch, load=load)
+            bounded = _Bounded(watch, _COSTLIEST * outcome.costs.steps)
+            found = run(assembly, beside, settings, until, watch=bounded, load=load)
         with followed(progress, f"{name}: errors", end) as watch:
             at_least = _left(outcome, found, part)
             found = with_estimates(assembly, found, settings, until, watch, load, at_least)

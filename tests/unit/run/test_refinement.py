@@ -135,6 +135,14 @@ def test_errors_that_do_not_fall_lead_to_the_smallest_tolerance(outcome, monkeyp
     assert len(said) == 2
 
 
+def test_a_repetition_that_costs_too_much_is_given_up(outcome, monkeypatch):
+    """Rule: no scene takes minutes for seconds. Regression: one took 200 times its first run, for a joint's ringing."""
+    said, bad = [], off_by(outcome, 60.0)
+    monkeypatch.setattr(refinement, "_COSTLIEST", 1)
+    assert refined(smooth_scene(), bad, ASKED, UNTIL, warn=said.append) == (bad, ASKED)
+    assert re.search(r"as the repetition failed: .* steps, 1 times those of the run before", said[1])
+
+
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
     """Bad input: interrupted on its way, it leaves the result as it was, no file beside it, and says why."""
     bad, said = off_by(outcome, 60.0), []
