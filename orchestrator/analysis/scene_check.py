@@ -16,8 +16,9 @@ from components.flexible.modal import ModalData
 from ..assembly.assemble import assemble
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
-from ..assembly.hinges import line_latch
+from ..assembly.hinges import line_latch, unfollowed_curves
 from ..assembly.plausibility import doubts, loop_travels
+from ..assembly.signal_doubts import signal_sentences
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,
@@ -142,7 +143,7 @@ def check_scene(
     """A sound scene looked at; SceneError where it cannot be assembled."""
     chosen = choose_fidelity(scene, rigid, flexible, large_deformation)
     bends = {name: fidelity != "rigid" for name, fidelity in chosen.items()}
-    assemble(scene, rigid={"all"})  # says what only an assembly can tell
+    assembly = assemble(scene, rigid={"all"})  # says what only an assembly can tell
     models = {body.name: body_model(body, flexible=False) for body in scene.bodies}
     base = base_model(scene.base)
     if base is not None:
@@ -153,7 +154,12 @@ def check_scene(
     return SceneCheck(
         scene=scene.header.name,
         problems=(),
-        warnings=(*doubts(scene), *_out_of_reach(far)),
+        warnings=(
+            *doubts(scene),
+            *signal_sentences(assembly, scene),
+            *unfollowed_curves(scene, [name for name, one in bends.items() if one]),
+            *_out_of_reach(far),
+        ),
         bodies=tuple(_bodies(scene, models, chosen)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
         loops=tuple(_loop(scene, loop) for loop in scene.loops),

@@ -17,6 +17,7 @@ from ..assembly.assemble import assemble
 from ..assembly.hinges import unfollowed_curves
 from ..assembly.plausibility import doubts
 from ..assembly.signal_doubts import is_driven_wing, signal_sentences
+from ..assembly.spin import unstiffened_spins
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
@@ -166,6 +167,7 @@ def simulate(
         *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
         *signal_sentences(assembly, scene),
         *unfollowed_curves(scene, {*assembly.flexible, *assembly.large_deformation}),
+        *unstiffened_spins(scene, assembly),
     ]:
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until

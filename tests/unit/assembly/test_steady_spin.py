@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import orchestrator as fanfold
+from orchestrator.assembly.assemble import assemble
+from orchestrator.assembly.spin import unstiffened_spins
 from tests.unit.components.body.test_second_order import BLADE
 
 LENGTH, BENDING, LINE_MASS = 2.0, 300.0, 0.8
@@ -24,8 +26,8 @@ def turning(rate):
     return scene, scene.base(points={"hub": (0, 0, 0)}, motion={"rotation": law})
 
 
-def blade(rate, second_order=12):
-    """Frequencies (rad/s) of a cantilever that turns about its root, by bending direction: flap z, lag y."""
+def spun(rate, second_order=12):
+    """A cantilever that turns about its root."""
     scene, hub = turning(rate)
     beam = {"length": LENGTH, "elements": 24, "attachment_points": {"root": 0}, "section": SECTION}
     keys = {"fidelity": "flexible", "fixed_interface_modes": 12, "second_order_modes": second_order}
@@ -33,7 +35,24 @@ def blade(rate, second_order=12):
     ports = {"inboard": {"body": hub, "point": "hub"}, "outboard": {"body": boom, "point": "root"}}
     scene.connection("clamp", "hinge", preset="fixed", axes={"x": (1, 0, 0)}, ports=ports)
     scene.joint(axial_stiffness=1e9, radial_stiffness=1e9, cross_stiffness=1e8)
-    return 2.0 * np.pi * fanfold.modes(scene).frequencies
+    return scene
+
+
+def blade(rate):
+    """Its frequencies (rad/s), by bending direction: flap z, lag y."""
+    return 2.0 * np.pi * fanfold.modes(spun(rate)).frequencies
+
+
+def test_spin_that_stiffens_nothing_is_told():
+    """Definition: modes of first order know no tension. One of second order, or a slow spin, is no matter."""
+    fast, slow = 5.0 * SCALE, 0.1 * SCALE
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"body.boom: it spins at up to .* modes are of first order"
+    ):
+        fanfold.simulate(spun(fast, 0), until=1e-4, estimate=False)
+    for scene in (spun(fast), spun(slow, 0)):
+        checked = scene.check()
+        assert not list(unstiffened_spins(checked, assemble(checked)))
 
 
 @pytest.mark.parametrize("ratio", [2.0, 12.0])

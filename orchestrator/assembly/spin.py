@@ -1,0 +1,34 @@
+"""Flexible bodies of first order on what spins, whose tension stiffens nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..scene.bodies import motions
+from ..scene.schema import CheckedScene
+from . import Assembly
+
+_SAMPLES = 257
+_FELT = 0.1
+"""Rate of the spin over the lowest free frequency, from which on frequencies are off by its square or more."""
+
+
+def unstiffened_spins(scene: CheckedScene, assembly: Assembly) -> Iterator[str]:
+    """A sentence for each flexible body without modes of second order that a motion law of the scene spins so fast."""
+    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
+    fastest = max(
+        (abs(motion.laws[1].rate(time)) for motion in motions(scene).values() for time in times), default=0.0
+    )
+    first_order = {body.name for body in scene.bodies if not body.second_order_modes}
+    for part in assembly.parts:
+        if part.name not in assembly.flexible or part.name not in first_order:
+            continue
+        frequencies = np.asarray(part.structure["modal"]["frequency"])
+        if frequencies.size and fastest > _FELT * frequencies.min():
+            yield (
+                f"body.{part.name}: it spins at up to {fastest:.3g} rad/s, beside a first free mode at "
+                f"{frequencies.min():.3g} rad/s, and its modes are of first order, which tension does not stiffen: "
+                "frequencies and deflections in spin are off; give it second_order_modes"
+            )
