@@ -91,8 +91,8 @@ class Gradients:
             return ""
         return (
             f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
-            "keys together is not the sum of those of each, as where ringing is chaotic or not resolved; try a smaller "
-            "tolerance"
+            "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
+            "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
         )
 
     def plain(self) -> dict[str, object]:
@@ -253,8 +253,19 @@ def _told(
         tuple(one.unit for one in parameters),
         tuple(numbers),
         slopes,
-        _shares(numbers, off, np.linalg.norm(slopes * steps, axis=1)),
+        _beside_locks(assembly, numbers, _shares(numbers, off, np.linalg.norm(slopes * steps, axis=1))),
     )
+
+
+def _beside_locks(assembly: Assembly, numbers: Sequence[Number], errors: Vector) -> Vector:
+    """Errors, of loads and impulses as large as the gradient where rigid bodies lock.
+
+    The rates of stiff joints that an impulse meets are chance, and alike in neighbours: nothing else tells.
+    """
+    if not any(line.locks_rigid for line in assembly.hinge_lines):
+        return errors
+    loads = np.array([one.unit in (*_LOADS, "N.m.s") for one in numbers])
+    return np.where(loads & (errors < 1.0), 1.0, errors)
 
 
 def _values(numbers: Sequence[Number], result: Result) -> Vector:
