@@ -139,8 +139,8 @@ def test_loads_of_rigid_locks_are_vouched_for_by_nobody():
     tree = latching().tree
     tree["hinge_line"][0]["latch"]["kind"] = "kinematic"
     scene = fanfold.Scene.of_tree("latching.toml", tree)
-    with pytest.warns(fanfold.FanfoldWarning, match="rigid bodies lock, whose loads hang on chance"):
-        found = fanfold.gradients(scene, ["hinge_line.HL.motor.stowed"])
+    found = fanfold.gradients(scene, ["hinge_line.HL.motor.stowed"])
+    assert "rigid bodies lock, whose loads hang on chance" in found.warning
     assert "latch impulse HL" in found.doubtful
     assert "latch time HL" not in found.doubtful
 
