@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
+from components import REGISTRY
+
 from ..assembly import Assembly, Part
 from ..assembly.start_values import led_to
 from ..cosim.settings import Settings
@@ -18,6 +22,8 @@ _STARTED = {
 }
 """Parameters of bodies that say where they start, by what is recorded of them."""
 _INSTANT = 1e-5
+_LOST = 0.1
+"""Of a preload, by which equilibrium may change it before that is told: stacks give way a little."""
 
 
 def started_at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
@@ -38,3 +44,19 @@ def _starts(part: Part, found: Result) -> Iterator[tuple[str, tuple[float, ...]]
     for parameter, recorded in _STARTED.items():
         if found.has(part.name, recorded):
             yield parameter, tuple(found.signal(part.name, recorded)[0].tolist())
+
+
+def lost_preloads(assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for each hold-down that static equilibrium leaves far from the preload that it was given."""
+    for part in assembly.parts if assembly.preload else ():
+        given = float(np.ravel(part.start.get("preload", 0.0))[0]) if part.kind == "hold_down" else 0.0
+        if not given or not result.has(part.name, "force"):
+            continue
+        axis = np.array(REGISTRY[part.kind](**part.structure).structure["axis"], dtype=float)
+        pull = -float(result.signal(part.name, "force")[0] @ axis) / float(np.linalg.norm(axis))
+        if abs(pull - given) > _LOST * given:
+            left = f"{pull:.4g} N" if pull >= 0.0 else f"a push of {-pull:.4g} N"
+            yield (
+                f"{part.name} has {left} of its preload of {given:.4g} N where the run starts, in static equilibrium: "
+                "what it pulls against gives way, or there is nothing, such as a snubber"
+            )

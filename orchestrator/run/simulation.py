@@ -29,6 +29,7 @@ from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .linear_range import linear_range_sentences
 from .open_joints import open_joint_sentences
+from .preload import lost_preloads
 from .progress import Progress, followed, silent
 from .recording import Recording
 from .refinement import refined
@@ -185,6 +186,7 @@ def simulate(
     found = (
         outcome.headline.open_ends(),
         [f"{assembly.name}: {outcome.restless}"] if outcome.restless else [],
+        lost_preloads(assembly, outcome.result),
         _absent_sentences(assembly, outcome),
         _damped_sentences(scene, assembly, outcome),
         open_joint_sentences(scene, assembly, outcome.result),

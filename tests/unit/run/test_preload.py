@@ -173,3 +173,22 @@ def test_a_soft_beam_starts_bent_as_it_stays(fidelity):
     mass = 2700.0 * np.pi * (0.005**2 - 0.004**2) * 4.0
     moments = run["base", "interface_torque"][:, 1]
     assert moments == pytest.approx(mass * 0.1 * 2.0, rel=2e-3 if fidelity else 1e-5)
+
+
+def test_a_preload_that_nothing_resists_is_told():
+    """Statics: a bolt that pulls a panel, with no snubber between, holds what the motor gives, and no more."""
+    scene = fanfold.Scene("bolted", until="0.05 s", preload=True)
+    scene.base("sat", points={"root": (0, 0, 0), "bolt": (1, 0, 0)})
+    points = {"root": (0, 0, 0), "bolt": (1, 0, 0)}
+    rigid = {"mass": 4.0, "center_of_mass": (0.5, 0, 0), "inertia": (0.1, 0.4, 0.4), "points": points}
+    scene.body("panel", rigid=rigid)
+    scene.hinge_line(
+        "HL", "sat", "panel", axis="-y", aligned_angle="0 deg", stowed_angle="0 deg", latch_angle="90 deg",
+        motor={"stowed": "2 N.m", "deployed": "1 N.m"}, latch={"stiffness": 500}, hinges={"pin": ("root", "root")},
+    )  # fmt: skip
+    ports = {"inboard": {"body": "sat", "point": "bolt"}, "outboard": {"body": "panel", "point": "bolt"}}
+    scene.connection("bolt", "hold_down", ports=ports, parameters={"preload": "300 N"})
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"bolt has 2(\.\d+)? N of its preload of 300 N where the run starts"
+    ):
+        fanfold.simulate(scene, estimate=False)
