@@ -35,6 +35,7 @@ class Iteration:
         self._ends = np.cumsum([len(one.fmu.outputs) for one in fmus])[:-1]
         self._largest = np.full(len(signals), _LEAST)
         self._derivatives: Matrix | None = None
+        self._past: list[tuple[float, Vector]] = []
         self._given: list[Mapping[str, float]] = []
 
     @property
@@ -44,7 +45,7 @@ class Iteration:
 
     def solve(self, solver: Solver, time: float, h: float, tolerance: float) -> Solution:
         """A step of the participants with the loads that the FMUs give over it; they end stepped and observed."""
-        solution, apart = self._made(self._loads, solver, time, h, solver.predicted(time, h))
+        solution, apart = self._made(self._predicted(h), solver, time, h, solver.predicted(time, h))
         for attempt in range(2):
             if not solution.converged or self._agree(apart, tolerance):
                 return solution
@@ -65,10 +66,18 @@ class Iteration:
         """What the FMUs have come to in the step solved last, over h (s), is where the next one starts."""
         for one, given in zip(self._fmus, self._given, strict=True):
             one.keep(given, h)
+        self._past = [*self._past[-1:], (h, self._loads)]
         lasting = min(
             1.0, h / self.longest_step
         )  # the mean of an impulse over a short step is no size to judge by
         self._largest = np.maximum(self._largest, lasting * self._largest_alike(self._loads))
+
+    def _predicted(self, h: float) -> Vector:
+        """Loads over a step h (s) on the line through the means of the last two."""
+        if len(self._past) < 2:
+            return self._loads
+        (h_before, before), (h_last, last) = self._past
+        return last + (last - before) * (h + h_last) / (h_last + h_before)
 
     def _made(
         self, loads: Vector, solver: Solver, time: float, h: float, guess: Vector
