@@ -164,16 +164,11 @@ def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
 
 def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
     """Placed bodies that joints turn far out of the attitude that they are written with."""
-    for name, angle in closed(scene, scene_points(scene)).turned.items():
+    bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
+    for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
         if angle > _TURNED:
-            joints = [
-                one.name
-                for one in scene.connections
-                if one.preset is not None
-                and one.axes is None
-                and name in {seat.body for seat in one.ports.values()}
-            ]
-            advice = f"give {', '.join(joints)} axes (in the world), or " if joints else ""
+            joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
+            advice = f"give {joints} axes (in the world), or " if joints else ""
             yield (
                 f"body.{name}: joints turn it by {degrees(angle):.3g} deg from where its place says, as their ports "
                 f"have the axes of their bodies; {advice}place it as they hold it"
