@@ -38,15 +38,7 @@ _NO_LOADS = (MidStep.starting(0.0),) * 3
 class _Parameters(NamedTuple):
     translational_stiffness: Annotated[Vector3, tunable("N/m", "Stiffness along the inboard axes", 1e6, 0.0)]
     translational_damping: Annotated[Vector3, tunable("N.s/m", "Damping along the inboard axes", 0.0, 0.0)]
-    preload: Annotated[
-        float,
-        tunable(
-            "N",
-            "Force that pulls against the axis where it is written; equilibrium at the start may change it",
-            0.0,
-            0.0,
-        ),
-    ]
+    preload: Annotated[float, tunable("N", "Force against the axis, before static equilibrium", 0.0, 0.0)]
     initial_displacement: Annotated[
         Vector3, fixed("m", "At the start, from where the preload is, inboard axes")
     ]

@@ -15,7 +15,7 @@ from . import stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
-from .events.crossings import Fall, find_event, first_met, met_at_the_end, still_to_latch
+from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
 from .implicit.convergence import Solution, Tolerance
 from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
@@ -123,10 +123,10 @@ class Master(CoSimulation):
                     continue
                 h, solution = found
                 self._observe(h)
-            reached = [] if crossed is None else met_at_the_end(self._falls(), h)
+            reached = [] if crossed is None else met_with(crossed, self._falls(), h)
             is_break = not reached and self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
-            for one in sorted(reached, key=lambda one: crossed is None or one is not crossed.one):
+            for one in reached:
                 self._let_act(one, reached)
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._renew()

@@ -35,12 +35,12 @@ def first_met(falls: Sequence[Fall], h: float) -> Fall | None:
     return best
 
 
-def met_at_the_end(falls: Sequence[Fall], h: float) -> list[HingeLine | Event]:
-    """All that fall through zero at the instant that a step h (s) ends at."""
+def met_with(crossed: Fall, falls: Sequence[Fall], h: float) -> list[HingeLine | Event]:
+    """What a step h (s) was ended for, and then all else that falls through zero at that instant."""
+    others = [fall for fall in falls if fall.one is not crossed.one and fall.before > 0.0]
     return [
-        fall.one
-        for fall in falls
-        if fall.before > 0.0 and fall.after <= (fall.before - fall.after) / h * INSTANT
+        crossed.one,
+        *(fall.one for fall in others if fall.after <= (fall.before - fall.after) / h * INSTANT),
     ]
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from math import cos, pi
+from types import SimpleNamespace
 
 import pytest
 
-from orchestrator.cosim.events.crossings import find_event
+from orchestrator.cosim.events.crossings import Fall, find_event, first_met, met_with
 from orchestrator.cosim.implicit.convergence import MAX_ITERATIONS, is_too_slow
 from orchestrator.cosim.stepping import StepSizes
 
@@ -91,3 +92,21 @@ def test_matrices_are_too_slow_where_the_iterations_left_do_not_suffice():
     assert not is_too_slow(1e5, 1e6, MAX_ITERATIONS - 6)
     assert is_too_slow(1e7, 1e8, MAX_ITERATIONS - 6)
     assert is_too_slow(2.0, 2.0, 4)
+
+
+def test_what_ends_a_step_acts_however_slowly_it_comes():
+    """Definition: the line that a step was ended for comes first, though 1e-11 of its way is left at 1e-6 rad/s.
+
+    Others act with it that reach zero within 1e-7 s, at their rates; what began below zero never falls through it.
+    """
+    slow, twin, later, past = (SimpleNamespace(name=name) for name in ("slow", "twin", "later", "past"))
+    h = 1e-2
+    met = first_met([Fall(slow, 1e-8, -1e-9), Fall(later, 1.0, 0.5)], h)
+    assert met.one is slow
+    ends = [
+        Fall(slow, 1e-8, 1e-11),
+        Fall(twin, 1e-2, 0.9e-7),
+        Fall(later, 1e-2, 1.1e-7),
+        Fall(past, -1e-3, -2e-3),
+    ]
+    assert met_with(met, ends, h) == [slow, twin]
