@@ -1,8 +1,7 @@
 """The process of an FMU that has signals: `python -m orchestrator.cosim.signals.host END`, the number of a pipe's end.
 
 It answers requests, a name and arguments, by (True, what was asked for) or (False, (why not, whether a smaller step may
-do)). Signals of the system are
-for the process that asks: this one ends with it.
+do)). Signals of the system are for the process that asks: this one ends with it.
 """
 
 from __future__ import annotations

@@ -67,9 +67,8 @@ class Iteration:
         for one, given in zip(self._fmus, self._given, strict=True):
             one.keep(given, h)
         self._past = [*self._past[-1:], (h, self._loads)]
-        lasting = min(
-            1.0, h / self.longest_step
-        )  # the mean of an impulse over a short step is no size to judge by
+        # the mean of an impulse over a short step is no size to judge by
+        lasting = min(1.0, h / self.longest_step)
         self._largest = np.maximum(self._largest, lasting * self._largest_alike(self._loads))
 
     def _predicted(self, h: float) -> Vector:
@@ -104,9 +103,9 @@ class Iteration:
         assert self._derivatives is not None
         change = np.linalg.lstsq(self._derivatives, -apart)[0]
         solution, after = self._made(self._loads + change, solver, time, h, solver.wrenches.copy())
-        if solution.converged:
+        if solution.converged and (square := float(change @ change)) > 0.0:
             missed = after - apart - self._derivatives @ change
-            self._derivatives = self._derivatives + np.outer(missed, change) / float(change @ change)
+            self._derivatives = self._derivatives + np.outer(missed, change) / square
         return solution, after
 
     def _by_differences(self, apart: Vector, solver: Solver, time: float, h: float) -> Matrix:
