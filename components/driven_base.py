@@ -20,7 +20,6 @@ from .contract.frames import (
     normalized,
     rotation_matrix,
     scaled,
-    sum_of_moments,
 )
 from .contract.ports import WRENCH_SIZE
 from .contract.quantity import Quantity
@@ -212,7 +211,7 @@ class DrivenBase(Component):
         travel[:, :3] = made.moved(self._arms, 0.5 * h) - made.moved(self._arms, -0.5 * h)
         travel[:, 3:] = 2.0 * np.array(turn) / w
         work = wrenches @ travel.ravel() + slopes @ made.moments(self._arms).ravel()
-        force, torque = self._sums(wrenches, made.orientation)
+        fx, fy, fz, tx, ty, tz = self._loads.sums(wrenches, rotation_matrix(made.orientation)).tolist()
         return _Frame(
             add(before.position, _way(*moving, h)),
             orientation,
@@ -221,20 +220,13 @@ class DrivenBase(Component):
             add(before.acceleration, scaled(h, change)),
             add(before.angular_acceleration, scaled(h, angular_change)),
             before.work - float(work),
-            add(before.impulse, scaled(h, force)),
-            add(before.angular_impulse, scaled(h, torque)),
+            add(before.impulse, scaled(h, (fx, fy, fz))),
+            add(before.angular_impulse, scaled(h, (tx, ty, tz))),
             made.orientation,
             change,
             angular_change,
             h,
         )
-
-    def _sums(self, wrenches: Vector, orientation: Quaternion) -> tuple[Vector3, Vector3]:
-        """Force and torque of all ports about the frame's origin, axes of the frame."""
-        forces, torques = (wrenches.reshape(-1, 2, 3) @ rotation_matrix(orientation)).swapaxes(0, 1)
-        fx, fy, fz = forces.sum(0).tolist()
-        tx, ty, tz = (torques.sum(0) + sum_of_moments(self._arms, forces)).tolist()
-        return (fx, fy, fz), (tx, ty, tz)
 
     def outputs(self, c: None, x: Vector, u: Vector) -> Vector:
         """Motion of the ports, first moments of the last step."""
@@ -280,8 +272,8 @@ class DrivenBase(Component):
         speeds = self.outputs(c, x, u)[: 13 * len(self._arms)].reshape(-1, 13)[:, 7:]
         power = -float(u[:n] @ speeds.ravel())
         accelerations = now.acceleration, now.angular_acceleration
-        loads = self._sums(u[:n], now.orientation)
-        return np.concatenate((now.velocity, turning, *accelerations, u[n + 2 : n + 8], (power,), *loads))
+        loads = self._loads.sums(u[:n], rotation_matrix(now.orientation))
+        return np.concatenate((now.velocity, turning, *accelerations, u[n + 2 : n + 8], (power,), loads))
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Arrays that `fmus/native/kernels/driven_base.c` reads."""

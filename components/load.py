@@ -12,12 +12,11 @@ from .contract.connection import SLOPES, WRENCH, Connection, Inputs
 from .contract.frames import (
     Quaternion,
     Vector3,
-    conjugate,
     dot,
     exponential,
     multiply,
     rotate,
-    rotation_vector,
+    rotation_between,
     scaled,
     subtract,
 )
@@ -109,7 +108,7 @@ class Load(Connection[_Parameters, _State, _Commands]):
         (port,), (moment,) = u.motions, u.moments or (None,)
         clock = s.clock if u.commands.hold > 0.5 else s.clock + h
         is_paired = c.is_paired and moment is not None and u.commands.impulse < 0.5
-        turned = _turned(s.orientation, port.orientation)
+        turned = rotation_between(s.orientation, port.orientation)
         bend = moment.angular_velocity if is_paired and moment is not None else (0.0, 0.0, 0.0)
         directions = self._directions(s.orientation, port.orientation, turned, bend)
         wrench, slopes = self._means(c, s.clock, clock, directions)
@@ -194,8 +193,3 @@ class Load(Connection[_Parameters, _State, _Commands]):
         wave = {"profile": "harmonic", "amplitude": 2.0, "frequency": 1.5}
         ramp = {"profile": "ramp", "duration": 1.0, "change": 10.0}
         return cls((0.3, 0.0, 1.0), "body", force=[ramp], torque=[wave])
-
-
-def _turned(before: Quaternion, after: Quaternion) -> Vector3:
-    """Vector of the shortest rotation between two orientations, world axes."""
-    return rotation_vector(multiply(after, conjugate(before)))

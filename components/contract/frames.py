@@ -61,6 +61,11 @@ def rotation_vector(q: Quaternion) -> Vector3:
     return scaled(2.0 if half < 1e-8 else 2.0 * atan2(half, w) / half, (x, y, z))
 
 
+def rotation_between(before: Quaternion, after: Quaternion) -> Vector3:
+    """Rotation vector (rad) of the shortest rotation from one orientation to another, world axes."""
+    return rotation_vector(multiply(after, conjugate(before)))
+
+
 def rotate(q: Quaternion, v: Vector3) -> Vector3:
     """The vector v turned by q."""
     w, x, y, z = q

@@ -74,6 +74,11 @@ class PortLoads:
             earlier = between(StepMean(mean_before, slope_before, h_before), StepMean(mean, slope, h))
         return np.concatenate((now, earlier))
 
+    def sums(self, wrenches: Vector, axes: Vector) -> Vector:
+        """Force and torque (6,) of all ports, as `observe` tells their sum, of wrenches in world axes."""
+        found: Vector = self._loads(wrenches, axes)[:WRENCH_SIZE]
+        return found
+
     def _loads(self, wrenches: Vector, axes: Vector) -> Vector:
         """Sum about the reference point, then every port's own: wrenches in world axes, told in those of the base."""
         table = (wrenches.reshape(-1, 3) @ axes).reshape(-1, WRENCH_SIZE)

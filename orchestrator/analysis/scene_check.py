@@ -16,9 +16,8 @@ from components.flexible.modal import ModalData
 from ..assembly.assemble import assemble
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
-from ..assembly.hinges import line_latch, unfollowed_curves
-from ..assembly.plausibility import doubts, loop_travels
-from ..assembly.signal_doubts import signal_sentences
+from ..assembly.hinges import line_latch
+from ..assembly.plausibility import assembled_doubts, loop_travels
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,
@@ -155,9 +154,7 @@ def check_scene(
         scene=scene.header.name,
         problems=(),
         warnings=(
-            *doubts(scene),
-            *signal_sentences(assembly, scene),
-            *unfollowed_curves(scene, [name for name, one in bends.items() if one]),
+            *assembled_doubts(scene, assembly, [name for name, one in bends.items() if one]),
             *_out_of_reach(far),
         ),
         bodies=tuple(_bodies(scene, models, chosen)),

@@ -123,6 +123,7 @@ class Signal:
     kind: of the variable, as FMI calls its type. factor, offset: make the value that arrives of the one that leaves.
     unit, description: of the variable. start: of a parameter that is set, all its numbers before anything sets it.
     is_impulse: the variable is the impulse of the load that it sets, and acts by what it has grown by over a step.
+    says_unit: whether the unit is the FMU's word, and not ours.
     """
 
     variable: str
@@ -136,6 +137,11 @@ class Signal:
     description: str = ""
     start: tuple[float, ...] = ()
     is_impulse: bool = False
+    says_unit: bool = True
+
+    def arriving(self, value: float) -> float:
+        """What arrives of a value that leaves."""
+        return value * self.factor + self.offset
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +149,7 @@ class SignalFmu:
     """An FMU that reads signals of parts and sets parameters of them, every `step` (s), or iterated with every step.
 
     start: values of its parameters by name. inputs: signals that it is given; outputs: those that it gives. told:
-    variables that it gives for the record alone.
+    variables that it gives for the record alone. is_wing: it is a scene as one FMU whose base its inputs drive.
     """
 
     name: str
@@ -154,6 +160,7 @@ class SignalFmu:
     outputs: tuple[Signal, ...]
     told: tuple[Signal, ...] = ()
     iterated: bool = False
+    is_wing: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from math import degrees, pi
 from typing import NamedTuple
 
@@ -18,6 +18,9 @@ from ..scene.locked_groups import joined
 from ..scene.loops.closing import closed, left_open, start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
+from . import Assembly
+from .hinges import unfollowed_curves
+from .signal_doubts import signal_sentences
 
 _ANGLES = 181
 """Places on a line's way that are looked at."""
@@ -66,6 +69,13 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_unlikely_panels(scene),
         *_unlikely_beams(scene),
     ]
+
+
+def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
+    """The same, and what is hardly meant of it as assembled with these bodies flexible."""
+    yield from doubts(scene)
+    yield from signal_sentences(assembly, scene)
+    yield from unfollowed_curves(scene, bending)
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:

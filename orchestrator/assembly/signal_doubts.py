@@ -8,8 +8,7 @@ from pathlib import Path
 from ..scene.schema import CheckedScene
 from ..scene.signals.tables import Fmu
 from . import Assembly, Event, HingeLine, SignalFmu
-from .array_elements import element
-from .signal_fmus import MEETS_RATES, model_description, unit_of
+from .signal_fmus import MEETS_RATES
 
 
 def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
@@ -20,19 +19,13 @@ def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
             yield from _bare_units(fmu)
             yield from _of_several_hinges(fmu, table, assembly.hinge_lines)
             yield from _set_by_events(fmu, assembly.events)
-            if is_driven_wing(fmu):
+            if fmu.is_wing:
                 yield from _driven_wing(fmu, table, assembly.hinge_lines)
 
 
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
     """Variables without unit, which are taken as they are."""
-    variables = {v.name: v for v in model_description(fmu.path).modelVariables}
-    bare = []
-    for signal in (*fmu.inputs, *fmu.outputs):
-        array, _ = element(signal.variable) or (signal.variable, 0)
-        variable = variables.get(signal.variable) or variables[array]
-        if not unit_of(variable) and signal.unit != "1":
-            bare.append(signal)
+    bare = [s for s in (*fmu.inputs, *fmu.outputs) if not s.says_unit and s.unit != "1"]
     if bare:
         listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
         yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
@@ -67,11 +60,6 @@ def _set_by_events(fmu: SignalFmu, events: Sequence[Event]) -> Iterator[str]:
                     f"event.{event.name}: it sets {setting.part}.{setting.parameter}, as the FMU {fmu.name} does; from "
                     "the event on the FMU does no longer"
                 )
-
-
-def is_driven_wing(fmu: SignalFmu) -> bool:
-    """Whether it is a scene as one FMU whose base is driven."""
-    return bool(fmu.inputs) and any(v.name == MEETS_RATES for v in model_description(fmu.path).modelVariables)
 
 
 def _driven_wing(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:

@@ -77,7 +77,7 @@ class _Reader:
         self._table, self._problems = table, problems
         self._parts = {part.name: part for part in parts}
         self._lines = {line.name: line for line in lines}
-        self._description = model_description(Path(table.file))
+        self._description = _description(Path(table.file))
         self._variables = {v.name: v for v in self._description.modelVariables}
         self._units = {u.name: u.baseUnit for u in self._description.unitDefinitions}
 
@@ -98,6 +98,7 @@ class _Reader:
             ),
             tuple(s for name in table.outputs if not table.targets(name) for s in self._told(name)),
             table.iterated and self._can_iterate(),
+            bool(table.inputs) and MEETS_RATES in self._variables,
         )
 
     def _note(self, key: str, sentence: str) -> None:
@@ -145,7 +146,7 @@ class _Reader:
             else:
                 whole = variable.type in _WHOLE
                 sound = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
-                kind = "a whole number" if whole else f"a number of {unit_of(variable) or '1'}"
+                kind = "a whole number" if whole else f"a number of {_unit(variable) or '1'}"
             if not sound:
                 raise ValueError(f"is {value!r}; it must be {kind}")
         except ValueError as error:
@@ -196,7 +197,7 @@ class _Reader:
             return
         yield Signal(
             name, variable.type, sensor, quantity.name, index, 1.0 / factor, -offset / factor,
-            unit_of(variable) or quantity.unit, variable.description or "",
+            _unit(variable) or quantity.unit, variable.description or "", says_unit=bool(_unit(variable)),
         )  # fmt: skip
 
     def _output(self, name: str, target: str) -> Iterator[Signal]:
@@ -218,7 +219,8 @@ class _Reader:
                 start[:] = self._parts[part].start.get(quantity.name, start)
                 yield Signal(
                     name, variable.type, part, quantity.name, index, factor, offset,
-                    unit_of(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
+                    _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
+                    bool(_unit(variable)),
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
@@ -230,7 +232,7 @@ class _Reader:
         except ValueError as error:
             self._note(f"outputs.{name}", str(error))
             return
-        unit, text = unit_of(variable) or "1", variable.description or ""
+        unit, text = _unit(variable) or "1", variable.description or ""
         yield Signal(name, variable.type, "", "", 0, unit=unit, description=text)
 
     def _part(self, path: str) -> tuple[str, str]:
@@ -249,7 +251,7 @@ class _Reader:
 
     def _is_impulse(self, variable: Any, unit: str) -> bool:  # noqa: ANN401 - of FMPy
         """Whether a variable is the impulse of a load in this unit."""
-        if unit not in _IMPULSES or not unit_of(variable):
+        if unit not in _IMPULSES or not _unit(variable):
             return False
         try:
             self._conversion(variable, _IMPULSES[unit])
@@ -262,7 +264,7 @@ class _Reader:
 
         A variable without a unit is taken to be in that of the scene's components.
         """
-        said = unit_of(variable)
+        said = _unit(variable)
         if not said or said == unit:
             return 1.0, 0.0
         base = self._units.get(said)
@@ -285,12 +287,12 @@ class _Reader:
         return factor / our_factor, offset / our_factor
 
 
-def unit_of(variable: Any) -> str:  # noqa: ANN401 - of FMPy
+def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
     """Unit of a variable, its own or that of the type that it is declared to have; none as an empty text."""
     return variable.unit or getattr(variable.declaredType, "unit", None) or ""
 
 
-def model_description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
+def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
     try:
         found = read_model_description(str(path), validate=False)

@@ -89,11 +89,9 @@ class StaticSearch:
     @property
     def _unsteady(self) -> float:
         """Change of the loads in the last step over the largest: of bodies that bend beyond what holds them."""
-        change, largest = (
-            self._solver.accepted - self._before,
-            float(np.abs(self._solver.accepted).max(initial=0.0)),
-        )
-        return float(np.abs(change).max(initial=0.0)) / max(largest, _NO_LOAD)
+        accepted = self._solver.accepted
+        largest = float(np.abs(accepted).max(initial=0.0))
+        return float(np.abs(accepted - self._before).max(initial=0.0)) / max(largest, _NO_LOAD)
 
     def _restless(self, motions: Sequence[Vector], h: float) -> str:
         worst = int(np.argmax([np.abs(motion).max() for motion in motions]))

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from itertools import chain
 from pathlib import Path
 
 from components.cache.disk import place_sentence
@@ -14,9 +13,7 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
-from ..assembly.hinges import unfollowed_curves
-from ..assembly.plausibility import doubts
-from ..assembly.signal_doubts import is_driven_wing, signal_sentences
+from ..assembly.plausibility import assembled_doubts
 from ..assembly.spin import unstiffened_spins
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
@@ -163,13 +160,7 @@ def simulate(
     assembly = options.assemble(scene)
     if options.step is not None:
         _refuse_wings(assembly)
-    for sentence in [
-        *doubts(scene),
-        *_held_sentences(assembly, {*options.flexible, *options.large_deformation}),
-        *signal_sentences(assembly, scene),
-        *unfollowed_curves(scene, {*assembly.flexible, *assembly.large_deformation}),
-        *unstiffened_spins(scene, assembly),
-    ]:
+    for sentence in _before(scene, options, assembly):
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
@@ -183,21 +174,31 @@ def simulate(
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
                 outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
-    found = (
-        outcome.headline.open_ends(),
-        [f"{assembly.name}: {outcome.restless}"] if outcome.restless else [],
-        lost_preloads(assembly, outcome.result),
-        _absent_sentences(assembly, outcome),
-        _damped_sentences(scene, assembly, outcome),
-        open_joint_sentences(scene, assembly, outcome.result),
-        linear_range_sentences(scene, assembly, outcome.result),
-    )
-    for sentence in chain.from_iterable(found):
+    for sentence in _after(scene, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
     outcome = replace(outcome, result=with_told(kept, told))
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
+
+
+def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
+    """What is told of a scene before it is run."""
+    yield from assembled_doubts(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
+    yield from _held_sentences(assembly, {*options.flexible, *options.large_deformation})
+    yield from unstiffened_spins(scene, assembly)
+
+
+def _after(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
+    """What is told of a run."""
+    yield from outcome.headline.open_ends()
+    if outcome.restless:
+        yield f"{assembly.name}: {outcome.restless}"
+    yield from lost_preloads(assembly, outcome.result)
+    yield from _absent_sentences(assembly, outcome)
+    yield from _damped_sentences(scene, assembly, outcome)
+    yield from open_joint_sentences(scene, assembly, outcome.result)
+    yield from linear_range_sentences(scene, assembly, outcome.result)
 
 
 def resume(result: Path, progress: Progress = silent, warn: Warn = lambda sentence: None) -> Simulation:
@@ -228,7 +229,7 @@ def python_sentence(backend: Backend | None) -> str:
 
 def _refuse_wings(assembly: Assembly) -> None:
     """RunError where the loads of a wing as one FMU could grow from step to step, as no error makes steps smaller."""
-    names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and is_driven_wing(fmu)]
+    names = [fmu.name for fmu in assembly.signal_fmus if fmu.iterated and fmu.is_wing]
     if names:
         raise RunError(
             f"{assembly.name}: steps beside an iterated wing ({', '.join(names)}) follow from the tolerance; at a "

@@ -54,6 +54,7 @@ class Host:
         self._fmi2 = description.fmiVersion.startswith("2.")
         self._variables = {v.name: v for v in description.modelVariables}
         self._inputs, self._outputs = tuple(inputs), tuple(outputs)
+        self._found = {name: self._variable(name) for name in (*start, *inputs, *outputs)}
         self._fmu = instantiate_fmu(folder, description, "CoSimulation", logger=self._log)
         if self._fmi2:
             self._fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
@@ -105,7 +106,7 @@ class Host:
         return self._variables[array], length(self._variables[array]) or 1, place
 
     def _kind(self, name: str) -> str:
-        kind = self._variable(name)[0].type
+        kind = self._found[name][0].type
         found: str = (_FMI2_KINDS if self._fmi2 else _FMI3_KINDS).get(kind, kind)
         return found
 
@@ -115,7 +116,7 @@ class Host:
             value = bool(value)
         elif kind != "String":
             value = float(value) if kind in ("Real", "Float64", "Float32") else round(float(value))
-        variable, size, place = self._variable(name)
+        variable, size, place = self._found[name]
         values = [value] if size == 1 else self._values(name)
         values[place] = value
         getattr(self._fmu, f"set{kind}")([variable.valueReference], values)
@@ -125,11 +126,11 @@ class Host:
             self._set(name, value)
 
     def _given(self) -> list[float]:
-        return [float(self._values(name)[self._variable(name)[2]]) for name in self._outputs]
+        return [float(self._values(name)[self._found[name][2]]) for name in self._outputs]
 
     def _values(self, name: str) -> list[Any]:
         """All elements of the variable that a name is of."""
-        variable, size, _ = self._variable(name)
+        variable, size, _ = self._found[name]
         more = {} if size == 1 else {"nValues": size}
         found: list[Any] = getattr(self._fmu, f"get{self._kind(name)}")([variable.valueReference], **more)
         return found

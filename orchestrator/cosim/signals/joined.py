@@ -28,15 +28,14 @@ def recorded(fmu: SignalFmu) -> tuple[Quantity, ...]:
 
 @dataclass(slots=True)
 class _Place:
-    """Where a signal is: an array, its element, and the two numbers that convert it."""
+    """Where a signal is: an array, its element, and the signal that converts it."""
 
     array: Vector
     element: int
-    factor: float
-    offset: float
+    signal: Signal
 
     def value(self) -> float:
-        return self.array.item(self.element) * self.factor + self.offset
+        return self.signal.arriving(self.array.item(self.element))
 
 
 class Participants:
@@ -55,9 +54,9 @@ class Participants:
         participant = self._by_name[signal.part]
         if signal.quantity in participant.observation_layout:
             first = self._firsts[signal.part] + participant.observation_layout[signal.quantity].start
-            return _Place(self._observations, first + signal.index, signal.factor, signal.offset)
+            return _Place(self._observations, first + signal.index, signal)
         first = participant.output_layout[signal.quantity].start
-        return _Place(participant.outputs, first + signal.index, signal.factor, signal.offset)
+        return _Place(participant.outputs, first + signal.index, signal)
 
     def will_set(self, signal: Signal) -> None:
         """Parameters have their start values before anything sets them."""
@@ -111,7 +110,7 @@ class JoinedFmu:
         given = self._named(self.process.open(self.inputs()), 0.0)
         self._last = given
         changed = self._participants.set(
-            ((s, given[s.variable] * s.factor + s.offset) for s in self.fmu.outputs if not s.is_impulse),
+            ((s, s.arriving(given[s.variable])) for s in self.fmu.outputs if not s.is_impulse),
             self.fmu.name,
             0.0,
         )
@@ -125,7 +124,7 @@ class JoinedFmu:
     def take(self, given: Mapping[str, float], h: float, time: float) -> bool:
         """Set what its outputs at a time (s), after a step over h, are joined to; whether that changed anything."""
         changed = self._participants.set(
-            ((s, self._growth(s, given) / h if s.is_impulse else given[s.variable] * s.factor + s.offset)
+            ((s, self._growth(s, given) / h if s.is_impulse else s.arriving(given[s.variable]))
              for s in self.fmu.outputs),
             self.fmu.name,
             time,
@@ -154,7 +153,7 @@ class JoinedFmu:
             [
                 self._growth(s, given) / h
                 if s.is_impulse
-                else 0.5 * (given[s.variable] + self._last[s.variable]) * s.factor + s.offset
+                else s.arriving(0.5 * (given[s.variable] + self._last[s.variable]))
                 for s in self.fmu.outputs
             ]
         )

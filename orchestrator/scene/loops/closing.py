@@ -8,15 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from components.contract.frames import (
-    Quaternion,
     Vector3,
-    conjugate,
     exponential,
     multiply,
     norm,
     normalized,
     rotate,
-    rotation_vector,
+    rotation_between,
     skew,
 )
 from components.flexible.modal import ModalData
@@ -96,13 +94,8 @@ def _closed(
         poses = close(now, poses, names, weights)
     left = {c.connection: float(np.abs(c.rows(poses)[0]).max()) for c in now}
     moved = max(float(np.abs(np.subtract(poses[n].position, start[n].position)).max()) for n in names)
-    turned = {n: _angle(start[n].orientation, poses[n].orientation) for n in names}
+    turned = {n: norm(rotation_between(start[n].orientation, poses[n].orientation)) for n in names}
     return Closed(poses, {name: size for name, size in left.items() if not size < _OPEN}, moved, turned)
-
-
-def _angle(before: Quaternion, after: Quaternion) -> float:
-    """Angle (rad) between two attitudes."""
-    return norm(rotation_vector(multiply(after, conjugate(before))))
 
 
 def left_open(scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]]) -> dict[str, float]:
