@@ -1,8 +1,9 @@
 """Normal modes of a scene in a configuration: frequencies, damping, effective masses, the bodies that move.
 
 About static equilibrium (lines that are not latched are held for it, then free), with preload and geometric
-stiffness of the connections; without friction. Modal damping is the diagonal of the modal damping matrix. On a base
-that turns by a law, all is about the steady spin at the rate that the law begins with, in axes that turn along.
+stiffness of the connections; without friction. Modal damping is the diagonal of the modal damping matrix; modes that
+it does not tell enough of are marked. On a base that turns by a law, all is about the steady spin at the rate that the
+law begins with, in axes that turn along.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from ..assembly.statics.configuration import Named as Named
 from ..assembly.statics.linear_model import (
     LinearModel,
     NormalModes,
+    coupled_by_damping,
     damping_shares,
     effective_masses,
     kinetic_shares,
@@ -34,6 +36,8 @@ from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
 
 _SMALLEST_SHARE = 1e-3
+_COUPLED = 0.1
+"""Part of its damping that a mode may lose to others before that is told."""
 
 
 class Mode(NamedTuple):
@@ -51,6 +55,8 @@ class Mode(NamedTuple):
     share: float
     damping_shares: Mapping[str, float]
     """of what damps it, by body and connection, the largest first"""
+    coupled_by_damping: bool
+    """whether what damps it moves other modes so much that they leave it less damping than its ratio says"""
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -59,6 +65,7 @@ class Mode(NamedTuple):
             "frequency_hz": self.frequency,
             "damping_ratio": None if isnan(self.damping_ratio) else self.damping_ratio,
             "damping_share": dict(self.damping_shares),
+            "coupled_by_damping": self.coupled_by_damping,
             "effective_mass_fraction": dict(zip(DIRECTIONS, self.effective_mass_fractions, strict=True)),
             "body": self.body,
             "kinetic_energy_share": self.share,
@@ -137,6 +144,7 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
     damping = modal_damping(model, modes)
     effective, total = effective_masses(model, modes)
     shares, losses = kinetic_shares(model, modes), damping_shares(model, modes)
+    coupled = coupled_by_damping(model, modes) > _COUPLED
     found: list[Mode] = []
     for k, frequency in enumerate(modes.frequencies.tolist()):
         if modes.is_free[k] or len(found) == count:
@@ -144,7 +152,9 @@ def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]
         body = max(shares, key=lambda name: float(shares[name][k]))
         fractions = tuple((effective[:, k] / total).tolist())
         share, damped_by = float(shares[body][k]), _largest({name: float(s[k]) for name, s in losses.items()})
-        found.append(Mode(k + 1, frequency, float(damping[k]), fractions, body, share, damped_by))
+        found.append(
+            Mode(k + 1, frequency, float(damping[k]), fractions, body, share, damped_by, bool(coupled[k]))
+        )
     return found
 
 

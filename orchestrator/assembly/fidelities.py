@@ -58,7 +58,12 @@ def bending(scene: CheckedScene, rigid: Collection[str], flexible: Collection[st
     return {name: fidelity != "rigid" for name, fidelity in choose_fidelity(scene, rigid, flexible).items()}
 
 
+def has_beam(body: Body) -> bool:
+    """Whether a body can be a beam of large deformation."""
+    return body.can_bend and body_definition(body).beam is not None
+
+
 def _can_be(body: Body, fidelity: Fidelity) -> bool:
     if fidelity == "large_deformation":
-        return body.can_bend and body_definition(body).beam is not None
+        return has_beam(body)
     return fidelity == "rigid" or body.can_bend

@@ -1,4 +1,4 @@
-"""Flat bodies of linear theory that bent so far between what holds them that stretching would have held them back."""
+"""Bodies that bent further than their theory goes: flat ones without stretching, and any whose modes turned too far."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from components import ComponentError
 
 from ..assembly import Assembly, Part
+from ..assembly.fidelities import has_beam
 from ..results.result import Result
 from ..scene import CheckedScene
 from ..scene.bodies import body_definition
@@ -20,6 +21,10 @@ _THICKNESSES = 1.0
 """Of deflection; a clamped square plate is at 0.90 of them where linear theory has it at 1.3 (Levy, 1942)."""
 _MOST_ROWS = 2000
 _FEWEST_HOLDERS = 3
+_TURN, _SECOND_ORDER_TURN = 0.3, 0.8
+"""Largest turns (rad) of a point of a body against another of its points by its modes. A cantilever whose end turns by
+an angle shortens by a quarter of its square: 2 % that modes do not know of. Second order does, and what is left goes
+with the fourth power."""
 
 
 class _Bend(NamedTuple):
@@ -29,7 +34,55 @@ class _Bend(NamedTuple):
     time: float
 
 
+class _Turn(NamedTuple):
+    """Turn (rad) of a point against the first one of its body, which point, and when (s)."""
+
+    angle: float
+    point: str
+    time: float
+
+
 def linear_range_sentences(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for each body that bent further than its theory goes."""
+    yield from _bent_plates(scene, assembly, result)
+    yield from _turned_bodies(scene, assembly, result)
+
+
+def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for each body whose modes turned its points against one another by more than they can follow."""
+    bodies = {body.name: body for body in scene.bodies}
+    for part in assembly.parts:
+        if part.name not in assembly.flexible:
+            continue
+        modal, turn = part.structure["modal"], _largest_turn(part, result)
+        if turn.angle <= (_SECOND_ORDER_TURN if np.size(modal["second_order_points"]) else _TURN):
+            continue
+        remedy = "compare with fewer loads, or with the body in several pieces"
+        if part.name in bodies and has_beam(bodies[part.name]):
+            remedy = f"compare with --large-deformation {part.name}"
+        yield (
+            f"{part.name} bent by {np.degrees(turn.angle):.3g} deg between its points {modal['point_names'][0]} and "
+            f"{turn.point}, at {turn.time:.4g} s, which is more than its modes are made for: they are for small "
+            f"deformation, and loads along it and places of its ends may be far off; {remedy}"
+        )
+
+
+def _largest_turn(part: Part, result: Result) -> _Turn:
+    modal = part.structure["modal"]
+    shapes = np.asarray(modal["rotation"])
+    eta = np.asarray(result.signal(part.name, "modal_coordinate")).reshape(result.time.size, -1)
+    chosen = _some_rows(len(eta))
+    turns = np.linalg.norm((shapes - shapes[:1]) @ eta[chosen].T, axis=1)
+    point, row = np.unravel_index(int(np.argmax(turns)), turns.shape)
+    return _Turn(float(turns[point, row]), modal["point_names"][point], float(result.time[chosen[row]]))
+
+
+def _some_rows(count: int) -> NDArray[np.int64]:
+    """Rows of a result, the first and the last among them, no more than are looked at."""
+    return np.unique(np.linspace(0, count - 1, min(count, _MOST_ROWS)).astype(np.int64))
+
+
+def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for each plate without stretching that bent by more than its thickness between its joints."""
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
@@ -75,7 +128,7 @@ def _largest_bend(assembly: Assembly, part: Part, result: Result) -> _Bend | Non
     tilt = np.linalg.pinv(plane) @ np.asarray(modal["translation"])[rows, 2]
     shapes = np.asarray(shown.shapes)[:, 2] - _with_ones(np.asarray(shown.positions)) @ tilt
     eta = np.asarray(result.signal(part.name, "modal_coordinate")).reshape(result.time.size, -1)
-    chosen = np.unique(np.linspace(0, len(eta) - 1, min(len(eta), _MOST_ROWS)).astype(int))
+    chosen = _some_rows(len(eta))
     size = np.abs(shapes @ eta[chosen].T).max(axis=0, initial=0.0)
     top = int(np.argmax(size))
     return _Bend(float(size[top]), float(result.time[chosen[top]]))

@@ -18,8 +18,8 @@ class StructuralDamping(Table):
 
     [structural_damping]: of the whole wing. Every flexible body that says nothing else, the stiffnesses of all
     hinges in place of [joint]'s ratio, and latch springs in place of their own: then C is proportional to K over
-    the assembly, and so every assembled mode j gets exactly ratio f_j / reference_frequency. Cables, motors and
-    [[connection]] keep their own damping.
+    the assembly, and so every assembled mode j gets exactly ratio f_j / reference_frequency. Joints
+    by a preset follow; cables, motors, dampers and every other [[connection]] keep their own damping.
     """
 
     ratio: Annotated[Ratio, Field(le=1.0)]

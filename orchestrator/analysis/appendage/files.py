@@ -58,13 +58,13 @@ def craig_bampton(found: Appendage) -> dict[str, Vector]:
     return {
         "maa": mass,
         "baa": _on_modes(zero, found.damping),
-        "kaa": _on_modes(zero, found.angular_frequency**2),
+        "kaa": _on_modes(zero, np.diag(found.angular_frequency**2)),
     }
 
 
-def _on_modes(attachment: Vector, diagonal: Vector) -> Vector:
-    none = np.zeros((6, len(diagonal)))
-    return np.block([[attachment, none], [none.T, np.diag(diagonal)]])
+def _on_modes(attachment: Vector, modal: Vector) -> Vector:
+    none = np.zeros((6, len(modal)))
+    return np.block([[attachment, none], [none.T, modal]])
 
 
 def _write_op4(found: Appendage, path: Path) -> None:
@@ -83,6 +83,8 @@ def _write_42(found: Appendage, path: Path) -> None:
 
 _LINE_OF_42 = 78
 """Characters of a line that 42 reads."""
+_ROUNDING = 1e-12
+"""Of the largest element of a matrix."""
 
 
 def _text_of_42(found: Appendage) -> str:
@@ -101,11 +103,11 @@ def _text_of_42(found: Appendage) -> str:
         *_no_shapes(),
     ]
     for name, values in (
-        ("Mass", np.ones(len(modes))),
-        ("Stiffness", found.angular_frequency**2),
+        ("Mass", np.eye(len(modes))),
+        ("Stiffness", np.diag(found.angular_frequency**2)),
         ("Damping", found.damping),
     ):
-        lines += _diagonal_of_42(f"Non-zero {name} Matrix Elements", values)
+        lines += _matrix_of_42(f"Non-zero {name} Matrix Elements", values)
     momenta = found.participation[:, :3], found.participation[:, 3:]
     for name, rows in zip(
         ("Linear Momentum Modal Integral, Pf", "Angular Momentum Modal Integral, Hf"), momenta, strict=True
@@ -132,8 +134,11 @@ def _no_shapes() -> list[str]:
     return lines
 
 
-def _diagonal_of_42(words: str, values: Vector) -> list[str]:
-    rows = [_said(f"{k} {k} {value:.12e}", "[Row] [Col] Value") for k, value in enumerate(values)]
+def _matrix_of_42(words: str, values: Vector) -> list[str]:
+    """Its diagonal, and what is more beside it than rounding."""
+    told = np.abs(values) > _ROUNDING * np.abs(values).max(initial=0.0)
+    np.fill_diagonal(told, True)
+    rows = [_said(f"{j} {k} {values[j, k]:.12e}", "[Row] [Col] Value") for j, k in np.argwhere(told).tolist()]
     return [_heading(words), _said(len(rows), "Number of non-zero elements"), *rows]
 
 

@@ -1,10 +1,11 @@
 """The linear appendage that a wing is to a spacecraft whose base moves as it is told to.
 
-    W = -(D a + L' q''),   q'' + 2 zeta w q' + w^2 q = -L a
+    W = -(D a + L' q''),   q'' + Z q' + w^2 q = -L a
 
 a (6,) is the acceleration of the base at a point of it, W (6,) force and torque of the wing on the base about this
-point, both in world axes; q are modal coordinates of the cantilever modes, which have unit modal mass. See
-Likins (1970), JPL TR 32-1329, and Imbert, Mamode (1978) on effective masses.
+point, both in world axes; q are modal coordinates of the cantilever modes, which have unit modal mass. Z (k, k) is
+2 zeta w on its diagonal; single dampers couple modes beside it. See Likins (1970), JPL TR 32-1329, and Imbert, Mamode
+(1978) on effective masses.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from components.contract.component import Vector
 from components.contract.roles import HOLD
 
 from ...assembly.statics.configuration import Configuration, hinges_of, lines_named, loaded, placed
-from ...assembly.statics.linear_model import LinearModel, NormalModes, linearise, normal_modes
+from ...assembly.statics.linear_model import LinearModel, NormalModes, damping_matrix, linearise, normal_modes
 from ...scene import CheckedScene, SceneError
 from ...scene.builder import Names
 
@@ -39,8 +40,8 @@ class Appendage:
     """What a base carries in a configuration, about a point of the base, in world axes.
 
     unbalanced: largest force (N) and torque (N.m) on a body that nothing balances there. point: its name, at position
-    (3,) m. frequency: (k,) Hz, 0 of free motions of the wing. damping: (k,) damping over
-    modal mass, 2 zeta w, rad/s. participation: L (k, 6), kg^1/2 and kg^1/2.m. rigid_mass: D (6, 6), kg, kg.m, kg.m2.
+    (3,) m. frequency: (k,) Hz, 0 of free motions of the wing. damping: Z (k, k) over
+    modal mass, rad/s. participation: L (k, 6), kg^1/2 and kg^1/2.m. rigid_mass: D (6, 6), kg, kg.m, kg.m2.
     """
 
     scene: str
@@ -62,9 +63,9 @@ class Appendage:
 
     @property
     def damping_ratio(self) -> Vector:
-        """(k,) fractions of critical damping; 0 of free motions, which have none."""
+        """(k,) fractions of critical damping of single modes; 0 of free motions, which have none."""
         twice = 2.0 * self.angular_frequency
-        return np.divide(self.damping, twice, out=np.zeros_like(twice), where=twice > 0.0)
+        return np.divide(self.damping.diagonal(), twice, out=np.zeros_like(twice), where=twice > 0.0)
 
     @property
     def effective_mass(self) -> Vector:
@@ -92,7 +93,7 @@ class Appendage:
     def state_space(self) -> StateSpace:
         """The same as matrices of a linear system."""
         modes = len(self.frequency)
-        spring, damper = np.diag(self.angular_frequency**2), np.diag(self.damping)
+        spring, damper = np.diag(self.angular_frequency**2), self.damping
         free, still = np.eye(modes), np.zeros((modes, modes))
         return StateSpace(
             np.block([[still, free], [-spring, -damper]]),
@@ -108,6 +109,7 @@ class Appendage:
             "position": self.position,
             "frequency_hz": self.frequency,
             "damping_ratio": self.damping_ratio,
+            "damping": self.damping,
             "participation": self.participation,
             "rigid_mass": self.rigid_mass,
             "effective_mass": self.effective_mass,
@@ -175,7 +177,7 @@ def _matrices(
     rigid = model.mechanism.rigid_motion(position)
     return (
         np.where(modes.is_free, 0.0, modes.frequencies)[:count],
-        np.einsum("ik,ij,jk->k", shapes, model.damping, shapes),
+        damping_matrix(model, shapes),
         shapes.T @ model.mass @ rigid,
         rigid.T @ model.mass_on_base @ rigid,
     )

@@ -189,6 +189,30 @@ def modal_damping(model: LinearModel, modes: NormalModes) -> Vector:
     return result
 
 
+def damping_matrix(model: LinearModel, shapes: Vector) -> Vector:
+    """Damping between modes of these shapes (n, k), over their modal mass: (k, k), rad/s."""
+    result: Vector = shapes.T @ model.damping @ shapes
+    return result
+
+
+def coupled_by_damping(model: LinearModel, modes: NormalModes) -> Vector:
+    """How much less than alone (k,) a mode loses as others, which its damping stirs, give way; to first order.
+
+    Mode j moves mode k by i w c_jk / (w_k^2 - w^2 + i w c_kk), which takes w^2 c_jk^2 c_kk / |...|^2 of c_jj away. Zero
+    for free motions and in axes that turn.
+    """
+    if np.iscomplexobj(modes.shapes):
+        return np.zeros(modes.eigenvalues.size)
+    damping = damping_matrix(model, modes.shapes)
+    own, square = damping.diagonal(), np.where(modes.is_free, 0.0, modes.eigenvalues)
+    moved = (square - square[:, None]) ** 2 + np.abs(square)[:, None] * own**2
+    taken = np.abs(square)[:, None] * damping**2 * own
+    np.fill_diagonal(taken, 0.0)
+    shares = np.divide(taken, moved, np.zeros_like(taken), where=moved > 0.0).sum(axis=1)
+    result: Vector = np.divide(shares, own, np.zeros_like(own), where=(own > 0.0) & ~modes.is_free)
+    return result
+
+
 def damping_shares(model: LinearModel, modes: NormalModes) -> dict[str, Vector]:
     """Share (k,) of every body and connection in the damping of single modes; zero where nothing damps one."""
     mechanism, shapes = model.mechanism, modes.shapes

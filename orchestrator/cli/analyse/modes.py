@@ -116,6 +116,12 @@ def _print_damping(found: Modes) -> None:
     if modes and modes[0].damping_shares:
         told = list(modes[0].damping_shares.items())[:_TOLD]
         console.print(f"mode {modes[0].number} is damped by " + ", ".join(f"{n} {s:.0%}" for n, s in told))
+    coupled = [f"{mode.number}" for mode in modes if mode.coupled_by_damping]
+    if coupled:
+        console.print(
+            f"damping couples mode{'s' * (len(coupled) > 1)} {', '.join(coupled)} with others, so that less is left of "
+            "it than the table says of single modes; analyse frequency-response and appendage take all of it"
+        )
     if structural is not None:
         ratio, reference = structural.ratio, structural.reference_frequency
         console.print(

@@ -1,4 +1,4 @@
-"""Joints by their name: the hinge that a `preset` of a connection is, with the stiffnesses of the scene's [joint]."""
+"""Joints by their name: the hinge that a `preset` of a connection is, stiff and damped as the [joint] of the scene."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pydantic import ValidationError
 from ..damping import StructuralDamping
 from ..hinge_line_tables import Joint
 from ..layers import Tree
+from ..units import to_si
 
 _AXIS = [1.0, 0.0, 0.0]
 _FREE, _ALL, _CROSS = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.0, 1.0, 1.0)
@@ -40,22 +41,34 @@ def _hinge(tree: Tree, entry: Tree) -> Tree:
         **entry,
         "kind": entry.get("kind", "hinge"),
         "structure": {"axis": _AXIS} | structure,
-        "parameters": _parameters(tree, entry["preset"]) | given,
+        "parameters": _parameters(tree, entry["preset"], given) | given,
     }
 
 
-def _parameters(tree: Tree, preset: str) -> Tree:
-    """Stiffness and damping, the latter by the time that the scene's joints have."""
+def _parameters(tree: Tree, preset: str, given: Tree) -> Tree:
+    """Stiffness where none is given, and damping in proportion to what there is, by the time of the scene's joints."""
     joint, time = _joint(tree)
     along, about = CONSTRAINED[preset]
-    translational = [held * joint.radial_stiffness for held in along]
-    rotational = [held * joint.cross_stiffness for held in about]
-    return {
-        "translational_stiffness": translational,
-        "translational_damping": [time * stiffness for stiffness in translational],
-        "rotational_stiffness": rotational,
-        "rotational_damping": [time * stiffness for stiffness in rotational],
-    }
+    found: Tree = {}
+    for name, unit, held, stiffness in (
+        ("translational", "N/m", along, joint.radial_stiffness),
+        ("rotational", "N.m/rad", about, joint.cross_stiffness),
+    ):
+        own = [share * stiffness for share in held]
+        found[f"{name}_stiffness"] = own
+        stated = _read(given.get(f"{name}_stiffness"), unit)
+        found[f"{name}_damping"] = [time * k for k in (own if stated is None else stated)]
+    return found
+
+
+def _read(values: object, unit: str) -> list[float] | None:
+    """Along three axes, in SI units; None where there are none, or none that can be read, which others say."""
+    if not isinstance(values, list | tuple) or len(values) != 3:
+        return None
+    try:
+        return [to_si(value, unit) for value in values]
+    except ValueError:
+        return None
 
 
 def _joint(tree: Tree) -> tuple[Joint, float]:

@@ -1,6 +1,7 @@
 """Beams of scenes at three fidelities: by scene and by flag, what they start with, sentences where they cannot be."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -222,3 +223,24 @@ def test_analyses_and_exports_say_what_they_leave_out(tmp_path):
         result = fanfold.simulate(scene, until=0.001, estimate=False)
     with pytest.raises(fanfold.FanfoldError, match="section_force and section_moment"):
         fanfold.stress(result, "boom")
+
+
+@pytest.mark.parametrize(
+    ("turn", "second_order", "told"), [(0.25, 0, False), (0.4, 0, True), (0.4, 6, False)]
+)
+def test_modes_that_bend_too_far_are_told(turn, second_order, told):
+    """Closed form: under its weight q the end of a clamped beam turns by q L^3 / 6 EI; told within 10 %."""
+    area, bending = np.pi / 4 * (0.02**2 - 0.019**2), 70e9 * np.pi / 64 * (0.02**4 - 0.019**4)
+    gravity = turn * 6 * bending / (2700 * area * 2.5**3)
+    scene = fanfold.Scene("clamped", until="0.01 s", gravity=(0, 0, -gravity), preload=True)
+    base = scene.base(points={"wall": (0, 0, 0)})
+    beam = {"length": "2.5 m", "tube": TUBE, "attachment_points": POINTS}
+    bar = scene.body("bar", beam=beam, second_order_modes=second_order, place={"body": base, "point": "wall"})
+    ports = {"inboard": (base, "wall"), "outboard": (bar, "root")}
+    scene.connection("clamp", preset="fixed", axes={"x": (1, 0, 0), "z": (0, 0, 1)}, ports=ports)
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        fanfold.simulate(scene, estimate=False)
+    bent = [re.search(r"bar bent by ([\d.]+) deg between its", str(one.message)) for one in heard]
+    angles = [float(one[1]) for one in bent if one]
+    assert angles == ([pytest.approx(np.degrees(turn), rel=0.1)] if told else [])

@@ -13,6 +13,7 @@ from orchestrator.scene.bodies import scene_points
 from orchestrator.scene.loops.closing import closed, start_poses
 from orchestrator.scene.reader import read_scene
 from orchestrator.scene.table import Orientation
+from tests.references.edits import edited
 
 RIGID = (
     'rigid = {{ mass = "1 kg", inertia = [0.1, 0.1, 0.1], points = {{ a = [{a}, 0, 0], b = [{b}, 0, 0] }} }}'
@@ -218,3 +219,24 @@ def test_what_is_no_array_is_told(old, new, words):
 def test_an_orientation_without_two_directions_is_told():
     with pytest.raises(SceneError, match="x and z have one direction"):
         scene_of(FOUR_BAR.replace("z = [1, 0, 0]", "z = [0.1, 0, 1]"))
+
+
+@pytest.mark.parametrize(
+    ("damping", "time"),
+    [
+        ('structural_damping = { ratio = "0.5 %", reference_frequency = "1.5 Hz" }\n', 0.005 / (pi * 1.5)),
+        ('joint = { damping_ratio = "2 %", damping_frequency = "10 Hz" }\n', 0.02 / (pi * 10.0)),
+    ],
+)
+def test_a_joints_own_stiffness_is_damped_in_proportion(damping, time):
+    """By hand: 2 zeta K / omega, of what is given as of what is not."""
+    own = 'preset = "fixed"\nparameters.rotational_stiffness = ["200 N.m/rad", 0, "2 N.m/deg"]'
+    text = damping + edited(
+        RAISED, ('preset = "fixed"', own), ("structure.law", "[connection.structure]\nlaw")
+    )
+    (joint,) = [part for part in assemble(scene_of(text)).parts if part.name == "on_it"]
+    stiffness = [200.0, 0.0, 360.0 / pi]
+    assert joint.start["rotational_stiffness"] == pytest.approx(stiffness)
+    assert joint.start["rotational_damping"] == pytest.approx([time * k for k in stiffness])
+    linear = np.array(joint.start["translational_stiffness"])
+    assert np.allclose(joint.start["translational_damping"], time * linear)
