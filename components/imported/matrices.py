@@ -25,6 +25,8 @@ from .files import OUTPUTS
 from .text.labelled import Entries, LabelledMatrix
 
 Matrices = Mapping[str, Any]
+_ENTRIES = "_entries"
+_SQUARE = ("stiffness", "mass")
 _EMPTY = 100
 """Rows to an entry, beyond which a number of a row is damaged."""
 
@@ -213,22 +215,41 @@ def read_npz(path: Path) -> FiniteElementData:
         NotImplementedError,
     ) as error:
         raise ComponentError(f"{path.name}: cannot be read as npz: {error}") from None
-    for name in [name for name in found if name.endswith("_entries")]:
-        found[name.removesuffix("_entries")] = _from_entries(name, found.pop(name), found)
+    # stiffness and mass first, as other matrices have as many columns
+    for name in sorted((name for name in found if name.endswith(_ENTRIES)), key=_is_rows):
+        found[name.removesuffix(_ENTRIES)] = _from_entries(name, found.pop(name), found)
     return from_matrices(found)
 
 
+def _is_rows(name: str) -> bool:
+    """Whether a matrix has rows of its own, and is no square one."""
+    return name.removesuffix(_ENTRIES) not in _SQUARE
+
+
 def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_array:
-    """A sparse matrix of its entries (k, 3); as many columns as `dofs` or the largest number."""
+    """A sparse matrix of its entries (k, 3): as many columns as `dofs`, the stiffness, or the largest number.
+
+    One with rows of its own has as many as labels, or the largest number.
+    """
     if np.ndim(entries) != 2 or np.shape(entries)[1] != 3 or not len(entries):
         raise ComponentError(f"{name} is {np.shape(entries)}; it must have three columns: row, column, value")
     rows, columns = _whole(name, entries[:, 0]) - 1, _whole(name, entries[:, 1]) - 1
     if min(rows.min(), columns.min()) < 0:
         raise ComponentError(f"{name}: rows and columns count from 1")
-    count = len(found["dofs"]) if "dofs" in found else int(columns.max()) + 1
-    height = int(rows.max()) + 1 if name.startswith(("sample", "recovered", "stress")) else count
+    count = int(max(columns.max(), 0 if _is_rows(name) else rows.max())) + 1
+    if "dofs" in found:
+        count = len(found["dofs"])
+    elif _is_rows(name) and np.ndim(stiffness := found.get("stiffness")) == 2:
+        count = stiffness.shape[1]
+    labels = found.get(f"{name.removesuffix(_ENTRIES)}_labels")
+    height = count
+    if _is_rows(name):
+        height = int(rows.max()) + 1 if labels is None else np.size(labels)
     if count > len(entries) * _EMPTY:
         raise ComponentError(f"{name}: an entry is in row or column {count}, and there are {len(entries)}")
     if columns.max() >= count or rows.max() >= height:
-        raise ComponentError(f"{name}: an entry is in column {columns.max() + 1} of {count}")
+        raise ComponentError(
+            f"{name}: an entry is in row {rows.max() + 1} and column {columns.max() + 1}, and there are {height} rows "
+            f"and {count} columns"
+        )
     return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))

@@ -16,6 +16,8 @@ from .nastran import named, nodes_of, pyyeti
 from .text.labelled import LabelledMatrix
 
 _DAMAGED = "it is damaged or cut off"
+_AXES_OF_GRDSET = (1, 5)
+"""Its fields with the systems of places and of displacements."""
 
 
 def read_bulk(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
@@ -41,6 +43,7 @@ def read_op2(path: Path, further: Mapping[str, Any]) -> FiniteElementData:
 def read_grids(path: Path) -> NodeTable:
     """Nodes of GRID entries with their displacement axes, from CORD2R; ComponentError where there are none."""
     try:
+        _refuse_default_axes(path)
         uset = pyyeti().bulk2uset(str(path))[0]
         found = None if uset is None or not len(uset) else nodes_of(uset)
     except ComponentError:
@@ -52,6 +55,15 @@ def read_grids(path: Path) -> NodeTable:
             f"{path.name}: has no GRID; give coordinates, a file with GRID entries or columns of node, x, y, z"
         )
     return NodeTable(*found)
+
+
+def _refuse_default_axes(path: Path) -> None:
+    """ComponentError where nodes without axes of their own have those of a GRDSET, which pyYeti does not know."""
+    for fields in pyyeti().rdcards(str(path), "grdset", return_var="list", no_data_return=[]):
+        if any(fields[k : k + 1] not in ([], [""], [0]) for k in _AXES_OF_GRDSET):
+            raise ComponentError(
+                f"{path.name}: GRDSET gives nodes axes, which are not read; write CP and CD into the GRID entries"
+            )
 
 
 def _told(error: Exception) -> str:

@@ -22,6 +22,8 @@ _CORNER = 0.06
 """of the longest axis, at the ends of all axes, where there is no tick"""
 _SHORT_CORNER = 0.4
 """of its own length at the most, so that a short axis has a round number between"""
+_AROUND_A_POINT = 0.5
+"""m, of what is shown around what is all in one place"""
 
 
 def draw_bodies(axes: Any, faces: Mapping[str, Vector], colours: Mapping[str, str]) -> None:  # noqa: ANN401
@@ -78,8 +80,8 @@ def _ticks(low: float, high: float, longest: float) -> list[float]:
 
 
 def with_margin(low: Vector, high: Vector) -> tuple[Vector, Vector]:
-    """The same corners a little farther out."""
-    margin = 0.03 * float(np.max(high - low))
+    """The same corners a little farther out; a box around what is all in one place."""
+    margin = 0.03 * float(np.max(high - low)) or _AROUND_A_POINT
     return low - margin, high + margin
 
 

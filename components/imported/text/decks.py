@@ -13,6 +13,8 @@ from .entries import text_lines
 
 DECKS = (".inp", ".node", ".cdb")
 _NODE_AND_X = 2
+_PLACE = 7
+"""Numbers of an instance's place: a translation, or two points of an axis and an angle."""
 
 
 def read_deck(path: Path) -> Vector:
@@ -29,6 +31,11 @@ def _inp(path: Path) -> Iterator[list[float]]:
     glob = any("GLOBAL=YES" in text.upper().replace(" ", "") for _, _, text in lines if text.startswith("*"))
     for file, number, text in lines:
         if not text.startswith("*"):
+            if keyword == "*INSTANCE" and any(_row(file, number, text.split(","), _PLACE)):
+                raise ComponentError(
+                    f"{file}: line {number}: {text!r} puts an instance elsewhere than its part; give the nodes where "
+                    "they are in the assembly, as a deck without parts and instances does"
+                )
             if keyword == "*NODE":
                 words = text.split(",")
                 if len(words) < _NODE_AND_X:

@@ -72,13 +72,14 @@ class LabelledMatrix:
 
 
 def whole(matrix: SparseMatrix) -> SparseMatrix:
-    """The matrix itself, or with the other triangle where it has one only."""
+    """The matrix itself, or with the other triangle where it has each of its entries once, in whatever order."""
     found = matrix.copy()
     found.eliminate_zeros()
-    lower, upper = sparse.tril(found, -1), sparse.triu(found, 1)
-    if bool(lower.nnz) == bool(upper.nnz):
+    beside = found - sparse.diags_array(found.diagonal(), format="csr")
+    beside.eliminate_zeros()
+    if beside.multiply(beside.T).nnz:
         return found
-    return sparse.csr_array(found + (lower + upper).T)
+    return sparse.csr_array(found + beside.T)
 
 
 def labelled(file: str, rows: Integers, columns: Integers, values: Vector) -> LabelledMatrix:
