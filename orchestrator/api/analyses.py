@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
+from ..assembly.spin import unstiffened_spins
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import motions
@@ -77,6 +78,9 @@ def modes(
     target = _configuration(checked, configuration, angles, latched)
     if base not in ("as_built", "held"):
         raise SceneError([f"base is {base!r}; it must be as_built or held"])
+    assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
+    for sentence in unstiffened_spins(checked, assembly):
+        warn(sentence)
     return find_modes(
         checked,
         listed(rigid),

@@ -50,6 +50,8 @@ def test_spin_that_stiffens_nothing_is_told():
         fanfold.FanfoldWarning, match=r"body.boom: it spins at up to .* modes are of first order"
     ):
         fanfold.simulate(spun(fast, 0), until=1e-4, estimate=False)
+    with pytest.warns(fanfold.FanfoldWarning, match=r"body.boom: it spins at up to"):
+        fanfold.modes(spun(fast, 0))
     for scene in (spun(fast), spun(slow, 0)):
         checked = scene.check()
         assert not list(unstiffened_spins(checked, assemble(checked)))
