@@ -26,7 +26,7 @@ from .contract.roles import (
 )
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import Passage, pair, unit_direction
-from .numerics.scheme import NEVER
+from .numerics.scheme import INSTANT, NEVER
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 from .numerics.workless_pair import remembered_path, workless_spring
 
@@ -244,8 +244,8 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         return bushing_load(stiffness, damping, moved, c.p.end_weight)
 
     def own(self, c: _Constants, s: _State) -> Sequence[float]:
-        """Time to the release."""
-        return (c.p.release_time - s.clock if self._is_awaited(c, s) else NEVER,)
+        """Time to the release; an instant where a time set in mid-run is over."""
+        return (max(c.p.release_time - s.clock, INSTANT) if self._is_awaited(c, s) else NEVER,)
 
     @staticmethod
     def _is_awaited(c: _Constants, s: _State) -> bool:

@@ -239,8 +239,8 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
     count = int(max(columns.max(), 0 if _is_rows(name) else rows.max())) + 1
     if "dofs" in found:
         count = len(found["dofs"])
-    elif _is_rows(name) and np.ndim(stiffness := found.get("stiffness")) == 2:
-        count = stiffness.shape[1]
+    elif _is_rows(name) and "stiffness" in found and np.ndim(found["stiffness"]) == 2:
+        count = found["stiffness"].shape[1]
     labels = found.get(f"{name.removesuffix(_ENTRIES)}_labels")
     height = count
     if _is_rows(name):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
 from math import isfinite
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 from fmpy import read_model_description
 
@@ -27,8 +29,8 @@ _BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
 """Exponents that must agree; angles are ratios as well."""
 MEETS_RATES = "base_meets_rates"
 """Parameter of a scene as one FMU with a driven base."""
-_FREQUENCY = re.compile(r"^k?Hz$|^1/min$|^r?ev/|^rpm$", re.ASCII)
-"""Units that count turns, as angles have no exponent that must agree."""
+_ANGLE = re.compile(r"rad|deg|grad|°|gon|arc", re.IGNORECASE)
+"""Names of angles. Many units say them by their name only, without an exponent of rad."""
 _IMPULSES = {"N": "N.s", "N.m": "N.m.s"}
 """Units of impulses by those of loads."""
 
@@ -80,6 +82,7 @@ class _Reader:
         self._description = _description(Path(table.file))
         self._variables = {v.name: v for v in self._description.modelVariables}
         self._units = {u.name: u.baseUnit for u in self._description.unitDefinitions}
+        self._differences = _differences(Path(table.file), self._variables)
 
     def fmu(self) -> SignalFmu:
         """The FMU, as far as it is sound."""
@@ -273,6 +276,7 @@ class _Reader:
             if base is not None:
                 theirs = {name: getattr(base, name) for name in _BASE}
                 factor, offset = float(base.factor or 1.0), float(base.offset or 0.0)
+                theirs["rad"] = getattr(base, "rad", None)
             else:
                 theirs, factor = base_unit(said)
                 offset = 0.0
@@ -282,9 +286,12 @@ class _Reader:
             ) from None
         if any((theirs.get(name) or 0) != ours.get(name, 0) for name in _BASE):
             raise ValueError(f"is in {said}, which cannot be converted to {unit}")
-        if _FREQUENCY.search(said) and unit == "rad/s":
-            raise ValueError(f"is in {said}, a frequency, and rad/s is 2 pi times that; give it in rad/s")
-        return factor / our_factor, offset / our_factor
+        if unit == "rad/s" and not (theirs.get("rad") or _ANGLE.search(said)):
+            raise ValueError(
+                f"is in {said}, which may count turns, and rad/s is 2 pi times as many; give it in rad/s, or its base "
+                "unit an exponent of rad"
+            )
+        return factor / our_factor, 0.0 if variable.name in self._differences else offset / our_factor
 
 
 def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
@@ -303,3 +310,17 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     if found.coSimulation is None:
         raise _NoFmuError("is no co-simulation FMU; export it as one")
     return found
+
+
+def _differences(path: Path, variables: Mapping[str, Any]) -> frozenset[str]:
+    """Variables that are differences (relativeQuantity), whose units have no offset; FMPy reads that of types only."""
+    with zipfile.ZipFile(path) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    said: dict[str | None, str | None] = {}
+    for entry in root.iterfind("ModelVariables/*"):
+        real = entry.find("Real")
+        said[entry.get("name")] = (entry if real is None else real).get("relativeQuantity")
+    typed = {name: getattr(v.declaredType, "relativeQuantity", False) for name, v in variables.items()}
+    return frozenset(
+        name for name in variables if (typed[name] if said.get(name) is None else said[name] in ("true", "1"))
+    )

@@ -18,7 +18,7 @@ from .implicit.interface_jacobian import first_port_axes, jacobian_block
 from .implicit.local_error import WatchedTorque
 from .implicit.snapshot import Numbers
 from .implicit.solver import Solver
-from .participant import Matrix, Participant, Vector
+from .participant import Matrix, Participant, ParticipantError, Vector
 from .ports import PortPlaces, Width
 
 _LONG_STEP = 100.0
@@ -159,14 +159,23 @@ def swinging(
     solver: Solver, time: float, hinges: tuple[Stiffening, ...], largest: float
 ) -> tuple[StiffenedLine, float]:
     """How a latched line swings as a whole, and the longest step size (s) that tells, `largest` at the most."""
-    size = min(largest, _LONGEST_SWING)
+    line, size = StiffenedLine(0.0, 0.0, 0.0, hinges), min(largest, _LONGEST_SWING)
     for _ in range(_FREQUENCY_SEARCH):
-        solver.linearize(time, size)
-        line = stiffened_line(solver, hinges, size)
+        if _can_be_made(solver, time, size):
+            line = stiffened_line(solver, hinges, size)
         if line.fastest:
             break
         size *= 0.5
     return line, size
+
+
+def _can_be_made(solver: Solver, time: float, size: float) -> bool:
+    """Have the matrices of a step (s) in use; False where it takes a participant out of its range."""
+    try:
+        solver.linearize(time, size)
+    except ParticipantError:
+        return False
+    return True
 
 
 def resolving(solver: Solver, time: float, line: StiffenedLine, size: float, h: float, angle: float) -> float:
@@ -180,7 +189,8 @@ def resolving(solver: Solver, time: float, line: StiffenedLine, size: float, h: 
         if found.fastest * size < 2.0:
             break
         size = max(1.0 / found.fastest, 0.1 * size)
-        solver.linearize(time, size)
+        if not _can_be_made(solver, time, size):
+            break
         found = stiffened_line(solver, found.hinges, size)
     return angle / found.fastest if found.fastest * h > angle else h
 

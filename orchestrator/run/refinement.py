@@ -24,6 +24,7 @@ from ..cosim.stepping import StepError
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     OF_LATCHES,
+    PROMISED,
     EstimatedError,
     Key,
     estimated_errors,
@@ -178,6 +179,8 @@ def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> st
         number, share = least_sure(numbers, errors)
         said = f"{number} is likely to be off by {share.likely / asked:.0f} times the tolerance of {asked:g}"
     else:
-        number, share = least_sure(numbers, errors, OF_LATCHES, by="most")
+        of_latches = largest_shares(numbers, errors, OF_LATCHES).most / asked
+        among = OF_LATCHES if of_latches > MOST_TOLERANCES else PROMISED
+        number, share = least_sure(numbers, errors, among, by="most")
         said = f"{number} may be off by {share.most / asked:.0f} times the tolerance of {asked:g}"
     return f"{name}: {said}; it is run again at {tolerance:.2g}"

@@ -297,24 +297,25 @@ static int make_impulse(Master *m) {
     return 1;
 }
 
-/* How a latched line swings as a whole, and the step (s) that tells: the longest that does. 0 for a failure. */
+/* How a latched line swings as a whole, and the step (s) that tells: the longest that does, and that no participant
+   refuses. */
 static double note_whole_swing(Master *m, StiffenedLine *line) {
     double size = fmin(m->sizes.largest, LONGEST_SWING);
+    line->frequency = line->decay = line->energy = 0.0;
     for (size_t i = 0; i < FREQUENCY_SEARCH; i++) {
-        if (!linearize(&m->solver, size)) return 0.0;
-        note_swing(&m->solver, size, line);
+        if (linearize(&m->solver, size)) note_swing(&m->solver, size, line);
         if (fastest_of(line) > 0.0) break;
         size *= 0.5;
     }
     return size;
 }
 
-/* A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s); 0 for a failure. */
+/* A step (s), h at the most, that resolves how a latched line starts, from how it swings in a size (s). */
 static double resolving(Master *m, const StiffenedLine *line, double size, double h) {
     StiffenedLine found = *line;
     for (size_t i = 0; i < FREQUENCY_SEARCH && fastest_of(&found) * size >= 2.0; i++) {
         size = fmax(1.0 / fastest_of(&found), 0.1 * size);
-        if (!linearize(&m->solver, size)) return 0.0;
+        if (!linearize(&m->solver, size)) break;
         note_swing(&m->solver, size, &found);
     }
     const double wanted = cbrt(m->error.resolved);
@@ -348,7 +349,6 @@ static double engage(Master *m, HingeLine *line) {
             slow->hinges += 1.0;
     if (slow->hinges) {
         const double size = note_whole_swing(m, slow);
-        if (size == 0.0) return 0.0;
         judge_latches(m);
         h = fastest_of(slow) > 0.0 ? resolving(m, slow, size, h) : fmin(h, m->event_step);
     }

@@ -143,11 +143,14 @@ static inline int awaits_release(const HoldDown *hold_down, const real *x) {
     return value_of(x[X_RELEASED]) == 0.0 && hold_down->base.p[P_RELEASE_TIME] > 0.0;
 }
 
-/* Wrenches on both ports, time to the release, slopes of mean wrenches. */
+/* Wrenches on both ports, time to the release, slopes of mean wrenches; an instant where a time set in mid-run is over. */
 void NAME(hold_down_outputs)(void *self, const real *x, const real *u, real *y) {
     const HoldDown *hold_down = self;
     y[Y_TIME_TO_BREAK] = NEVER;
-    if (awaits_release(hold_down, x)) y[Y_TIME_TO_BREAK] = hold_down->base.p[P_RELEASE_TIME] - x[X_CLOCK];
+    if (awaits_release(hold_down, x)) {
+        const real left = hold_down->base.p[P_RELEASE_TIME] - x[X_CLOCK];
+        y[Y_TIME_TO_BREAK] = value_of(left) < INSTANT ? INSTANT : left;
+    }
     if (gives_means(&hold_down->base, x, y)) return;
     for (int i = 0; i < WRENCHES; i++) y[i] = 0.0;
     if (value_of(x[X_RELEASED]) != 0.0) return;

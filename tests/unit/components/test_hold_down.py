@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from components.contract.component import ComponentError
 from components.hold_down import HoldDown
+from components.numerics.scheme import INSTANT
 from fmus import build_fmu
 from orchestrator.assembly import Part
 from orchestrator.cosim.implicit.convergence import Tolerance
@@ -108,6 +109,19 @@ def test_steps_end_at_the_release():
     released = np.flatnonzero(run.signal("bolt", "released"))[0]
     assert run.times[released] == pytest.approx(0.0973, abs=1e-9)
     assert run.times[released] - run.times[released - 1] > 1e-4
+
+
+@pytest.mark.parametrize("release_time", [0.05, 0.1])
+def test_a_release_time_that_is_over_releases_at_once(release_time):
+    """Regression: a time set in mid-run to what is past made a step of negative size."""
+    run = prepared(*scene(release_time=1.0), settings=Settings(fixed_step=0.01))
+    run.master.run(0.1)
+    bolt = run.master.network.by_name["bolt"]
+    bolt.set_parameter("release_time", [release_time])
+    bolt.read()
+    assert bolt.outputs[bolt.output_layout["time_to_break"]] == pytest.approx(INSTANT)
+    run.master.run(0.2)
+    assert run.signal("bolt", "released")[10:12].tolist() == [0.0, 1.0]
 
 
 def test_release_by_command():

@@ -172,3 +172,14 @@ def test_doubts_of_a_repeated_run(outcome):
     assert sentence.endswith(
         "more than ten times the tolerance of 0.001; a run at 1e-05 did not make it surer"
     )
+
+
+@pytest.mark.parametrize("latched", [True, False])
+def test_the_number_that_a_repetition_is_made_for_is_named(outcome, latched):
+    """Regression: where loads alone were, a latch was named with 0 tolerances, and without latches it failed."""
+    sizes = (20.0 * ASKED.tolerance * max(outcome.headline.interface_force_peaks),)
+    errors = {("interface force peak", "x"): EstimatedError(0.0, *sizes)}
+    if latched:
+        errors |= {("latch time", line): EstimatedError(0.0, 0.0) for line in outcome.headline.latch_times}
+    sentence = refinement._sentence("wing", claiming(outcome, errors), ASKED.tolerance, 1e-4)
+    assert re.match(r"wing: the interface force peak of x may be off by 20 times", sentence)

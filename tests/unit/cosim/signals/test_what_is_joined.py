@@ -28,7 +28,6 @@ def with_units(file, types="", units="", **declared):
 
 
 DEGREE = '<Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>'
-HERTZ = '<Unit name="Hz"><BaseUnit s="-1"/></Unit>'
 
 
 def test_units_of_declared_types(tmp_path):
@@ -46,11 +45,46 @@ def test_units_of_declared_types(tmp_path):
     )  # of the last sample
 
 
-def test_a_frequency_is_no_angular_rate(tmp_path):
-    """Regression: Hz has the exponents of rad/s, and went through with a factor of one."""
-    file = with_units(slave(tmp_path), "", HERTZ, rate='unit="Hz"')
-    with pytest.raises(fanfold.FanfoldError, match=r"inputs.rate: is in Hz, a frequency"):
-        fanfold.simulate(controlled(file))
+def rate_given(folder, unit, base):
+    """Largest rate that a controller is given in a unit of this base, and the largest there is (rad/s)."""
+    file = with_units(
+        slave(folder), "", f'<Unit name="{unit}"><BaseUnit {base}/></Unit>', rate=f'unit="{unit}"'
+    )
+    run = fanfold.simulate(controlled(file), estimate=False)
+    return np.abs(run["controller", "rate"][:]).max(), np.abs(run["craft", "attitude_rate"][:, 1]).max()
+
+
+@pytest.mark.parametrize(
+    ("unit", "base"), [("Hz", 's="-1"'), ("U/min", 's="-1" factor="0.016666666666666666"'), ("rpm", 's="-1"')]
+)
+def test_a_frequency_is_no_angular_rate(tmp_path, unit, base):
+    """Regression: turns a second have the exponents of rad/s, and went through with a factor of one."""
+    with pytest.raises(fanfold.FanfoldError, match=rf"inputs.rate: is in {unit}, which may count turns"):
+        rate_given(tmp_path, unit, base)
+
+
+@pytest.mark.parametrize(
+    ("unit", "base", "factor"),
+    [
+        ("rpm", f'rad="1" s="-1" factor="{np.pi / 30!r}"', 30.0 / np.pi),
+        ("rad_per_s", 's="-1"', 1.0),
+        ("deg/s", f's="-1" factor="{np.pi / 180!r}"', 180.0 / np.pi),
+    ],
+)
+def test_angular_rates_are_told_by_their_base_or_name(tmp_path, unit, base, factor):
+    """Definition of base units; names of angles where a tool writes no exponent of rad. Samples miss peaks."""
+    given, rate = rate_given(tmp_path, unit, base)
+    assert given == pytest.approx(factor * rate, rel=0.5)
+
+
+@pytest.mark.parametrize("relative", [True, False])
+def test_differences_have_no_offset(tmp_path, relative):
+    """FMI 2.0, 2.2.7: of a variable with relativeQuantity the offset of its unit is left out."""
+    base = '<Unit name="dego"><BaseUnit rad="1" factor="0.5" offset="0.01"/></Unit>'
+    declared = 'unit="dego"' + ' relativeQuantity="true"' * relative
+    run = fanfold.simulate(controlled(with_units(slave(tmp_path), "", base, angle=declared)), estimate=False)
+    first = run["controller", "angle"][:][0]
+    assert first == pytest.approx(0.0 if relative else -0.02, abs=1e-9)
 
 
 def panel_on_two_hinges(file, **joined):
