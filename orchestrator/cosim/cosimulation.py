@@ -78,7 +78,7 @@ class CoSimulation(ABC):
         bodies = [body.name for body in network.bodies]
         self._signals = SignalExchange(signals, network.participants, solver.observations, bodies)
         self._scene = np.zeros(len(SCENE_CHANNELS) + self._signals.values.size)
-        self._rows = Rows(recorder, network.participants, solver.observations, self._scene)
+        self._rows = Rows(recorder, network.participants, solver.observations, self._scene, network.coarse)
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held.
@@ -88,7 +88,7 @@ class CoSimulation(ABC):
         network = self.network
         for participant in network.participants:
             if "order" in participant.parameter_layout:
-                participant.set_parameter("order", network.order)
+                participant.set_parameter("order", network.order_of(participant.name))
         for body in network.bodies:
             body.write()
             body.read()

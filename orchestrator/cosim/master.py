@@ -185,7 +185,7 @@ class Master(CoSimulation):
             self._without(self._events[name].releases)
         for participant in self.network.participants:
             if "order" in participant.parameter_layout:
-                participant.set_parameter("order", self.network.order)
+                participant.set_parameter("order", self.network.order_of(participant.name))
             participant.inputs[:] = arrays[f"inputs {participant.name}"]
             participant.initialize(0.0)
             participant.deserialize(snapshot.states[participant.name])

@@ -53,7 +53,8 @@ class Network:
 
     participants: all, bodies before connections. wrenches: the unknown, shape (width.wrench x body ports,), of
     which each body's inputs hold a copy. `port_names[i]` is the (body, port) of the i-th wrench in it, `meetings[i]`
-    what meets there. order: 4 where slopes are carried as well, between ports that have them.
+    what meets there. order: 4 where slopes are carried as well, between ports that have them. coarse: names of those
+    connections of a network of order 4 that are of order 2, as a body there is.
     """
 
     def __init__(self, participants: Sequence[Participant], links: Iterable[Link], order: Order = 2) -> None:
@@ -101,6 +102,14 @@ class Network:
             for number, (b, ports) in enumerate(zip(self.bodies, self.body_ports, strict=True))
             for side, port in enumerate(ports)
         ]
+        coarse = {
+            b.name for b, place in zip(self.bodies, self.body_places, strict=True) if place.moments is None
+        }
+        self.coarse = {
+            c.name
+            for c, ports in zip(self.connections, self.connection_ports, strict=True)
+            if any(reverse[(c.name, port)][0] in coarse for port in ports)
+        }
         count = len(self.port_names)
         self._shape = (count, width.wrench)
         self._motion, self._moments = np.zeros((count, 13)), np.zeros((count, 6))
@@ -109,6 +118,13 @@ class Network:
             np.array([place[reverse[(c.name, port)]] for port in ports])
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
+
+    def order_of(self, name: str) -> Order:
+        """Order of a participant by name: a connection with a body of order 2 is of that as well.
+
+        Slopes on one of its sides only would turn the whole: their moment on ports that move is part of balance.
+        """
+        return 2 if name in self.coarse else self.order
 
     def set_wrenches(self, wrenches: Vector) -> None:
         """Put the unknown into the bodies' inputs."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from math import inf
 from typing import Protocol
 
@@ -34,12 +34,18 @@ def recorded_layout(layout: Layout) -> Layout:
 class Rows:
     """Hands observations and scene channels on to a recorder, each accepted step's when the next one is known.
 
-    observations: of all participants in order; scene: channels. Both are read when a row comes. recorded: places of
-    observations that are recorded; corrections (n, 2): of those that a held one takes, and of what it corrects.
+    observations: of all participants in order; scene: channels. Both are read when a row comes. coarse: names of those
+    that are coupled at order 2, which know nothing better. recorded: places of observations that are recorded;
+    corrections (n, 2): of those that a held one takes, and of what it corrects.
     """
 
     def __init__(
-        self, recorder: Recorder, participants: Sequence[Participant], observations: Vector, scene: Vector
+        self,
+        recorder: Recorder,
+        participants: Sequence[Participant],
+        observations: Vector,
+        scene: Vector,
+        coarse: Collection[str] = (),
     ) -> None:
         self._recorder = recorder
         self._now, self._held = (observations, scene), (observations.copy(), scene.copy())
@@ -51,7 +57,12 @@ class Rows:
             slice(a, a + recorded_layout(layout).size) for a, layout in zip(first, layouts, strict=False)
         ]
         self.recorded = np.concatenate([np.arange(s.start, s.stop, dtype=np.uintp) for s in self._slices])
-        pairs = [pair for a, layout in zip(first, layouts, strict=False) for pair in _pairs(a, layout)]
+        pairs = [
+            pair
+            for one, a in zip(participants, first, strict=False)
+            if one.name not in coarse
+            for pair in _pairs(a, one.observation_layout)
+        ]
         self.corrections = np.array(pairs, dtype=np.uintp).reshape(-1, 2)
         self._known, self._corrected = self.corrections.T
 

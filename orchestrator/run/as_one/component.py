@@ -95,7 +95,8 @@ class AssembledScene(Component, registered=False):
         observed = [recorded_layout(component.observation_layout) for _, component in self._parts]
         peaks = list(_peaks(self._names, observed, lines))
         self.returns_early = bool(lines or assembly.events)
-        self._order, self._tolerance, self._rests = order, settings.tolerance, assembly.preload
+        self._orders = {name: network.order_of(name) for name in self._names}
+        self._tolerance, self._rests = settings.tolerance, assembly.preload
         ports = (network.port_of_row(network.width.wrench * link) for link in range(len(network.meetings)))
         self._texts = {f"link:{number}": port.encode() for number, port in enumerate(ports)}
         self._texts |= {
@@ -134,7 +135,8 @@ class AssembledScene(Component, registered=False):
         """The order of the coupling is the master's: a component of another would not fit; and where all starts."""
         for one in parameters:
             if one.name.endswith(f".{_ORDER}"):
-                yield replace(one, minimum=self._order, maximum=self._order)
+                order = self._orders[one.name.removesuffix(f".{_ORDER}")]
+                yield replace(one, minimum=order, maximum=order)
             elif self._rests and f".{_INITIAL}" in one.name:
                 yield one.saying(f"{one.description}; does nothing, as all starts in static equilibrium")
             else:
@@ -145,9 +147,9 @@ class AssembledScene(Component, registered=False):
         found: dict[str, tuple[float, ...]] = {_TOLERANCE.name: (self._tolerance,)}
         for name, (part, component) in zip(self._names, self._parts, strict=True):
             for quantity in component.parameter_layout.quantities:
-                given = (
-                    self._order if quantity.name == _ORDER else part.start.get(quantity.name, quantity.start)
-                )
+                given = part.start.get(quantity.name, quantity.start)
+                if quantity.name == _ORDER:
+                    given = self._orders[name]
                 found[f"{name}.{quantity.name}"] = tuple(np.broadcast_to(given, (quantity.size,)).tolist())
         return found
 

@@ -240,7 +240,7 @@ def _linear_system(network: Network, still: frozenset[int]) -> dict[str, ArrayLi
 
 def _recorded(network: Network) -> dict[str, ArrayLike]:
     size = sum(p.observation_layout.size for p in network.participants)
-    rows = Rows(NoRecorder(), network.participants, np.zeros(size + 1), np.zeros(0))
+    rows = Rows(NoRecorder(), network.participants, np.zeros(size + 1), np.zeros(0), network.coarse)
     return {"recorded": rows.recorded, "corrected": rows.corrections}
 
 

@@ -22,14 +22,26 @@ class Recorder:
         self.rows.append([value.tolist() for value in values])
 
 
-def rows():
+def rows(coarse=()):
     recorder, observations, scene = Recorder(), np.zeros(7), np.zeros(1)
-    participants = [SimpleNamespace(observation_layout=layout) for layout in (BASE, HINGE)]
-    return recorder, observations, scene, Rows(recorder, participants, observations, scene)
+    participants = [
+        SimpleNamespace(name=name, observation_layout=layout)
+        for name, layout in (("base", BASE), ("hinge", HINGE))
+    ]
+    return recorder, observations, scene, Rows(recorder, participants, observations, scene, coarse)
 
 
 def test_lagged_observations_are_not_recorded():
     assert [q.name for q in recorded_layout(BASE).quantities] == ["load", "energy"]
+
+
+def test_what_is_coupled_at_order_2_is_right_at_once():
+    """Beside a body of order 2 a hinge keeps no means of steps before. Regression: its loads were 0."""
+    recorder, observations, scene, held = rows({"base"})
+    observations[:], scene[:] = (1, 2, 3, 0, 0, 4, 0), 5
+    held.hold(0.1, continues=False)
+    held.hold(0.2, continues=True)
+    assert recorder.rows == [[[1, 2, 3], [4], [5]]]
 
 
 def test_a_step_corrects_the_row_before():
