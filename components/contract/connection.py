@@ -71,6 +71,11 @@ class Connection(Component, Generic[P, S, C]):
     def __init__(self, structure: Mapping[str, Any], wrench_mode: str) -> None:
         if wrench_mode not in ("mean", "endpoint"):
             raise ComponentError(f"wrench_mode is {wrench_mode!r}; it must be mean or endpoint")
+        for name in ("parameters", "states", "commands", "observations"):
+            if not isinstance(getattr(self, name, None), Record):
+                raise ComponentError(
+                    f"{type(self).__name__} declares no {name}; give it {name} = Record(...)"
+                )
         self.endpoint = wrench_mode == "endpoint"
         order = 2 if self.endpoint else self.order
         self._declare(

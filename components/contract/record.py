@@ -9,7 +9,7 @@ from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args, get_o
 
 import numpy as np
 
-from .quantity import Quantity, Vector
+from .quantity import ComponentError, Quantity, Vector
 
 T = TypeVar("T", bound=tuple[Any, ...])
 
@@ -21,7 +21,9 @@ def tunable(
     minimum: float | None = None,
     maximum: float | None = None,
 ) -> Quantity:
-    """A parameter that may change between steps."""
+    """A parameter that may change between steps; ComponentError where its start is no number."""
+    if not isinstance(start, int | float):
+        raise ComponentError(f"a parameter ({description}) starts at {start!r}; it must be a number")
     return Quantity("", unit, description, 1, start, minimum, maximum, "tunable")
 
 

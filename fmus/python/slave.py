@@ -112,11 +112,14 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         self._time = 0.0
         self._stop_time = inf
         self._initialized = False
-        self._broken: Exception | None = None
+        self._broken: BaseException | None = None
         try:
             release_interpreter_at_exit(Path(self.resources))
             self._load(Path(self.resources))
-        except Exception as error:  # raised again as soon as there is a log to put the reason into
+        except (
+            Exception,
+            SystemExit,
+        ) as error:  # raised again as soon as there is a log to put the reason into
             self._broken = error
 
     def _load(self, resources: Path) -> None:
@@ -170,7 +173,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             self._require_finite(self._u, "input", self._ends[0])
             self._require_state()
             self._require_finite_state()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failure(error) from None
         self._initialized = True
         self._writing = _NOWHERE
@@ -190,7 +193,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             before = self._instance.state
             self._instance.step(step_size)
             self._require_finite_state()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             if before is not None:
                 self._instance.state = before
             self._time = current_time
@@ -216,7 +219,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 self._require_state()
                 self._z[:] = self._instance.observe()
                 self._observations_known = True
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failure(error) from None
         if access.layout is not None:
             return list(access.layout.unpack_from(self._buffer, access.offset))
@@ -233,7 +236,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
                 access.layout.pack_into(self._buffer, access.offset, *values)
             else:
                 self._values[access.place] = values
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise self._failure(error) from None
         self._observations_known = False
         if access.parameters:
@@ -313,14 +316,14 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
             sentence += f", seen in output {self._names[self._ends[1] + outputs[0]]}"
         raise ComponentError(sentence)
 
-    def _log_reason(self, error: Exception, status: Fmi2Status) -> None:
+    def _log_reason(self, error: BaseException, status: Fmi2Status) -> None:
         error = self._broken or error  # nothing else is worth saying of an instance that was never built
         sentence = str(error)
         if not isinstance(error, ComponentError):
             sentence = f"{type(error).__name__} in {self.component_class.kind}: {error}"
         self.log(f"{self.instance_name} at t = {self._time:.9g} s: {sentence}", status)
 
-    def _failure(self, error: Exception) -> Exception:
+    def _failure(self, error: BaseException) -> Exception:
         """The error to raise, with its reason in the log and the instance safe from what PythonFMU does then.
 
         On an exception PythonFMU gives up its references to the instance, its class and its log, and does so
@@ -329,7 +332,7 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         self._log_reason(error, Fmi2Status.error)
         for given_up in (self, type(self), self.log_queue):
             own_once_more(given_up)
-        return error
+        return error if isinstance(error, Exception) else ComponentError(f"{type(error).__name__}: {error}")
 
     def _refuse_other_types(self, *_: object) -> None:
         raise self._failure(ComponentError("all variables of this FMU are of type Real"))

@@ -113,7 +113,7 @@ class Hinge(Table):
 class Motor(Table):
     """Motor of a line, positive opening: a spring by its torques at the stowed and at the latch angle, or a table.
 
-    A table, such as a variant lays over a spring, takes its place. A motor with hysteresis resists being wound up.
+    What a variant lays over it takes its place. A motor with hysteresis resists being wound up.
     """
 
     stowed: Torque | None = None
@@ -136,6 +136,8 @@ class Motor(Table):
     def _spring_or_table(self) -> Self:
         if not self.angle and None in (self.stowed, self.deployed):
             raise ValueError("give its torques stowed and deployed, or a table of angle and torque")
+        if self.angle and (self.stowed, self.deployed) != (None, None):
+            raise ValueError("is a spring (stowed, deployed) and a table (angle, torque); give one of them")
         if self.stowed is not None and self.deployed is not None and not self.stowed >= self.deployed:
             raise ValueError(
                 "the torque of a spring falls while it opens; stowed must not be below deployed; give a table of angle "

@@ -1,7 +1,8 @@
 """Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
 
 Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
-name away. Everything else replaces what was there. A merge that cannot be is a SceneError. In the end, bodies that are
+name away; a motor's spring takes the place of its table, and a table that of a spring. Everything else replaces what
+was there. A merge that cannot be is a SceneError. In the end, bodies that are
 `like` others are laid over these.
 """
 
@@ -12,6 +13,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +29,7 @@ Setting = str | tuple[str, Any]
 _EXTENDS, _VARIANT, _REMOVE, _LIKE = "extends", "variant", "remove", "like"
 _HDF5 = b"\x89HDF"
 """What files of results begin with."""
+_MOTOR, _WAYS_OF_MOTORS = "motor", (("stowed", "deployed"), ("angle", "torque", "closing_torque"))
 _OWN = ("name", "place")
 """Keys that a body does not share with those that are like it."""
 
@@ -169,6 +172,8 @@ def _named_by(table: Any, keys: Iterable[str]) -> Iterator[tuple[Any, Any]]:  # 
 def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
     """A new tree: `above` laid over `below`; keys of entries that are new in an array go into `added`."""
     tree = deepcopy(below)
+    for key in _replaced(within, above):
+        tree.pop(key, None)
     for key, value in above.items():
         old, place = tree.get(key), f"{within}{key}"
         if isinstance(old, dict) and isinstance(value, dict):
@@ -178,6 +183,15 @@ def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
         else:
             tree[key] = deepcopy(value)
     return tree
+
+
+def _replaced(within: str, above: Tree) -> Iterator[str]:
+    """Keys of a table that say otherwise what a layer over it says: a motor is a spring or a table."""
+    if not within.endswith(f".{_MOTOR}."):
+        return
+    for one, other in permutations(_WAYS_OF_MOTORS):
+        if any(key in above for key in one):
+            yield from other
 
 
 def _is_named(value: object) -> bool:

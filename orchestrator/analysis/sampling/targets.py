@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, sqrt
 from pathlib import Path
@@ -13,10 +14,14 @@ import numpy as np
 from components.contract.component import Vector
 from components.contract.errors import unknown
 
+from ...assembly.events import component_of
+from ...cosim.rows import recorded_layout
 from ...scene.units import UNITS, to_si
 from .distributions import StudyError
-from .sample import Sample
+from .sample import Sample, Task
 
+_HEADING = re.compile(r"\s*(.*?)\s*(?:\(([^()]*)\)\s*)?", re.DOTALL)
+"""A name, and the unit behind it."""
 _MISSED = 1.0
 """What a number counts as missed by, relative to its target, where a run does not have it: a line has not latched."""
 
@@ -70,11 +75,15 @@ def _as_written(number: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s), in its unit."""
+    """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s).
+
+    unit: of the values, empty for that of the signal.
+    """
 
     signal: str
     times: tuple[float, ...]
     values: tuple[float, ...]
+    unit: str = ""
 
     @property
     def pattern(self) -> str:
@@ -86,16 +95,29 @@ class Curve:
 
         The sample kept its signals at the measured times.
         """
-        values, _ = sample.signals[self.signal]
-        size = float(np.ptp(self.values)) or 1.0
-        found: Vector = (np.array(values) - self.values) / (size * sqrt(len(self.times)))
+        values, unit = sample.signals[self.signal]
+        measured = self.factor(unit) * np.array(self.values)
+        size = float(np.ptp(measured)) or 1.0
+        found: Vector = (np.array(values) - measured) / (size * sqrt(len(self.times)))
         return found
+
+    def factor(self, unit: str) -> float:
+        """What makes values in a unit of the measured ones; StudyError where nothing does."""
+        if self.unit in ("", unit):
+            return 1.0
+        if self.unit not in (known := UNITS.get(unit, {})):
+            raise StudyError(
+                f"curve {self.signal}: it is in {self.unit}; behind its name stands {' or '.join(known) or unit}, or "
+                "nothing"
+            )
+        return known[self.unit]
 
 
 def curves(path: Path) -> tuple[Curve, ...]:
-    """Of a CSV file: times (s) in the first column, others headed by their signals; StudyError for anything else.
+    """Of a CSV file: times in the first column, others headed by their signals; StudyError for anything else.
 
-    All have the same times.
+    A unit may stand behind each heading, "time (ms)", "left.angle (deg)"; without, times are in s. All have the same
+    times.
     """
     try:
         with path.open(encoding="utf-8", newline="") as file:
@@ -110,11 +132,16 @@ def curves(path: Path) -> tuple[Curve, ...]:
         tuple(_number(cell, f"{path}, row {n}") for n, cell in enumerate(column, 2))
         for column in zip(*rows[1:], strict=True)
     ]
-    times = columns[0]
+    head = [_HEADING.fullmatch(cell) for cell in rows[0]]
+    names, units = zip(*((one[1], one[2] or "") for one in head if one), strict=True)
+    if units[0] not in ("", *UNITS["s"]):
+        raise StudyError(f"{path}: its times are in {units[0]}; give them in {' or '.join(UNITS['s'])}")
+    times = tuple(time * UNITS["s"].get(units[0], 1.0) for time in columns[0])
     if not all(np.diff(times) > 0.0) or times[0] < 0.0:
         raise StudyError(f"{path}: its times must rise, from zero on")
     return tuple(
-        Curve(name.strip(), times, values) for name, values in zip(rows[0][1:], columns[1:], strict=True)
+        Curve(name, times, values, unit)
+        for name, values, unit in zip(names[1:], columns[1:], units[1:], strict=True)
     )
 
 
@@ -128,24 +155,38 @@ def _number(text: str, where: str) -> float:
     return found
 
 
-def refuse_unknown(
-    targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, lines: Mapping[str, bool]
-) -> None:
-    """StudyError for numbers and signals that runs of this scene do not have, or have only where a line latches."""
-    problems = list(_unknown(targets, measured, sample, lines))
+def refuse_unknown(targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, task: Task) -> None:
+    """StudyError for numbers and signals that a sample of a task does not have, and units that are not theirs."""
+    problems = list(_unknown(targets, measured, sample, task))
     if problems:
         raise StudyError("\n".join(problems))
+    for curve in measured:
+        curve.factor(sample.signals[curve.signal][1])
+
+
+def _signals_of(task: Task) -> list[str]:
+    """All that a run of it records, COMPONENT.VARIABLE."""
+    layouts = (
+        (part.name, recorded_layout(component_of(part).observation_layout))
+        for part in task.options.assemble(task.scene.check_one_run()).parts
+    )
+    return [f"{name}.{scalar}" for name, layout in layouts for scalar in layout.scalar_names()]
 
 
 def _unknown(
-    targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, lines: Mapping[str, bool]
+    targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, task: Task
 ) -> Iterator[str]:
     for one in targets:
         if one.number in sample.numbers:
             one.value(sample.numbers[one.number][1])
             continue
         line = next(
-            (name for name, latched in lines.items() if one.number.endswith(f" {name}") and not latched), None
+            (
+                name
+                for name, latched in sample.latched.items()
+                if one.number.endswith(f" {name}") and not latched
+            ),
+            None,
         )
         given = _as_written(one.number)
         yield (
@@ -156,4 +197,4 @@ def _unknown(
         )
     for curve in measured:
         if curve.signal not in sample.signals:
-            yield f"curve {curve.signal}: {unknown(curve.signal, list(sample.signals), 'signal')}"
+            yield f"curve {curve.signal}: {unknown(curve.signal, _signals_of(task), 'signal')}"

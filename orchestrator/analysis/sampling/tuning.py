@@ -259,7 +259,7 @@ def tune(
         first = run_sample(task, 0, search.settings(start))
         if first.message:
             raise StudyError(f"the run that the search starts from failed: {first.message}")
-        refuse_unknown(targets, curves, first, first.latched)
+        refuse_unknown(targets, curves, first, task)
         search.known[tuple(start.tolist())] = first, search._residual(first)
         search.runs = 1
         with suppress(_ReachedError):
@@ -296,16 +296,16 @@ def _told(search: _Search, start: Vector) -> Tuned:
         start_residual=search.size(search.known[tuple(start.tolist())][1]),
         derivatives=rows,
         reached=residual <= search.accuracy,
-        blind=_blind(search.varied, moved),
+        blind=_blind(search.varied, moved, search.accuracy),
         runs=search.runs,
     )
 
 
-def _blind(varied: Sequence[Varied], moved: Vector) -> tuple[str, ...]:
-    """What is varied that has most part in combinations that move no target."""
+def _blind(varied: Sequence[Varied], moved: Vector, accuracy: float) -> tuple[str, ...]:
+    """What is varied that has most part in combinations that move no target by the accuracy over the range."""
     _, sizes, directions = np.linalg.svd(moved)
     sizes = np.concatenate([sizes, np.zeros(len(varied) - len(sizes))])
-    idle = directions[sizes <= _BLIND * (sizes[0] or 1.0)]
+    idle = directions[sizes <= max(_BLIND * sizes[0], accuracy)]
     return tuple(
         one.name
         for one, part in zip(varied, np.abs(idle).max(axis=0, initial=0.0), strict=True)

@@ -191,3 +191,29 @@ def test_values_nested_without_end_are_told(tmp_path):
     (tmp_path / "deep.toml").write_text(f"x = {'[' * 3000}{']' * 3000}\n", encoding="utf-8")
     with pytest.raises(SceneError, match="nested too deeply"):
         load_scene(tmp_path / "deep.toml")
+
+
+TABLE = {"angle": ["0 deg", "90 deg"], "torque": ["2 N.m", "1 N.m"]}
+
+
+@pytest.mark.parametrize("laid", [["table", "spring"], ["spring", "table"], ["spring", "table", "spring"]])
+def test_the_motor_that_is_laid_last_counts(tmp_path, laid):
+    """Definition of layers. Regression: a spring laid over a table did nothing, in variants, settings and studies."""
+    spring = {"stowed": "5 N.m", "deployed": "4 N.m"}
+    path = written(tmp_path, "wing.toml", TWO_PANELS)
+    kinds = {"table": TABLE, "spring": spring}
+    settings = [
+        (f"hinge_line.root_line.motor.{key}", value) for kind in laid for key, value in kinds[kind].items()
+    ]
+    line = next(one for one in load_scene(path, (), settings).hinge_lines if one.name == "root_line")
+    assert (line.motor.loop is None) == (laid[-1] == "spring")
+    assert line.motor.stowed == (5.0 if laid[-1] == "spring" else None)
+
+
+def test_a_motor_of_both_kinds_is_a_sentence(tmp_path):
+    both = (
+        'stowed = "1.6 N.m", deployed',
+        'angle = [0.0, 1.5], torque = [2, 1], stowed = "1.6 N.m", deployed',
+    )
+    path = written(tmp_path, "wing.toml", edited(TWO_PANELS, both))
+    assert "root_line.motor: is a spring (stowed, deployed) and a table" in problems_of(path)

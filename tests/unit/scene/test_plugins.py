@@ -121,6 +121,47 @@ def test_what_cannot_be_loaded_is_a_sentence(tmp_path, name, content, said):
     assert said in problem
 
 
+UNFINISHED = """
+from typing import Annotated, NamedTuple
+
+from components.contract.connection import HEAT, Impulse
+from components.contract.record import Record, tunable
+from components.numerics.axial import AxialConnection
+
+
+class Parameters(NamedTuple):
+    braking: Annotated[float, tunable("N.m.s/rad", "Braking", {start}, 0.0)]
+
+
+class States(NamedTuple):
+    heat: Annotated[float, HEAT]
+
+
+class Brake(AxialConnection):
+    kind, order, axis_of = "unfinished", 2, "the axis"
+    parameters, states, commands = Record(Parameters), Record(States), Record(Impulse)
+"""
+
+
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [
+        ("1.0", "Brake declares no observations"),
+        ("'x'", "a parameter (Braking) starts at 'x'; it must be a number"),
+    ],
+)
+def test_components_that_lack_something_are_sentences(tmp_path, start, said):
+    """Regression: tracebacks, of an attribute that was not there and of a text that was no float."""
+    (tmp_path / "brake.py").write_text(UNFINISHED.format(start=start))
+    wing = tmp_path / "wing.toml"
+    wing.write_text(
+        'extends = "workbench"\n[scene]\nname = "wing"\nplugins = ["brake.py"]\n[[connection]]\nname = "b"\n'
+        'kind = "unfinished"\nports = { inboard = { body = "base", point = "hl_left" }, '
+        'outboard = { body = "panel", point = "hl_left" } }\n'
+    )
+    assert any(said in problem for problem in fanfold.check_scene(wing).problems)
+
+
 def test_a_missing_file_is_told(tmp_path):
     with pytest.raises(PluginError, match="the plugin cannot be read"):
         load_plugin(tmp_path / "none.py")

@@ -38,10 +38,15 @@ def test_a_torque_from_a_latch_time():
     assert found.runs < 12
 
 
-def test_a_torque_from_a_measured_curve(tmp_path):
-    """Closed form: the angle is T t^2 / 2 J; a factor times what the scene has."""
+@pytest.mark.parametrize(
+    ("heading", "time", "angle"),
+    [("time,left.angle", 1.0, 1.0), ("time (ms),left.angle (deg)", 1e3, 180.0 / np.pi)],
+)
+def test_a_torque_from_a_measured_curve(tmp_path, heading, time, angle):
+    """Closed form: the angle is T t^2 / 2 J; a factor times what the scene has. Units as other tables head columns."""
     times, torque = np.linspace(0.0, 1.5, 16), 1.3
-    rows = ["time,left.angle", *(f"{t},{0.5 * torque / INERTIA * t * t}" for t in times.tolist())]
+    values = ((time * t, angle * 0.5 * torque / INERTIA * t * t) for t in times.tolist())
+    rows = [heading, *(f"{t},{v}" for t, v in values)]
     (tmp_path / "measured.csv").write_text("\n".join(rows), encoding="utf-8")
     found = fanfold.tune(
         flap(), {f"{MOTOR}*": "uniform(0.5, 2)"}, curve=tmp_path / "measured.csv", accuracy=2e-4
@@ -163,7 +168,15 @@ def test_what_cannot_be_searched_is_a_sentence(kind):
         ("time,left.angle\n0,0\n", "give a row of headings"),
         ("time,left.angle\n0,0\n1,x\n", "row 3: 'x' is no finite number"),
         ("time,left.angle\n1,0\n0,1\n", "its times must rise"),
-        ("time,left.angel\n0,0\n1,1\n", "curve left.angel"),
+        (
+            "time,left.angel\n0,0\n1,1\n",
+            "curve left.angel: is not a known signal; did you mean left.angle; signals",
+        ),
+        ("time (h),left.angle\n0,0\n1,1\n", "its times are in h; give them in s or ms or min"),
+        (
+            "time,left.angle (N)\n0,0\n1,1\n",
+            "curve left.angle: it is in N; behind its name stands rad or deg",
+        ),
     ],
 )
 def test_curves_that_cannot_be_read(tmp_path, text, sentence):
