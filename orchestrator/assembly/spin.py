@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -21,14 +21,24 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly) -> Iterator[str]:
     fastest = max(
         (abs(motion.laws[1].rate(time)) for motion in motions(scene).values() for time in times), default=0.0
     )
+    yield from unstiffened_rates(scene, assembly, dict.fromkeys(assembly.flexible, fastest))
+
+
+def unstiffened_rates(
+    scene: CheckedScene, assembly: Assembly, rates: Mapping[str, float], how: str = "up to"
+) -> Iterator[str]:
+    """A sentence for each flexible body without modes of second order that spins so fast.
+
+    rates: of bodies by name, rad/s. how: what these are.
+    """
     first_order = {body.name for body in scene.bodies if not body.second_order_modes}
     for part in assembly.parts:
         if part.name not in assembly.flexible or part.name not in first_order:
             continue
-        frequencies = np.asarray(part.structure["modal"]["frequency"])
-        if frequencies.size and fastest > _FELT * frequencies.min():
+        frequencies, rate = np.asarray(part.structure["modal"]["frequency"]), rates.get(part.name, 0.0)
+        if frequencies.size and rate > _FELT * frequencies.min():
             yield (
-                f"body.{part.name}: it spins at up to {fastest:.3g} rad/s, beside a first free mode at "
+                f"body.{part.name}: it spins at {how} {rate:.3g} rad/s, beside a first free mode at "
                 f"{frequencies.min():.3g} rad/s, and its modes are of first order, which tension does not stiffen: "
                 "frequencies and deflections in spin are off; give it second_order_modes"
             )

@@ -1,4 +1,4 @@
-"""Bodies that bent further than their theory goes: flat ones without stretching, and any whose modes turned too far."""
+"""Bodies that went beyond their theory: flat ones without stretching, and any that modes turn far or that spin."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from components import ComponentError
 
 from ..assembly import Assembly, Part
 from ..assembly.fidelities import has_beam
+from ..assembly.spin import unstiffened_rates, unstiffened_spins
 from ..results.result import Result
 from ..scene import CheckedScene
 from ..scene.bodies import body_definition
@@ -46,6 +47,18 @@ def linear_range_sentences(scene: CheckedScene, assembly: Assembly, result: Resu
     """A sentence for each body that bent further than its theory goes."""
     yield from _bent_plates(scene, assembly, result)
     yield from _turned_bodies(scene, assembly, result)
+    if not list(unstiffened_spins(scene, assembly)):  # which are told before the run
+        rates = {name: _mean_rate(result, name) for name in assembly.flexible}
+        yield from unstiffened_rates(scene, assembly, rates, "a mean of")
+
+
+def _mean_rate(result: Result, body: str) -> float:
+    """Root mean square of the rate (rad/s) at which a body turned over the run."""
+    time, orientation = result.time, np.asarray(result.signal(body, "frame_orientation")).reshape(-1, 4)
+    steps = np.diff(time)
+    halves = np.linalg.norm(np.diff(orientation, axis=0), axis=1)
+    squares = np.divide(4.0 * halves**2, steps, out=np.zeros_like(steps), where=steps > 0.0)
+    return float(np.sqrt(squares.sum() / max(time[-1] - time[0], np.finfo(float).tiny)))
 
 
 def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:

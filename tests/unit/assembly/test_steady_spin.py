@@ -1,5 +1,7 @@
 """Modes of what stands on a base that turns at a constant rate: published frequencies and closed forms."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -99,3 +101,29 @@ def test_other_analyses_say_that_they_leave_it_out():
     """Sentence: what is no mode takes the base as at rest."""
     with pytest.warns(fanfold.FanfoldWarning, match="take base as at rest, though it turns"):
         fanfold.frequency_response(rotor(3.0), low=1.0, high=2.0, steps=2)
+
+
+@pytest.mark.parametrize(
+    ("turns", "second_order", "told"), [(5.0, 0, True), (5.0, 12, False), (0.05, 0, False)]
+)
+def test_spin_that_a_run_reaches_is_told(turns, second_order, told):
+    """Definition: a free spacecraft that a torque spins up. Regression: laws of motion alone were looked at."""
+    scene = fanfold.Scene("spun_up", until="0.2 s")
+    craft = scene.base("craft", points={"hub": (0, 0, 0)}, free={"mass": 50.0, "inertia": (5, 5, 5)})
+    beam = {"length": LENGTH, "elements": 8, "attachment_points": {"root": 0}, "section": SECTION}
+    keys = {"fidelity": "flexible", "fixed_interface_modes": 4, "second_order_modes": second_order}
+    boom = scene.body("boom", place={"body": craft, "point": "hub"}, beam=beam, **keys)
+    scene.connection(
+        "clamp",
+        preset="fixed",
+        axes={"x": (1, 0, 0)},
+        ports={"inboard": (craft, "hub"), "outboard": (boom, "root")},
+    )
+    torque = [{"profile": "constant", "value": turns * SCALE * 60.0}]
+    scene.connection(
+        "jet", "load", structure={"direction": (0, 0, 1), "torque": torque}, ports={"body": (craft, "hub")}
+    )
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        fanfold.simulate(scene, estimate=False, tolerance=1e-3)
+    assert any("body.boom: it spins at a mean of" in str(one.message) for one in heard) == told
