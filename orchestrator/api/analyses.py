@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
+_LOADED = 1e-3
+"""N, of what is told to be out of balance."""
 Way = tuple[Quantity, Quantity]
 """Angles of a hinge line from which and to which it is turned."""
 
@@ -81,7 +83,7 @@ def modes(
     assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
     for sentence in unstiffened_spins(checked, assembly):
         warn(sentence)
-    return find_modes(
+    found = find_modes(
         checked,
         listed(rigid),
         listed(flexible),
@@ -90,6 +92,8 @@ def modes(
         _at_least(count, 1, "count"),
         held=base == "held",
     )
+    _tell_of_loads(checked, as_posed, found.unbalanced[0])
+    return found
 
 
 def appendage(
@@ -114,7 +118,7 @@ def appendage(
 
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
-    return find_appendages(
+    found = find_appendages(
         checked,
         listed(rigid),
         listed(flexible),
@@ -124,6 +128,8 @@ def appendage(
         listed(points),
         _at_least(count, 1, "count"),
     )
+    _tell_of_loads(checked, as_posed, found[0].unbalanced[0])
+    return found
 
 
 def frequency_response(
@@ -163,6 +169,7 @@ def frequency_response(
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
+    _tell_of_loads(checked, as_posed, model.unbalanced[0])
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, points, frequencies)
     free = not model.is_grounded
@@ -442,6 +449,16 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
             "begins; what spin stiffens and what rates do is left out"
         )
     return checked
+
+
+def _tell_of_loads(scene: CheckedScene, as_posed: bool, force: float) -> None:
+    """A FanfoldWarning where joints of a configuration as posed do not carry a force (N) that they should."""
+    if as_posed and force > _LOADED:
+        warn(
+            f"{scene.header.name}: as posed, joints do not carry {force:.3g} N that cables, gravity, spin or springs "
+            "ask of them, and the stiffness that this gives is left out: where it matters, frequencies are far off; in "
+            "equilibrium (not as posed) they are right"
+        )
 
 
 def _configuration(

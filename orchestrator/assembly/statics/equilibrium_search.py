@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import linalg
 
 from components.contract.component import Vector
 
@@ -21,11 +22,11 @@ _TOLERANCE = 1e-9
 
 def settle(mechanism: Mechanism, advice: str) -> None:
     """Move to equilibrium; SceneError where there is none near, with the advice of what to do then."""
-    moved, before = np.zeros(mechanism.size), np.inf
-    for _ in range(_MOST_ITERATIONS):
+    moved, before = _load_joints(mechanism), np.inf
+    for iteration in range(_MOST_ITERATIONS):
         model = linearise(mechanism)
         rows = model.other_rows
-        if not moved.any():
+        if not iteration:
             _refuse_free_motions(model, advice)
         step = np.zeros(mechanism.size)
         step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
@@ -46,9 +47,37 @@ def settle(mechanism: Mechanism, advice: str) -> None:
     raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
 
 
+def _load_joints(mechanism: Mechanism) -> Vector:
+    """Motion (n,) that lets joints carry what loads ask of them; none where nothing moves without force.
+
+    A pendulum in a joint that carries nothing yet has no stiffness, nor has a rope without tension: the first step
+    leaves out the free motions, and what it loads may have made them stiff.
+    """
+    model, moved = linearise(mechanism), np.zeros(mechanism.size)
+    free = _free_motions(model)
+    if not free.size:
+        return moved
+    rows = model.other_rows
+    kept = linalg.null_space((model.mass @ free)[rows].T)
+    stiffness = kept.T @ model.stiffness[np.ix_(rows, rows)] @ kept
+    moved[rows] = kept @ np.linalg.lstsq(stiffness, kept.T @ model.residual[rows])[0]
+    turn = float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0))
+    if not turn <= _LARGEST_TURN:
+        return np.zeros(mechanism.size)
+    mechanism.move(moved)
+    return moved
+
+
+def _free_motions(model: LinearModel) -> Vector:
+    """Shapes (n, k) of what moves without force while the base does not."""
+    modes = normal_modes(model, model.base_constraints)
+    found: Vector = modes.shapes[:, modes.is_free]
+    return found
+
+
 def _refuse_free_motions(model: LinearModel, advice: str) -> None:
     """Equilibrium is not unique where something moves without force."""
-    free = int(normal_modes(model, model.base_constraints).is_free.sum())
+    free = _free_motions(model).shape[1]
     if free:
         raise SceneError(
             [

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import orchestrator as fanfold
 from orchestrator.analysis.equilibrium import Sweep, equilibrium, quasi_static
 from orchestrator.assembly.assemble import assemble
 from orchestrator.assembly.statics.configuration import Configuration, configuration, lines_named
@@ -325,3 +326,37 @@ def test_tables_fit_80_columns(sweep):
     else:
         assert "base" not in result.stdout
         assert "loads are left out, zero or below a millionth of the largest" in result.stdout
+
+
+PENDULUM = """
+scene = {{ name = "arm", until = "1 s", gravity = [9.81, 0, 0] }}
+base = {{ name = "wall", points = {{ p = [0, 0, 0] }} }}
+[[body]]
+name = "arm"
+place = {{ body = "wall", point = "p" }}
+rigid = {{ mass = 2, center_of_mass = [0.6, 0, 0], inertia = [0.02, 0.3, 0.31], points = {{ r = [0, 0, 0] }} }}
+[[connection]]
+name = "joint"
+preset = "{preset}"
+axes = {{ x = [0, 1, 0] }}
+ports = {{ inboard = {{ body = "wall", point = "p" }}, outboard = {{ body = "arm", point = "r" }} }}
+"""
+
+
+@pytest.mark.parametrize("preset", ["revolute", "spherical"])
+def test_a_pendulum_in_a_joint_by_its_preset_has_its_frequency(preset, tmp_path):
+    """Closed form: sqrt(m g a / I). Regression: refused, as a joint that carries nothing yet gives no stiffness.
+
+    As posed that stays so, and is told. About its own axis an arm in a ball joint is free.
+    """
+    path = tmp_path / "arm.toml"
+    path.write_text(PENDULUM.format(preset=preset), encoding="utf-8")
+    if preset == "spherical":
+        with pytest.raises(SceneError, match="1 motion without stiffness"):
+            fanfold.modes(path)
+        return
+    found = fanfold.modes(path)
+    lever, about = 2.0 * 9.81 * 0.6, 0.3 + 2.0 * 0.6**2
+    assert 2.0 * pi * found.frequencies[0] == pytest.approx((lever / about) ** 0.5, rel=1e-4)
+    with pytest.warns(fanfold.FanfoldWarning, match=r"as posed, joints do not carry 19\.6 N"):
+        assert 2.0 * pi * fanfold.modes(path, as_posed=True).frequencies[0] > 100.0
