@@ -37,9 +37,6 @@ from .settings import Settings
 from .signals.process import SignalProcess
 from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure
 
-ITERATED = {2: 1e-2, 4: 1e-3}
-MOST_ITERATED = 1e-6
-"""Tolerance of an iteration over that of the run; slopes take up what it leaves in stiff joints, and recorded loads."""
 _IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
 _MOST_PARTS = 1024
 _LEAST_LATCH_SHARE = 1e-3
@@ -60,7 +57,8 @@ class Master(CoSimulation):
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
-        tolerance = Tolerance(min(ITERATED[network.order] * settings.tolerance, MOST_ITERATED))
+        share, most = stepping.iterated(hinge_lines, network.order)
+        tolerance = Tolerance(min(share * settings.tolerance, most))
         solver = solver_for(network, tolerance, self.native_solver)
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}

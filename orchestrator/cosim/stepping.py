@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from ctypes import Structure
 from math import ceil, floor, log, sqrt
 
 from components import FanfoldError
 
+from ..assembly import HingeLine
 from .implicit.convergence import Solution
 from .implicit.solver import Solver
 from .native.fields import fields
 from .participant import ParticipantError
 from .ports import Order
 
+_ITERATED, _MOST_ITERATED = {2: 1e-2, 4: 1e-3}, 1e-6
+"""Tolerance of an iteration over that of the run by order, and the largest; slopes take up what it leaves in stiff
+joints, and recorded loads."""
+_LOCKED = 1e-2
+"""Of these where rigid bodies lock: what is left of a lock of 1e8 N.m/rad is a torque beside those of light bodies."""
 RATIO = sqrt(2.0)
 ALLOWED_SHARE = 12.0 * 0.0025
 LOOSE = {2: 0.0, 4: 0.25}
@@ -111,6 +117,12 @@ class StepSizes(Structure):
 
     def _changed(self, wait: int) -> None:
         self.wait, self.stirred, self.worst = wait, STIRRED_STEPS, 0.0
+
+
+def iterated(lines: Iterable[HingeLine], order: Order) -> tuple[float, float]:
+    """Tolerance of an iteration over that of a run of these lines, and the largest."""
+    share = _LOCKED if any(line.locks_rigid for line in lines) else 1.0
+    return share * _ITERATED[order], share * _MOST_ITERATED
 
 
 def _allowed(tolerance: float, order: Order) -> float:

@@ -24,7 +24,6 @@ from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
-from ...cosim.master import ITERATED, MOST_ITERATED
 from ...cosim.native.fields import constant
 from ...cosim.network import Network
 from ...cosim.participant import Participant
@@ -67,7 +66,7 @@ def tables(
     number = {participant.name: i for i, participant in enumerate(network.participants)}
     still = frozenset(i for i, body in enumerate(network.bodies) if _kind(assembly, body.name) in _STILL)
     return {
-        **_master(network, settings),
+        **_master(network, assembly, settings),
         **_network(network, still),
         **_linear_system(network, still),
         **_recorded(network),
@@ -116,7 +115,7 @@ def _place(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
     return int(layout[name].start) if name in layout else _NOWHERE
 
 
-def _master(network: Network, settings: Settings) -> dict[str, ArrayLike]:
+def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[str, ArrayLike]:
     """Numbers in the order of the structures of the library."""
     order = network.order
     iteration = convergence.Tolerance(0.0)
@@ -173,17 +172,16 @@ def _master(network: Network, settings: Settings) -> dict[str, ArrayLike]:
             settings.event_step,
             settings.driving_energy,
         ],
-        "by_tolerance": _by_tolerance(settings, order),
+        "by_tolerance": _by_tolerance(assembly, settings, order),
     }
 
 
-def _by_tolerance(settings: Settings, order: Order) -> list[float]:
+def _by_tolerance(assembly: Assembly, settings: Settings, order: Order) -> list[float]:
     """What numbers follow from the tolerance by."""
     return [
         settings.largest_step,
         stepping.REFERENCE_TOLERANCE,
-        ITERATED[order],
-        MOST_ITERATED,
+        *stepping.iterated(assembly.hinge_lines, order),
         stepping.ALLOWED_SHARE,
         stepping.LOOSE[order],
         stepping.LOOSE[2],
