@@ -37,15 +37,15 @@ SCENE_CHANNELS = (
 class Statistics:
     """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made.
 
-    latch_damping: part of critical damping that lines, by name, latched with. restless: what does not start at rest
-    though it should, a sentence, empty where all does.
+    latch_frequencies: of lines, by name, that latched with a spring, as wholes, rad/s. restless: what does not start at
+    rest though it should, a sentence, empty where all does.
     """
 
     steps: int = 0
     sweeps: int = 0
     rejected: int = 0
     fmu_time: float = 0.0
-    latch_damping: dict[str, float] = field(default_factory=dict)
+    latch_frequencies: dict[str, float] = field(default_factory=dict)
     restless: str = ""
 
 

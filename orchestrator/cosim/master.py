@@ -435,10 +435,10 @@ class Master(CoSimulation):
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = stiffenings(solver, line.hinges, before, after, h)
         if hinges:
+            whole, _ = swinging(solver, self.time, hinges, self.settings.largest_step)
+            self.statistics.latch_frequencies[line.name] = whole.frequency
             slow, size = swinging(solver, self.time, hinges, self._sizes.largest)
             self._latched.append(slow)
-            if slow.frequency:
-                self.statistics.latch_damping[line.name] = 0.5 * slow.decay / slow.frequency
             self._judge_latches()
             if slow.fastest:
                 h = resolving(solver, self.time, slow, size, h, self._error.resolved_angle)

@@ -83,8 +83,8 @@ class Costs:
 class Outcome:
     """A finished run: its result, which master made it at which order, headline, costs, step sizes taken.
 
-    latch_damping: part of critical damping that lines, by name, latched with, as far as the master saw. restless: what
-    did not start at rest though it should, a sentence.
+    latch_frequencies: of lines, by name, that latched with a spring, as wholes, as far as the master saw, rad/s.
+    restless: what did not start at rest though it should, a sentence.
     """
 
     result: Result
@@ -93,7 +93,7 @@ class Outcome:
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
-    latch_damping: Mapping[str, float] = field(default_factory=dict)
+    latch_frequencies: Mapping[str, float] = field(default_factory=dict)
     restless: str = ""
 
     @property
@@ -351,7 +351,7 @@ def _follow(
         checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    seen = statistics.latch_damping, statistics.restless
+    seen = statistics.latch_frequencies, statistics.restless
     return Outcome(result, kind, network.order, headline(result), costs, segments, *seen)
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from components.cache.disk import place_sentence
 from fmus import Backend, native_library
 
@@ -271,15 +273,23 @@ def _damped_sentences(scene: CheckedScene, assembly: Assembly, outcome: Outcome)
     """
     rigid = {line.name for line in assembly.hinge_lines if line.rigid and scene.structural_damping is None}
     for line in scene.hinge_lines:
-        damping, latch = outcome.latch_damping.get(line.name), line.latch
-        if damping is None or latch is None or latch.effective_inertia is not None or line.name not in rigid:
+        frequency, latch = outcome.latch_frequencies.get(line.name), line.latch
+        if not frequency or latch is None or latch.effective_inertia is not None or line.name not in rigid:
             continue
+        damping = 0.5 * frequency * _damping_time(assembly, line.hinges[0].name)
         if damping > max(_DAMPED, _TIMES_DAMPED * latch.damping_ratio):
             yield (
                 f"{line.name} latched with {damping:.0%} of critical damping instead of {latch.damping_ratio:.1%}, "
                 "which lowers its torque peak: bodies that were not deployed turn less with it; "
                 f"hinge_line.{line.name}.latch.effective_inertia says what turns when it latches"
             )
+
+
+def _damping_time(assembly: Assembly, hinge: str) -> float:
+    """Damping over stiffness of a hinge's latch, s, which all hinges of a line have alike; 0 without a spring."""
+    start = next(part.start for part in assembly.parts if part.name == hinge)
+    damping, stiffness = (np.sum(start.get(f"latch_{what}", 0.0)) for what in ("damping", "stiffness"))
+    return float(damping / stiffness) if stiffness else 0.0
 
 
 def result_file(name: str, variants: Sequence[str]) -> Path:
