@@ -18,7 +18,7 @@ def gradients(
     keys: str | Sequence[str],
     *,
     central: bool = False,
-    verify: bool = False,
+    verify: bool = True,
     rigid: Names = (),
     flexible: Names = (),
     large_deformation: Names = (),
@@ -32,8 +32,8 @@ def gradients(
     factor of what it has, keys with commas between change together. One run tells them all, through its latch-ups and
     other events: for every key a neighbour with a slightly different value makes the same steps beside it. central: two
     neighbours a key, for loads that bend much with it; twice the cost. verify: `errors` hold those of the steps as
-    well, by a run at a tenth of the tolerance with a neighbour in all keys, for the cost of a few runs. rigid ...
-    progress: as for `simulate`.
+    well, by a run at a tenth of the tolerance with a neighbour in all keys, for the cost of a few runs; without it they
+    know nothing of those, by which loads may be far off, even in sign. rigid ... progress: as for `simulate`.
 
     `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
     `errors` (numbers) tell how far the gradient of each can be trusted, `doubtful` names those that mean nothing.
