@@ -39,7 +39,7 @@ MEANINGS = {
     "face_sheets.thickness": "Of a solid plate",
     "face_sheets.skin": "Thickness of one skin",
     "face_sheets.distance": "Of the middles of both skins",
-    "panel.prestress": "Tension of the plate in all directions",
+    "panel.prestress": "Tension of the plate in all directions: makes it stiff against bending, pulls at no joint",
     "panel.geometry": "`von_karman` has the tension that bending makes",
     "panel.arm": "What all hinge arms have in common",
     "panel.arms": "Hinge arms beside those of the hinge lines; what they do not say is that of `arm`",

@@ -10,10 +10,13 @@ from typing import Final, NamedTuple
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from components import FanfoldError
 from components.contract.component import Vector
+from components.contract.errors import unknown
 from components.contract.roles import ATTITUDE, DISSIPATION, INTERFACE_LOAD, LOAD
 
 from ..analysis.motion.histories import chosen
@@ -113,8 +116,18 @@ def plot_all(result: Result, directory: str | Path, format: str = "png") -> list
     return write_all(draw_all(result), Path(directory), format)
 
 
+def refuse_format(format: str) -> None:
+    """FanfoldError for a format that pictures are not written in."""
+    if format not in (known := sorted(FigureCanvasBase.filetypes)):
+        raise FanfoldError(f"format {unknown(format, known, 'format')}")
+
+
 def write_all(drawings: Iterable[Drawing], directory: Path, format: str = "png") -> list[Path]:
-    """Write figures into a folder that is made if missing, under their names; the paths written."""
+    """Write figures into a folder that is made if missing, under their names; the paths written.
+
+    FanfoldError for a format that there is none of.
+    """
+    refuse_format(format)
     directory.mkdir(parents=True, exist_ok=True)
     written = []
     for name, _, figure in drawings:

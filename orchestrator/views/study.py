@@ -15,6 +15,7 @@ from components.contract.component import Vector
 
 from ..analysis.sampling.influence import Influence, influence
 from ..analysis.sampling.study import Study
+from .plots import refuse_format
 from .style import COLOURS, STYLE, WIDTH, empty_figure
 
 _COLUMNS = 3
@@ -28,6 +29,7 @@ _BARS = 8
 
 def plot_study(study: Study, folder: Path, format: str = "png") -> list[Path]:
     """Every figure that there is something for, into a folder that is made if missing; the paths written."""
+    refuse_format(format)
     folder.mkdir(parents=True, exist_ok=True)
     paths = []
     for name, draw in FIGURES.items():
@@ -89,10 +91,11 @@ def _scatter(study: Study) -> Figure | None:
     figure, places = _grid("Numbers over the parameter that moves them most", len(found))
     for one, axes in zip(found, places, strict=False):
         first, *others = one.ranked
-        colour = study.parameters[others[0]] if others else COLOURS[0]
+        colour = study.parameters[others[0]] if others else None
         points = axes.scatter(
-            study.parameters[first], study.numbers[one.number], s=6, c=colour, cmap="cividis"
-        )
+            study.parameters[first], study.numbers[one.number], 6, colour, cmap="cividis" if others else None,
+            color=None if others else COLOURS[0],
+        )  # fmt: skip
         axes.set(xlabel=_label(study, first), ylabel=_label(study, one.number), xmargin=0.03)
         if others:
             figure.colorbar(points, ax=axes, shrink=0.8).set_label(_label(study, others[0]), fontsize=6)

@@ -17,7 +17,7 @@ from fmus import Backend
 
 from ...results.result import Result
 from ...results.signal import matches
-from ...run.errors import InterruptedRunError
+from ...run.errors import InterruptedRunError, RunError
 from ...run.run import Loader, kept_fmus
 from ...run.simulation import Options, simulate
 from ...scene.builder import Scene
@@ -108,7 +108,7 @@ def run_sample(task: Task, index: int, settings: Settings) -> Sample:
         raise KeyboardInterrupt from None
     except FanfoldError as error:
         _fmus.drop()
-        return Sample(index, str(error))
+        return Sample(index, error.reason if isinstance(error, RunError) else str(error))
 
 
 def _signals(result: Result, task: Task) -> dict[str, tuple[Sequence[float], str]]:

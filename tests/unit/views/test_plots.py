@@ -11,6 +11,7 @@ from matplotlib.image import imread
 from matplotlib.text import Text
 from mpl_toolkits.mplot3d.proj3d import proj_transform
 
+from components import FanfoldError
 from components.contract.roles import LOAD
 from orchestrator.results.key_figures import headline
 from orchestrator.results.parts import Meaning
@@ -44,6 +45,11 @@ def test_every_figure_is_written_and_not_blank(result, tmp_path):
     for path in written:
         assert imread(path)[..., :3].std() > 0.02
     assert dict(mpl.rcParams) == before
+
+
+def test_formats_that_there_are_none_of_are_a_sentence(result, tmp_path):
+    with pytest.raises(FanfoldError, match="format is not a known format; did you mean png"):
+        plots.plot_all(result, tmp_path, "pgn")
 
 
 def test_figures_without_signals_are_skipped(tmp_path):
