@@ -27,6 +27,7 @@ from .text.labelled import Entries, LabelledMatrix
 Matrices = Mapping[str, Any]
 _ENTRIES = "_entries"
 _SQUARE = ("stiffness", "mass")
+_TABLES = ("coordinates", "sample_masses", "sample_positions", "recovered_nodes")
 _EMPTY = 100
 """Rows to an entry, beyond which a number of a row is damaged."""
 
@@ -226,6 +227,11 @@ def _is_rows(name: str) -> bool:
     return name.removesuffix(_ENTRIES) not in _SQUARE
 
 
+def _is_table(name: str) -> bool:
+    """Whether columns have their own meaning, and are no degrees of freedom."""
+    return name.removesuffix(_ENTRIES) in _TABLES
+
+
 def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_array:
     """A sparse matrix of its entries (k, 3): as many columns as `dofs`, the stiffness, or the largest number.
 
@@ -237,9 +243,9 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
     if min(rows.min(), columns.min()) < 0:
         raise ComponentError(f"{name}: rows and columns count from 1")
     count = int(max(columns.max(), 0 if _is_rows(name) else rows.max())) + 1
-    if "dofs" in found:
+    if "dofs" in found and not _is_table(name):
         count = len(found["dofs"])
-    elif _is_rows(name) and "stiffness" in found and np.ndim(found["stiffness"]) == 2:
+    elif not _is_table(name) and _is_rows(name) and "stiffness" in found and np.ndim(found["stiffness"]) == 2:
         count = found["stiffness"].shape[1]
     labels = found.get(f"{name.removesuffix(_ENTRIES)}_labels")
     height = count

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
+from ..assembly.statics.steady_spin import spin_at_start
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.bodies import motions
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
 _LOADED = 1e-3
-"""N, of what is told to be out of balance."""
+"""N or N.m, of what is told to be out of balance."""
 Way = tuple[Quantity, Quantity]
 """Angles of a hinge line from which and to which it is turned."""
 
@@ -80,9 +81,10 @@ def modes(
     target = _configuration(checked, configuration, angles, latched)
     if base not in ("as_built", "held"):
         raise SceneError([f"base is {base!r}; it must be as_built or held"])
-    assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
-    for sentence in unstiffened_spins(checked, assembly):
-        warn(sentence)
+    if spin_at_start(checked):
+        assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
+        for sentence in unstiffened_spins(checked, assembly, until=0.0):
+            warn(sentence)
     found = find_modes(
         checked,
         listed(rigid),
@@ -92,7 +94,7 @@ def modes(
         _at_least(count, 1, "count"),
         held=base == "held",
     )
-    _tell_of_loads(checked, as_posed, found.unbalanced[0])
+    _tell_of_loads(checked, as_posed, found.unbalanced)
     return found
 
 
@@ -128,7 +130,7 @@ def appendage(
         listed(points),
         _at_least(count, 1, "count"),
     )
-    _tell_of_loads(checked, as_posed, found[0].unbalanced[0])
+    _tell_of_loads(checked, as_posed, found[0].unbalanced)
     return found
 
 
@@ -169,7 +171,7 @@ def frequency_response(
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
-    _tell_of_loads(checked, as_posed, model.unbalanced[0])
+    _tell_of_loads(checked, as_posed, model.unbalanced)
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, points, frequencies)
     free = not model.is_grounded
@@ -451,13 +453,14 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
     return checked
 
 
-def _tell_of_loads(scene: CheckedScene, as_posed: bool, force: float) -> None:
-    """A FanfoldWarning where joints of a configuration as posed do not carry a force (N) that they should."""
-    if as_posed and force > _LOADED:
+def _tell_of_loads(scene: CheckedScene, as_posed: bool, unbalanced: tuple[float, float]) -> None:
+    """A FanfoldWarning where joints of a configuration as posed do not carry what they should (N, N.m)."""
+    force, torque = unbalanced
+    if as_posed and max(unbalanced) > _LOADED:
         warn(
-            f"{scene.header.name}: as posed, joints do not carry {force:.3g} N that cables, gravity, spin or springs "
-            "ask of them, and the stiffness that this gives is left out: where it matters, frequencies are far off; in "
-            "equilibrium (not as posed) they are right"
+            f"{scene.header.name}: as posed, joints and latches do not carry {force:.3g} N and {torque:.3g} N.m that "
+            "cables, motors, gravity or spin ask of them; the stiffness that carrying gives them is left out, so that "
+            "frequencies may be far off: compare with those in equilibrium (not as posed), where there is one"
         )
 
 

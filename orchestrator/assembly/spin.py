@@ -15,9 +15,12 @@ _FELT = 0.1
 """Rate of the spin over the lowest free frequency, from which on frequencies are off by its square or more."""
 
 
-def unstiffened_spins(scene: CheckedScene, assembly: Assembly) -> Iterator[str]:
-    """A sentence for each flexible body without modes of second order that a motion law of the scene spins so fast."""
-    times = np.linspace(0.0, scene.header.until, _SAMPLES).tolist()
+def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | None = None) -> Iterator[str]:
+    """A sentence for each flexible body without modes of second order that a motion law of the scene spins so fast.
+
+    until: s; by default the end of the scene.
+    """
+    times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
     fastest = max(
         (abs(motion.laws[1].rate(time)) for motion in motions(scene).values() for time in times), default=0.0
     )

@@ -67,7 +67,10 @@ def _turned_bodies(scene: CheckedScene, assembly: Assembly, result: Result) -> I
     for part in assembly.parts:
         if part.name not in assembly.flexible:
             continue
-        modal, turn = part.structure["modal"], _largest_turn(part, result)
+        modal = part.structure["modal"]
+        if not np.size(modal["frequency"]):
+            continue
+        turn = _largest_turn(part, result)
         if turn.angle <= (_SECOND_ORDER_TURN if np.size(modal["second_order_points"]) else _TURN):
             continue
         remedy = "compare with fewer loads, or with the body in several pieces"

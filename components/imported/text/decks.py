@@ -31,7 +31,7 @@ def _inp(path: Path) -> Iterator[list[float]]:
     glob = any("GLOBAL=YES" in text.upper().replace(" ", "") for _, _, text in lines if text.startswith("*"))
     for file, number, text in lines:
         if not text.startswith("*"):
-            if keyword == "*INSTANCE" and any(_row(file, number, text.split(","), _PLACE)):
+            if keyword == "*INSTANCE" and _moves(_row(file, number, text.split(","), _PLACE)):
                 raise ComponentError(
                     f"{file}: line {number}: {text!r} puts an instance elsewhere than its part; give the nodes where "
                     "they are in the assembly, as a deck without parts and instances does"
@@ -51,6 +51,11 @@ def _inp(path: Path) -> Iterator[list[float]]:
                 f"{file}: line {number}: {text} gives nodes axes of their own; give all coordinates in one rectangular "
                 "system, and matrices in its axes (CalculiX: GLOBAL=YES)"
             )
+
+
+def _moves(place: list[float]) -> bool:
+    """Whether a translation, or a rotation by its last number about an axis, does anything."""
+    return place[-1] != 0.0 if any(place[3:]) else any(place)
 
 
 def included(path: Path) -> list[Path]:

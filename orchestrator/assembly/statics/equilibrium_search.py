@@ -22,12 +22,12 @@ _TOLERANCE = 1e-9
 
 def settle(mechanism: Mechanism, advice: str) -> None:
     """Move to equilibrium; SceneError where there is none near, with the advice of what to do then."""
-    moved, before = _load_joints(mechanism), np.inf
+    model, moved = _with_loaded_joints(mechanism, advice)
+    before = np.inf
     for iteration in range(_MOST_ITERATIONS):
-        model = linearise(mechanism)
+        if iteration:
+            model = linearise(mechanism)
         rows = model.other_rows
-        if not iteration:
-            _refuse_free_motions(model, advice)
         step = np.zeros(mechanism.size)
         step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
         work, motion = abs(float(step @ model.residual)), _port_motions(mechanism, step)
@@ -47,25 +47,33 @@ def settle(mechanism: Mechanism, advice: str) -> None:
     raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
 
 
-def _load_joints(mechanism: Mechanism) -> Vector:
-    """Motion (n,) that lets joints carry what loads ask of them; none where nothing moves without force.
+def _with_loaded_joints(mechanism: Mechanism, advice: str) -> tuple[LinearModel, Vector]:
+    """The tangent with joints that carry what loads ask of them, and the motion (n,) that it took.
 
-    A pendulum in a joint that carries nothing yet has no stiffness, nor has a rope without tension: the first step
-    leaves out the free motions, and what it loads may have made them stiff.
+    A pendulum in a joint that carries nothing yet has no stiffness, nor has a rope without tension: a step that leaves
+    out the free motions loads them. SceneError where something moves without force still.
     """
     model, moved = linearise(mechanism), np.zeros(mechanism.size)
     free = _free_motions(model)
     if not free.size:
-        return moved
+        return model, moved
     rows = model.other_rows
     kept = linalg.null_space((model.mass @ free)[rows].T)
     stiffness = kept.T @ model.stiffness[np.ix_(rows, rows)] @ kept
     moved[rows] = kept @ np.linalg.lstsq(stiffness, kept.T @ model.residual[rows])[0]
-    turn = float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0))
-    if not turn <= _LARGEST_TURN:
-        return np.zeros(mechanism.size)
-    mechanism.move(moved)
-    return moved
+    if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) <= _LARGEST_TURN:
+        mechanism.move(moved)
+        model = linearise(mechanism)
+        free = _free_motions(model)
+    if free.size:
+        count = free.shape[1]
+        raise SceneError(
+            [
+                f"the configuration has {count} motion{'s' * (count > 1)} without stiffness, so its equilibrium is not "
+                f"unique; {advice}"
+            ]
+        )
+    return model, moved
 
 
 def _free_motions(model: LinearModel) -> Vector:
@@ -73,18 +81,6 @@ def _free_motions(model: LinearModel) -> Vector:
     modes = normal_modes(model, model.base_constraints)
     found: Vector = modes.shapes[:, modes.is_free]
     return found
-
-
-def _refuse_free_motions(model: LinearModel, advice: str) -> None:
-    """Equilibrium is not unique where something moves without force."""
-    free = _free_motions(model).shape[1]
-    if free:
-        raise SceneError(
-            [
-                f"the configuration has {free} motion{'s' * (free > 1)} without stiffness, so its equilibrium is not "
-                f"unique; {advice}"
-            ]
-        )
 
 
 def _port_motions(mechanism: Mechanism, step: Vector) -> Vector:

@@ -54,6 +54,11 @@ def test_spin_that_stiffens_nothing_is_told():
         fanfold.simulate(spun(fast, 0), until=1e-4, estimate=False)
     with pytest.warns(fanfold.FanfoldWarning, match=r"body.boom: it spins at up to"):
         fanfold.modes(spun(fast, 0))
+    later = spun(fast, 0)
+    law = [{"profile": "step5", "start": 0.5, "duration": 0.5, "change": 100.0 * fast}]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # modes are about the rate that the law begins with
+        fanfold.modes(later.with_settings({"base.motion.rotation": law}))
     for scene in (spun(fast), spun(slow, 0)):
         checked = scene.check()
         assert not list(unstiffened_spins(checked, assemble(checked)))

@@ -50,7 +50,10 @@ def test_entries_of_outputs_in_npz_are_the_rows_themselves(tmp_path, dofs, label
     np.testing.assert_array_equal(found.rows, row)
 
 
-@pytest.mark.parametrize(("place", "refused"), [("0., 10., 0.", True), ("0, 0, 0", False), (None, False)])
+@pytest.mark.parametrize(
+    ("place", "refused"),
+    [("0., 10., 0.", True), ("0, 0, 0", False), ("0,0,0\n0.,0.,0.,0.,0.,1.,0.", False), (None, False)],
+)
 def test_parts_placed_elsewhere_are_refused(tmp_path, place, refused):
     """Keywords of Abaqus: the line behind *INSTANCE moves all its nodes; K and M do not tell."""
     files = write.abaqus_matrix_input(tmp_path, DATA)
@@ -81,3 +84,15 @@ def test_axes_that_grids_have_by_default_are_refused(tmp_path, card, refused):
             imported(path).data()
     else:
         imported(path).data()
+
+
+def test_entries_of_tables_are_as_wide_as_these(tmp_path):
+    """Places of masses have three columns, of whatever model. Regression: they got as many as it has rows."""
+    stored = to_matrices(DATA)
+    del stored["dofs"]
+    stored |= {"sample_masses": np.ones(2), "sample_displacement": np.zeros((6, len(DATA.dofs)))}
+    stored["sample_positions_entries"] = np.array([[1, 1, 0.5], [2, 3, 0.25]])
+    np.savez(tmp_path / "frame.npz", **stored)
+    np.testing.assert_array_equal(
+        imported(tmp_path / "frame.npz").data().samples.positions, [[0.5, 0, 0], [0, 0, 0.25]]
+    )
