@@ -1,9 +1,10 @@
-"""Hinge lines that hold-downs keep where a run begins, so that nothing else need hold them there."""
+"""Hinge lines that hold-downs or drives keep where a run begins, so that nothing else need hold them there."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
+from components.drive import Drive
 from components.hinge import Hinge
 from components.hold_down import HoldDown
 
@@ -11,15 +12,16 @@ from ..scene.locked_groups import joined
 from ..scene.schema import CheckedScene
 
 Edge = tuple[str, str]
+_KEEPING = (HoldDown.kind, Drive.kind)
 
 
 def bolted_lines(scene: CheckedScene) -> frozenset[str]:
-    """Names of the lines that close a chain of lines, joints and hold-downs, which without hold-downs stays open."""
+    """Names of the lines that close a chain of lines, joints, hold-downs and drives, open without these two."""
     roots = joined(scene)
     lines = {line.name: (roots[line.inboard], roots[line.outboard]) for line in scene.hinge_lines}
     seats = [(c.kind, tuple(roots[seat.body] for seat in c.ports.values())) for c in scene.connections]
     joints = [(bodies[0], bodies[1]) for kind, bodies in seats if kind == Hinge.kind and len(bodies) == 2]
-    bolts = [(bodies[0], bodies[1]) for kind, bodies in seats if kind == HoldDown.kind and len(bodies) == 2]
+    bolts = [(bodies[0], bodies[1]) for kind, bodies in seats if kind in _KEEPING and len(bodies) == 2]
     found = set()
     for name, ends in lines.items():
         others = [edge for other, edge in lines.items() if other != name] + joints

@@ -111,7 +111,7 @@ def assembly_line(
 ) -> AssemblyHingeLine:
     """What the master and the key figures need to know of a line; axis: in the world, where a run begins.
 
-    bolted: whether hold-downs keep it there.
+    bolted: whether hold-downs or a drive keep it there.
     """
     return AssemblyHingeLine(
         line.name,

@@ -112,7 +112,7 @@ class CoSimulation(ABC):
         """Step to the given time (s); StepError where that cannot be done."""
 
     def _seek_equilibrium(self) -> None:
-        """Static equilibrium of the participants with all hinges held but those that hold-downs hold."""
+        """Static equilibrium of the participants with all hinges held but those that hold-downs or drives keep."""
         solver = self.solver
         changed = [
             (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))

@@ -7,7 +7,7 @@ from math import inf, sqrt
 
 import numpy as np
 
-from components.contract.roles import IMPULSE, LATCH_COMMAND, TIME_TO_BREAK
+from components.contract.roles import IMPULSE, LATCH_COMMAND
 from components.numerics.scheme import IMPULSE_ITERATED, IMPULSE_RESIDUAL, INSTANT, INSTANT_SHARE
 
 from ..assembly import Event, HingeLine
@@ -15,6 +15,7 @@ from . import stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
+from .events.breaks import HoldDowns, times_to_break
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
 from .implicit.convergence import Solution, Tolerance
 from .implicit.local_error import WatchedTorque
@@ -58,8 +59,7 @@ class Master(CoSimulation):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         share, most = stepping.iterated(hinge_lines, network.order)
-        tolerance = Tolerance(min(share * settings.tolerance, most))
-        solver = solver_for(network, tolerance, self.native_solver)
+        solver = solver_for(network, Tolerance(min(share * settings.tolerance, most)), self.native_solver)
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
@@ -73,11 +73,8 @@ class Master(CoSimulation):
         self._parts = 1
         self._plan = stepping.StepPlan(settings.step_plan or ())
         self._latched: list[StiffenedLine] = []
-        self._laws = [
-            (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)
-            for p in network.participants
-            if TIME_TO_BREAK.name in p.output_layout
-        ]
+        self._laws = times_to_break(network.participants)
+        self._hold_downs = HoldDowns(network.participants)
         self._break = inf
         self._watched: list[WatchedTorque] = []
         self._sweeps_before = 0
@@ -86,6 +83,7 @@ class Master(CoSimulation):
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held."""
         super().initialize(preload=preload)
+        self._hold_downs.note()
         self._save()
         self._guard = EnergyGuard(self._energies)
         self._error = ErrorEstimate(
@@ -103,8 +101,7 @@ class Master(CoSimulation):
 
     def _step_to_end(self, until: float) -> None:
         while self.time < until - stepping.TIME_ROUNDING:
-            event = self._scheduled.due(self.time)
-            if event is not None:
+            if (event := self._scheduled.due(self.time)) is not None:
                 self._happen(event)
                 continue
             if self._signals.is_due(self.time):
@@ -127,7 +124,7 @@ class Master(CoSimulation):
             for one in reached:
                 self._let_act(one, reached)
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
-                self._renew()
+                self._pass_break()
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
 
@@ -197,6 +194,7 @@ class Master(CoSimulation):
         self.statistics = Statistics(**numbers["statistics"])
         self._sweeps_before = self.statistics.sweeps
         self._pending = [line for line in self._pending if line.name in numbers["pending"]]
+        self._hold_downs.note()
         self._energies = Energies(**numbers["energies"])
         self._energy_start = Energies(**numbers["energy_start"])
         self._error.see(numbers["error_energy"])
@@ -324,10 +322,18 @@ class Master(CoSimulation):
         ]
         self.solver.forget_all()
         self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, roughness)
+        self._hold_downs.note()
         self._watch()
         for line in [line for line in self._pending if line.name in event.latches]:
             self._latch(line)
         self._judge_latches()
+        self._renew()
+
+    def _pass_break(self) -> None:
+        """Go on after a break of a law; where a hold-down has let go, with a row of what that makes of loads."""
+        if self._hold_downs.note():
+            self.solver.forget_all()
+            self._record_jump(self._instant(self._sizes.size), self.solver.forget_all)
         self._renew()
 
     def _take_signals(self) -> None:
@@ -486,12 +492,7 @@ class Master(CoSimulation):
         """Note how far lines are from their latches and conditions from holding, and the next time to end a step at."""
         self._before = {one.name: self._left(one) for one in self._awaited()}
         form = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
-        self._break = min(form, self._next_stop)
-
-    @property
-    def _next_stop(self) -> float:
-        """Time (s) of the next event that has one, or communication point of an FMU with signals."""
-        return min(self._scheduled.next_time, self._signals.next_time)
+        self._break = min(form, self._scheduled.next_time, self._signals.next_time)
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)

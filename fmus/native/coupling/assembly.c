@@ -168,24 +168,33 @@ static double load_of(const Assembly *a, const Peak *peak, size_t row) {
     return peak->is_sum ? fabs(sum) : sqrt(square);
 }
 
-/* Crest of the cubic through the last four of five values where the last but one is highest; otherwise that one. A crest
-   counts that rises by more than what the cubic may be off by, as it misses the first value: rows do not resolve all
-   ringing. */
-static double crest(const double *times, const double *values) {
-    const double *t = times + RING - 3, *v = values + RING - 3;
+/* By how much a cubic, s (slope + s (bend + s third)) from v[1] on, misses a sample beside its four, over the product of
+   the distances to these. */
+static double miss_of(const double *t, const double *v, const double *cubic, ptrdiff_t beside) {
+    const double s = t[beside] - t[1];
+    double distances = 1.0;
+    for (ptrdiff_t k = -1; k <= 2; k++) distances *= t[beside] - t[k];
+    return fabs((v[1] + s * (cubic[0] + s * (cubic[1] + s * cubic[2])) - v[beside]) / distances);
+}
+
+/* Crest of the cubic through four of the last rows, the last one not among them, where the third of the four is highest;
+   otherwise that one. A crest counts that rises by more than what the cubic may be off by, as it misses the rows on
+   either side: rows do not resolve all ringing, and loads have kinks. What results/signal.py does. */
+static double crest(const double *times, const double *values, size_t count) {
+    const double *t = times + count - 4, *v = values + count - 4;
     if (!(v[1] > v[0] && v[1] >= v[2])) return v[1];
-    const double a = t[0] - t[1], b = t[2] - t[1], c = t[-1] - t[1], d = t[-2] - t[1];
+    const double a = t[0] - t[1], b = t[2] - t[1], c = t[-1] - t[1];
     const double first = (v[1] - v[0]) / -a, last = (v[2] - v[1]) / b, before = (v[0] - v[-1]) / (a - c);
     const double second = (last - first) / (b - a), third = (second - (first - before) / -c) / (b - c);
-    /* v = v1 + slope s + bend s^2 + third s^3, s from the middle one */
     const double bend = second - third * (a + b), slope = first - second * a + third * a * b;
+    const double cubic[3] = {slope, bend, third};
     const double root = bend * bend - 3.0 * third * slope;
     const double s = root < 0.0 ? 0.0 : -slope / (bend - sqrt(root));
     if (!(s >= a && s <= b)) return v[1];
     const double rise = s * (slope + s * (bend + s * third));
-    const double miss = fabs(v[1] + d * (slope + d * (bend + d * third)) - v[-2]);
-    const double off = miss * fabs(s * (s - a) * (s - b) * (s - c)) / fabs(d * (d - a) * (d - b) * (d - c));
-    return rise > CREST_SURE * off ? v[1] + rise : v[1];
+    double miss = miss_of(t, v, cubic, 3);
+    if (count == RING) miss = fmax(miss, miss_of(t, v, cubic, -2));
+    return rise > CREST_SURE * miss * fabs(s * (s - a) * (s - b) * (s - c)) ? v[1] + rise : v[1];
 }
 
 /* Largest sizes of loads up to a row of the ring, between rows as well where they are smooth. */
@@ -200,7 +209,7 @@ static void note_peaks(Assembly *a, size_t row) {
             values[k] = load_of(a, a->peak + i, row + 1 + k - count);
         }
         a->peaks[i] = fmax(a->peaks[i], values[count - 1]);
-        if (count == RING) a->peaks[i] = fmax(a->peaks[i], crest(times, values));
+        if (count >= RING - 1) a->peaks[i] = fmax(a->peaks[i], crest(times, values, count));
     }
     a->peak_time = ring[row * a->row_size];
 }

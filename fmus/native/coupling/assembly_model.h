@@ -10,7 +10,7 @@
 #include "alike.h"
 #include "instance.h"
 
-enum { FITTED = 4, RING = 5, SNAPSHOTS = 3 };
+enum { FITTED = 4, RING = 6, SNAPSHOTS = 3 };
 
 /* What follows from the tolerance: the largest step (s) of the scene, the tolerance below which it shrinks, what iterations
    leave of the tolerance and at most, what a step may err by, and powers of the tolerance above that limit, of the

@@ -98,6 +98,13 @@ class Leader(CompiledMaster):
             for one in self._neighbours:
                 one.happen(event, self._instants)
 
+    def _pass_break(self) -> None:
+        with self._one_event() as is_whole:
+            super()._pass_break()
+        if is_whole:
+            for one in self._neighbours:
+                one.pass_break(self._instants)
+
     def _latch(self, line: HingeLine, *others: HingeLine) -> None:
         with self._one_event() as is_whole:
             super()._latch(line, *others)

@@ -94,8 +94,13 @@ class Neighbour(Master):
         self._instants = iter(instants)
         self._happen(self._events[event.name])
 
+    def pass_break(self, instants: Sequence[float]) -> None:
+        """As the leader, see `latch`."""
+        self._instants = iter(instants)
+        self._pass_break()
+
     def renew(self) -> None:
-        """As the leader after a break."""
+        """As the leader where an FMU has changed something."""
         self._renew()
 
     def release_rows(self) -> None:

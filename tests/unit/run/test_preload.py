@@ -192,3 +192,23 @@ def test_a_preload_that_nothing_resists_is_told():
         fanfold.FanfoldWarning, match=r"bolt has 2(\.\d+)? N of its preload of 300 N where the run starts"
     ):
         fanfold.simulate(scene, estimate=False)
+
+
+def test_a_line_that_a_drive_carries_starts_under_what_it_carries():
+    """Closed form: m g r in the drive, from t = 0 on. Regression: its line was held, and the weight came as a blow."""
+    scene = fanfold.Scene("sadm", until="1 s", preload=True, gravity=(0, 0, -0.5))
+    base = scene.base(points={"root": (0, 0, 0)})
+    points = {"root": (0, 0, 0)}
+    rigid = {"mass": 9.0, "center_of_mass": (1.54, 0, 0), "inertia": (1, 7, 8), "points": points}
+    panel = scene.body("panel", rigid=rigid)
+    scene.hinge_line(
+        "SADM", base, panel, axis="+y", aligned_angle="0 deg", stowed_angle="-10 deg", start_angle="0 deg",
+        latch_angle="350 deg", hinges={"bearing": ("root", "root")},
+    )  # fmt: skip
+    scene.connection(
+        "drive", "drive", structure={"axis": (0, 1, 0), "profile": "step5"},
+        parameters={"stiffness": 5000, "damping": 5, "duration": 1, "start_time": 10},
+        ports={"inboard": (base, "root"), "outboard": (panel, "root")},
+    )  # fmt: skip
+    torque = np.abs(fanfold.simulate(scene, estimate=False)["drive", "drive_torque"][:])
+    assert torque == pytest.approx(np.full(torque.size, 9.0 * 0.5 * 1.54), rel=1e-4)

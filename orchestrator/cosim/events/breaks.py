@@ -1,0 +1,35 @@
+"""Instants that participants tell steps to end at: breaks of motion laws, and hold-downs that let go by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from components.contract.roles import RELEASE_COMMAND, TIME_TO_BREAK
+from components.numerics.scheme import NEVER
+
+from ..participant import Participant, Vector
+
+TimeToBreak = tuple[Vector, int]
+"""Outputs of a participant, and the place among them of the time (s) to its next break."""
+
+
+def times_to_break(participants: Iterable[Participant]) -> list[TimeToBreak]:
+    """Of all participants that have one."""
+    return [
+        (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)
+        for p in participants
+        if TIME_TO_BREAK.name in p.output_layout
+    ]
+
+
+class HoldDowns:
+    """How many of the hold-downs among participants no release by time is to come for."""
+
+    def __init__(self, participants: Iterable[Participant]) -> None:
+        self._left = times_to_break(p for p in participants if RELEASE_COMMAND.name in p.input_layout)
+        self._gone = 0
+
+    def note(self) -> bool:
+        """Take note; whether any has let go since the last time."""
+        before, self._gone = self._gone, sum(outputs.item(place) >= NEVER for outputs, place in self._left)
+        return self._gone > before
