@@ -186,11 +186,19 @@ class Observations(NamedTuple):
     bending_moment: Annotated[float, observed("N.m", "Magnitude of the moment normal to the hinge line")]
     hinge_force: Annotated[
         Vector3,
-        observed("N", "Force on the outboard body at the hinge, axes of the inboard body", HINGE_LOAD),
+        observed(
+            "N",
+            "Force on the outboard body at the hinge, axes of the inboard port, where its body bends too",
+            HINGE_LOAD,
+        ),
     ]
     hinge_torque: Annotated[
         Vector3,
-        observed("N.m", "Torque on the outboard body about the hinge, axes of the inboard body", HINGE_LOAD),
+        observed(
+            "N.m",
+            "Torque on the outboard body about the hinge, axes of the inboard port, where its body bends too",
+            HINGE_LOAD,
+        ),
     ]
     motor_energy: Annotated[float, observed("J", "Energy released by the motorisation since stowed")]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]

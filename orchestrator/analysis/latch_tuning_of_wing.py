@@ -1,8 +1,9 @@
 """Tuning of a latch spring against the whole wing: the rigid wing gets a mode of the flexible one at its frequency.
 
 Both wings are deployed and latched, in static equilibrium. The mode is the lowest of the rigid wing; in the flexible
-one it is the lowest in the same direction of the base, that of its largest effective mass. What the line's
-spring gets is the compliance that all bodies lack, so springs of other lines should be what they will be.
+one it is the lowest in the same direction of the base, that of its largest effective mass or, where the base is free
+and modes have none, that in which the base itself has most kinetic energy. What the line's spring gets is the
+compliance that all bodies lack, so springs of other lines should be what they will be.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ..assembly.statics.configuration import configuration
 from ..scene import CheckedScene, SceneError
 from ..scene.hinge_line_tables import HingeLine
 from .latch_tuning import find_line
-from .modes import Mode, find_modes
+from .modes import Mode, Modes, find_modes
 from .vibration import DIRECTIONS
 
 _SOFTEST, _STIFFEST = 1.0 / 30.0, 1e4
@@ -64,8 +65,8 @@ def tune_wing(
     if line.latch is None or line.held:
         raise SceneError([f"{scene.file}: hinge_line.{name}: it has no latch whose spring could be tuned"])
     given = line.latch.stiffness
-    first = _modes(_with_spring(scene, line, given), ("all",), ())[0]
-    direction = int(np.argmax(first.effective_mass_fractions))
+    first = _modes(_with_spring(scene, line, given), ("all",), ())
+    direction = _direction(first, first.listed[0])
 
     def of_rigid(stiffness: float) -> float:
         return _lowest(_modes(_with_spring(scene, line, stiffness), ("all",), ()), direction, scene)
@@ -84,7 +85,9 @@ def tune_wing(
         lambda e: of_rigid(given * 10.0**e) - wanted, log10(_SOFTEST), log10(_STIFFEST), xtol=_ACCURACY
     )
     stiffness = float(given * 10.0**exponent)
-    return WingTuning(name, DIRECTIONS[direction], wanted, stiffness, first.frequency, of_rigid(stiffness))
+    return WingTuning(
+        name, DIRECTIONS[direction], wanted, stiffness, first.frequencies[0].item(), of_rigid(stiffness)
+    )
 
 
 def _with_spring(scene: CheckedScene, line: HingeLine, stiffness: float) -> CheckedScene:
@@ -97,18 +100,27 @@ def _with_spring(scene: CheckedScene, line: HingeLine, stiffness: float) -> Chec
     )
 
 
-def _modes(scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]) -> tuple[Mode, ...]:
-    return find_modes(scene, rigid, flexible, configuration(scene, "deployed"), False, _COUNT).listed
+def _modes(scene: CheckedScene, rigid: Collection[str], flexible: Collection[str]) -> Modes:
+    return find_modes(scene, rigid, flexible, configuration(scene, "deployed"), False, _COUNT)
 
 
-def _lowest(modes: Collection[Mode], direction: int, scene: CheckedScene) -> float:
+def _direction(modes: Modes, mode: Mode) -> int:
+    """Of the base, among `DIRECTIONS`, in which a mode moves most."""
+    if modes.base != "free":
+        return int(np.argmax(mode.effective_mass_fractions))
+    rows = modes.model.base_rows
+    motion = modes.shapes.shapes[rows, mode.number - 1]
+    return int(np.argmax(motion * (modes.model.mass[np.ix_(rows, rows)] @ motion)))
+
+
+def _lowest(modes: Modes, direction: int, scene: CheckedScene) -> float:
     """Frequency (Hz) of the lowest mode that moves mostly in a direction of the base."""
-    for mode in modes:
-        if int(np.argmax(mode.effective_mass_fractions)) == direction:
+    for mode in modes.listed:
+        if _direction(modes, mode) == direction:
             return mode.frequency
     raise SceneError(
         [
-            f"{scene.file}: none of the first {len(modes)} modes moves mostly in {DIRECTIONS[direction]}; "
+            f"{scene.file}: none of the first {len(modes.listed)} modes moves mostly in {DIRECTIONS[direction]}; "
             "give a frequency"
         ]
     )

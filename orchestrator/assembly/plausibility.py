@@ -44,6 +44,10 @@ _FIRST_BENDING = 22.3733
 """Square of the first wave number of a free beam times its length, 4.730^2."""
 _DENSEST = 22_600.0
 """kg/m3, of osmium: nothing is denser."""
+_NO_RATE = 1e-9
+"""m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
+_FAR_CENTER = 100.0
+"""Of the radius of gyration, that no centre of mass is from all points of its body."""
 _BEYOND_POINTS = 5.0
 """A body's radius of gyration over the distance of its farthest point, where the points still span the body."""
 
@@ -58,6 +62,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_held_by_friction(scene),
         *_beyond_tables(scene),
         *_through_one_another(scene),
+        *_stopped_before_latch(scene),
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
         *_turned_to_close(scene),
@@ -85,6 +90,16 @@ def _unstopped(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
                 f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose end stop lies before their latch, which they do not reach then."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
+            yield (
+                f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, which it does not reach"
             )
 
 
@@ -220,8 +235,8 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
     if not scene.header.preload:
         return
     points = scene_points(scene)
-    if rates := start_rates(scene, points, start_poses(scene, points)):
-        names = ", ".join(rates)
+    rates = start_rates(scene, points, start_poses(scene, points))
+    if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
         yield (
             f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
             "on: that is a blow; begin motions at rest, or leave preload out"
@@ -317,6 +332,8 @@ def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
         first, second = (abs(degrees(turn)) for turn in travels)
         r1, r2, left = 1e3 * loop.pulley_1.radius, 1e3 * loop.pulley_2.radius, travels.mismatch(loop)
         fit = f"; the radii would fit as {second:g} to {first:g}" if first and second else ""
+        if travels.first * travels.second < 0.0:
+            fit = "; they turn in opposite senses against the body between them: check the axes of the lines"
         yield (
             f"ccl.{loop.name}: its pulleys do not fit the travels that they join: {r1:g} mm by {first:g} deg against "
             f"{r2:g} mm by {second:g} deg, which stretches a strand by up to {1e3 * left:.3g} mm, "
@@ -325,10 +342,12 @@ def _unlike_travels(scene: CheckedScene) -> Iterator[str]:
 
 
 def _large_inertias(scene: CheckedScene) -> Iterator[str]:
-    """Rigid bodies whose inertia is that of something far larger than their points."""
+    """Rigid bodies whose inertia is that of something far larger than their points; the spacecraft among them."""
     for body in scene.bodies:
         if body.rigid is not None:
             yield from _large_inertia(f"body.{body.name}.rigid", body.rigid, list(body.rigid.points.values()))
+    if scene.base.free is not None:
+        yield from _large_inertia("base.free", scene.base.free, list(scene.base.points.values()))
 
 
 def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Iterator[str]:
@@ -338,6 +357,12 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
         yield (
             f"{key}: its radius of gyration is {gyration:.3g} m, and no point of it is farther than {reach:.3g} m from "
             "its centre of mass; check the units of mass, inertia and points"
+        )
+    nearest = min((norm(subtract(point, inertial.center_of_mass)) for point in points), default=0.0)
+    if nearest > _FAR_CENTER * gyration:
+        yield (
+            f"{key}: its centre of mass is {nearest:.3g} m from all of its points, and its radius of gyration is "
+            f"{gyration:.3g} m; check the units of center_of_mass and points"
         )
 
 

@@ -99,7 +99,7 @@ class StaticSearch:
         if np.abs(motions[worst]).max() > _AT_REST:
             return (
                 f"it does not start quite at rest: the search for static equilibrium ends while {name} still moves "
-                f"{_described(motions[worst], h)}; joints are soft beside the loads that bend them, or next to nothing "
+                f"{_left(motions[worst], h)}; joints are soft beside the loads that bend them, or next to nothing "
                 "holds it in that direction"
             )
         if self._unsteady > _FELT:
@@ -161,13 +161,24 @@ def _motion(before: Vector, after: Vector) -> Vector:
     return np.concatenate((after[:3] - before[:3], turn))
 
 
-def _described(move: Vector, h: float) -> str:
-    """In which direction, and how fast it would start."""
+def _way(move: Vector) -> tuple[str, str, float]:
+    """In which direction a port moves most, in m or rad, and how far."""
     shift, turn = move[:3], move[3:]
-    if np.abs(shift).max() >= np.abs(turn).max():
-        vector, words, unit = shift, "along", "m/s2"
-    else:
-        vector, words, unit = turn, "about", "rad/s2"
+    vector, words, unit = (
+        (shift, "along", "m") if np.abs(shift).max() >= np.abs(turn).max() else (turn, "about", "rad")
+    )
     size = float(np.linalg.norm(vector))
     x, y, z = (vector / size).round(2).tolist()
-    return f"{words} ({x:g}, {y:g}, {z:g}), by {size / h**2:.2g} {unit}"
+    return f"{words} ({x:g}, {y:g}, {z:g})", unit, size
+
+
+def _described(move: Vector, h: float) -> str:
+    """How what nothing holds would start."""
+    way, unit, size = _way(move)
+    return f"{way}, by {size / h**2:.2g} {unit}/s2"
+
+
+def _left(move: Vector, h: float) -> str:
+    """How what something holds still creeps: h is no time of its own, so that no acceleration follows."""
+    way, unit, size = _way(move)
+    return f"{way}, by {size:.2g} {unit} in its last step, of {h:.2g} s"

@@ -29,7 +29,7 @@ def port_loads(result: Result, unit: str) -> dict[str, Vector]:
 
 
 def hinge_loads(result: Result, unit: str) -> dict[str, Vector]:
-    """The same on the outboard body of every hinge of a line, in the axes of the inboard body, (N, 3), by hinge.
+    """The same on the outboard body of every hinge of a line, in the axes of its inboard port, (N, 3), by hinge.
 
     Hinges on the spacecraft are left out: their loads are those of its ports.
     """

@@ -20,6 +20,7 @@ from ..assembly.spin import unstiffened_spins
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
+from ..results.attitude import turned_over
 from ..results.result_file import refuse_to_replace, with_told
 from ..scene import CheckedScene, read_scene
 from ..scene.component_connections import WrenchMode
@@ -201,6 +202,7 @@ def _after(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterato
     yield from _damped_sentences(scene, assembly, outcome)
     yield from open_joint_sentences(scene, assembly, outcome.result)
     yield from linear_range_sentences(scene, assembly, outcome.result)
+    yield from turned_over(outcome.result)
 
 
 def resume(result: Path, progress: Progress = silent, warn: Warn = lambda sentence: None) -> Simulation:

@@ -177,7 +177,7 @@ def latch_torques(result: Result) -> Figure | None:
         left = start - 0.08 * (end - start)
         shown = (result.time >= left) & (result.time <= end)
         draw(close_up, result.time[shown], [(name, torque[shown])], first=k)
-        if start < top.time < end:
+        if start < top.time < result.time[shown][-1]:  # not where the close-up is cut
             _mark(close_up, top, f"{name} peak {top.value:.4g} N.m at {top.time:.4f} s")
         close_up.set_xlim(left, end)
         finish(close_up, result, "latch torque, N.m")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy import linalg
 
@@ -16,20 +18,32 @@ _LARGEST_TURN = 0.15
 """rad, in one iteration"""
 _FARTHEST = 0.6
 """rad, from where the search began; an equilibrium beyond belongs to another configuration"""
+_DRIVEN = 1e-9
+"""Of the largest force out of balance, that drives no free motion."""
 _TOLERANCE = 1e-9
 """m and rad that the last iteration may move a port"""
 
 
-def settle(mechanism: Mechanism, advice: str) -> None:
-    """Move to equilibrium; SceneError where there is none near, with the advice of what to do then."""
-    model, moved = _with_loaded_joints(mechanism, advice)
-    before = np.inf
+def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
+    """Move to equilibrium; SceneError where there is none near, with the advice of what to do then.
+
+    idle: what moves without force may stay where it is, if nothing drives it.
+    """
+    start = _with_loaded_joints(mechanism)
+    model, moved, free = start.model, start.moved, start.free
+    if free.size and not (idle and _is_idle(model, free)):
+        count = free.shape[1]
+        raise SceneError(
+            [
+                f"the configuration has {count} motion{'s' * (count > 1)} without stiffness, so its equilibrium is not "
+                f"unique; {advice}"
+            ]
+        )
+    kept, before = _without(model, free), np.inf
     for iteration in range(_MOST_ITERATIONS):
         if iteration:
             model = linearise(mechanism)
-        rows = model.other_rows
-        step = np.zeros(mechanism.size)
-        step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
+        step = _step(model, kept)
         work, motion = abs(float(step @ model.residual)), _port_motions(mechanism, step)
         if not np.isfinite(motion).all():
             break
@@ -47,33 +61,57 @@ def settle(mechanism: Mechanism, advice: str) -> None:
     raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
 
 
-def _with_loaded_joints(mechanism: Mechanism, advice: str) -> tuple[LinearModel, Vector]:
-    """The tangent with joints that carry what loads ask of them, and the motion (n,) that it took.
+class _Start(NamedTuple):
+    """A tangent, the motion (n,) up to it, and shapes (n, k) of what moves there without force."""
+
+    model: LinearModel
+    moved: Vector
+    free: Vector
+
+
+def _with_loaded_joints(mechanism: Mechanism) -> _Start:
+    """Where joints carry what loads ask of them.
 
     A pendulum in a joint that carries nothing yet has no stiffness, nor has a rope without tension: a step that leaves
-    out the free motions loads them. SceneError where something moves without force still.
+    out the free motions loads them.
     """
     model, moved = linearise(mechanism), np.zeros(mechanism.size)
     free = _free_motions(model)
     if not free.size:
-        return model, moved
+        return _Start(model, moved, free)
+    moved = _step(model, _without(model, free))
+    if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _LARGEST_TURN:
+        return _Start(model, np.zeros(mechanism.size), free)
+    mechanism.move(moved)
+    model = linearise(mechanism)
+    return _Start(model, moved, _free_motions(model))
+
+
+def _without(model: LinearModel, free: Vector) -> Vector | None:
+    """Basis (n, m) of the motions that have no part in free ones; None where there are none."""
+    if not free.size:
+        return None
     rows = model.other_rows
-    kept = linalg.null_space((model.mass @ free)[rows].T)
-    stiffness = kept.T @ model.stiffness[np.ix_(rows, rows)] @ kept
-    moved[rows] = kept @ np.linalg.lstsq(stiffness, kept.T @ model.residual[rows])[0]
-    if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) <= _LARGEST_TURN:
-        mechanism.move(moved)
-        model = linearise(mechanism)
-        free = _free_motions(model)
-    if free.size:
-        count = free.shape[1]
-        raise SceneError(
-            [
-                f"the configuration has {count} motion{'s' * (count > 1)} without stiffness, so its equilibrium is not "
-                f"unique; {advice}"
-            ]
-        )
-    return model, moved
+    basis = np.zeros((len(model.mass), len(rows) - free.shape[1]))
+    basis[rows] = linalg.null_space((model.mass @ free)[rows].T)
+    return basis
+
+
+def _step(model: LinearModel, kept: Vector | None) -> Vector:
+    """Newton's step (n,) to balance, among these motions or all."""
+    if kept is not None:
+        found: Vector = kept @ np.linalg.lstsq(kept.T @ model.stiffness @ kept, kept.T @ model.residual)[0]
+        return found
+    rows, step = model.other_rows, np.zeros(len(model.mass))
+    step[rows] = np.linalg.solve(model.stiffness[np.ix_(rows, rows)], model.residual[rows])
+    return step
+
+
+def _is_idle(model: LinearModel, free: Vector) -> bool:
+    """Whether nothing drives free motions."""
+    return float(np.abs(free.T @ model.residual).max()) <= _DRIVEN * float(
+        np.abs(model.residual).max(initial=1.0)
+    )
 
 
 def _free_motions(model: LinearModel) -> Vector:

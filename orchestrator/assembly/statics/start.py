@@ -30,7 +30,7 @@ def in_equilibrium(assembly: Assembly) -> Assembly:
         mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
         mechanism.command(HOLD.name, 1.0, mechanism.connections)
         mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
-        settle(mechanism, "")
+        settle(mechanism, "", idle=True)
     except SceneError:
         return assembly
     base = mechanism.bodies[mechanism.base]

@@ -282,3 +282,21 @@ def test_the_command_tunes_the_wing():
     assert "N.m/rad give the rigid wing" in run.output
     refused = ["analyse", "latch-tuning", "workbench", "--line", "HL", "--wing", "--stiffness-of", "total"]
     assert CliRunner().invoke(main, refused).exit_code == 2
+
+
+def test_a_wing_on_a_free_spacecraft_is_tuned_about_its_lines():
+    """Against modes of the tuned wing. Regression: directions of free wings were those of round-off."""
+    scene = fanfold.load("amos3", variant="free")
+    found = fanfold.wing_latch_tuning(scene, "HL1")
+    assert found.direction == "ry"
+    sides = {f"hinge_line.HL1.latch.{side}_stiffness": 1e9 for side in ("inboard", "outboard")}
+    spring = {
+        **sides,
+        "hinge_line.HL1.latch.stiffness": found.stiffness,
+        "hinge_line.HL1.latch.kind": "spring",
+    }
+    rigid = fanfold.modes(scene.with_settings(spring), "deployed", rigid="all").frequencies[0]
+    flexible = fanfold.modes(scene, "deployed").frequencies[0]
+    assert rigid == pytest.approx(found.check, rel=1e-6)
+    assert found.check == pytest.approx(found.frequency, rel=1e-6)
+    assert found.frequency == pytest.approx(flexible, rel=1e-9)

@@ -236,3 +236,54 @@ def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, c
     )
     sentences = [s for s in doubts(load_text(tmp_path, text)) if s.startswith("body.")]
     assert [word in sentence for word, sentence in zip(words, sentences, strict=True)] == [True] * len(words)
+
+
+def test_a_cosine_begins_at_rest():
+    """Regression: cos(pi / 2) is no zero, and so the rate that it began with was called a blow."""
+    cosine = {"profile": "harmonic", "amplitude": 1e-3, "frequency": 50.0, "phase": 0.5 * pi}
+    settings = {
+        "base.motion": {"translation": [cosine], "translation_axis": [0, 0, 1]},
+        "scene.preload": True,
+    }
+    told = doubts(Scene.load("workbench", settings=settings).check())
+    assert not [one for one in told if one.startswith("scene.preload: all starts at rest")]
+
+
+@pytest.mark.parametrize(
+    ("free", "sentence"),
+    [
+        ({"mass": 900, "inertia": [500e6, 600e6, 450e6]}, "base.free: its radius of gyration is 816 m"),
+        ({"mass": "900 g", "inertia": [500, 600, 450]}, "base.free: its radius of gyration is 25.8 m"),
+        (
+            {"mass": 900, "center_of_mass": [-800, 0, 0], "inertia": [500, 600, 450]},
+            "base.free: its centre of mass is 8",
+        ),
+        ({"mass": 900, "inertia": [500, 600, 450]}, None),
+    ],
+)
+def test_spacecraft_in_other_units_are_told(free, sentence):
+    """By hand: sqrt(I / m). Regression: bodies alone were looked at."""
+    told = [
+        one
+        for one in doubts(Scene.load("workbench", settings={"base.free": free}).check())
+        if "base.free" in one
+    ]
+    assert len(told) == (sentence is not None)
+    assert not told or told[0].startswith(sentence)
+
+
+def test_a_stop_before_the_latch_is_told():
+    """Rule: a line does not reach what lies behind its stop."""
+    for angle, count in (("170 deg", 1), ("185 deg", 0)):
+        scene = Scene.load(
+            "workbench", settings={"hinge_line.HL.end_stop": {"angle": angle, "stiffness": 1e4}}
+        )
+        told = [one for one in doubts(scene.check()) if "before its latch at 180 deg" in one]
+        assert len(told) == count
+
+
+def test_pulleys_that_turn_against_each_other_are_told():
+    """Regression: radii that fit were called not to, and to fit as they were."""
+    scene = load_scene(find_scene("amos3"), (), ["hinge_line.HL3.axis=-y"])
+    told = [one for one in doubts(scene) if one.startswith("ccl.panel_loop")]
+    assert any("they turn in opposite senses against the body between them" in one for one in told)

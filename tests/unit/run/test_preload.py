@@ -212,3 +212,28 @@ def test_a_line_that_a_drive_carries_starts_under_what_it_carries():
     )  # fmt: skip
     torque = np.abs(fanfold.simulate(scene, estimate=False)["drive", "drive_torque"][:])
     assert torque == pytest.approx(np.full(torque.size, 9.0 * 0.5 * 1.54), rel=1e-4)
+
+
+@pytest.mark.parametrize("side", [1.0, 5.0])
+def test_what_hangs_and_may_turn_starts_where_it_hangs(side):
+    """Closed form: a rope of length l + P / k under weight and side load, along both. Regression: 3.7 and 6 % short.
+
+    The body turns freely where it is hung, so that the exact search was refused.
+    """
+    weight, stiffness, length = 2.0 * 9.81, 500.0, 2.0
+    scene = fanfold.Scene("hung", until="0.5 s", preload=True, gravity=(0, 0, -9.81))
+    base = scene.base(points={"top": (0, 0, 2), "below": (0, 0, 0)})
+    rigid = {"mass": 2.0, "inertia": (0.2, 0.2, 0.3), "points": {"middle": (0, 0, 0)}}
+    ball = scene.body("ball", place={"body": base, "point": "below"}, rigid=rigid)
+    scene.connection(
+        "rope", "suspension", ports={"upper": (base, "top"), "lower": (ball, "middle")},
+        parameters={"stiffness": stiffness, "preload": weight, "preload_length": length},
+    )  # fmt: skip
+    law = [{"profile": "constant", "value": side}]
+    scene.connection(
+        "wind", "load", structure={"direction": (1, 0, 0), "force": law}, ports={"body": (ball, "middle")}
+    )
+    place = fanfold.simulate(scene, estimate=False)["ball", "frame_position"][:]
+    tension = np.hypot(side, weight)
+    hangs = (length + (tension - weight) / stiffness) * np.array([side, 0.0, -weight]) / tension
+    assert np.abs(place - (0, 0, 2) - hangs).max() < 1e-6

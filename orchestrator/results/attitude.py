@@ -1,0 +1,25 @@
+"""A spacecraft that turns by more than once: what its attitude, a rotation vector, tells of that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from components.contract.roles import ATTITUDE
+
+from .result import Result
+
+
+def turned_over(result: Result) -> Iterator[str]:
+    """A sentence for each spacecraft whose attitude begins anew in a run, from a full turn one way to one the other."""
+    for name, variable in result.in_role(ATTITUDE):
+        if result.unit(name, variable) != "rad":
+            continue
+        jumps = np.abs(np.diff(result.signal(name, variable), axis=0)).max(axis=1, initial=0.0) > np.pi
+        if jumps.any():
+            yield (
+                f"{name} turns by more than once: at {result.time[int(np.argmax(jumps)) + 1]:.4g} s its attitude, a "
+                "rotation vector, goes from a full turn one way to one the other way; its peak and its end tell "
+                "no more than that; frame_orientation is continuous"
+            )
