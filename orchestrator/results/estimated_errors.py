@@ -61,19 +61,20 @@ def doubts(
     errors: Mapping[Key, EstimatedError],
     tolerance: float | None,
     refined: float | None = None,
+    *,
+    fixed_step: bool = False,
 ) -> list[str]:
     """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
 
     Latch times, impulses and torques are judged beside their own values, components of a load beside its largest;
     by what the error may be at the most. refined: the smaller tolerance that the run took in the end, if it did.
+    fixed_step: whether steps do not follow from the tolerance.
     """
     if tolerance is None:
         return []
-    advice = (
-        "a smaller tolerance makes it surer"
-        if refined is None
-        else f"a run at {refined:.2g} did not make it surer"
-    )
+    advice = f"a smaller {'step' if fixed_step else 'tolerance'} makes it surer"
+    if refined is not None:
+        advice = f"a run at {refined:.2g} did not make it surer"
     return [
         f"the {quantity} of {of} may be off by {errors[quantity, of].most / size:.1g} of its size, more than ten "
         f"times the tolerance of {tolerance:g}; {advice}"

@@ -254,7 +254,8 @@ def headline(result: Result) -> Headline:
         estimated_errors={key: error.likely for key, error in errors.items()},
     )
     numbers = [(number.key, number.value) for number in found.numbers()]
-    told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result))
+    given = "step" in result.provenance
+    told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result), fixed_step=given)
     return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
 
 

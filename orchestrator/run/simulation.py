@@ -177,7 +177,7 @@ def simulate(
                 outcome = with_estimates(assembly, outcome, settings, end, watch, load)
             if options.refine:
                 outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
-    for sentence in _after(scene, assembly, outcome):
+    for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
     outcome = replace(outcome, result=with_told(kept, told))
@@ -192,8 +192,10 @@ def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterat
     yield from unstiffened_spins(scene, assembly)
 
 
-def _after(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
+def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
     """What is told of a run."""
+    if options.step is not None and outcome.costs.rejected:
+        yield _divided(assembly, options.step, outcome)
     yield from outcome.headline.open_ends()
     if outcome.restless:
         yield f"{assembly.name}: {outcome.restless}"
@@ -203,6 +205,15 @@ def _after(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterato
     yield from open_joint_sentences(scene, assembly, outcome.result)
     yield from linear_range_sentences(scene, assembly, outcome.result)
     yield from turned_over(outcome.result)
+
+
+def _divided(assembly: Assembly, step: float, outcome: Outcome) -> str:
+    """What is told of a constant step size (s) that could not be kept."""
+    longest = max((max(segment, default=0.0) for segment in outcome.segments), default=0.0)
+    return (
+        f"{assembly.name}: {outcome.costs.rejected} steps of {step:g} s, or of parts of it, did not converge or gained "
+        f"energy, and were divided; the longest made is {longest:.3g} s"
+    )
 
 
 def resume(result: Path, progress: Progress = silent, warn: Warn = lambda sentence: None) -> Simulation:

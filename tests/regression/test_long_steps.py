@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
+import orchestrator as fanfold
 from components.flexible.beam_frame import BeamSection, Member, beam_frame
 from components.flexible.reduction import craig_bampton
 from fmus import native_library
@@ -101,3 +104,13 @@ def test_guard_never_waits_for_a_participant_that_keeps_no_books():
     guard.give_in(noisy)
     guard.accept(noisy)
     assert guard.allows(Energies(1.0, 0.0, 0.0, 0.0, 0.0), 0.1)
+
+
+@pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
+@pytest.mark.parametrize(("step", "told"), [("0.5 s", True), ("5 ms", False)])
+def test_a_step_that_cannot_be_kept_is_told(step, told):
+    """Regression: a folded wing was asked for steps of 0.5 s and took 0.06 s, without a word."""
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        fanfold.simulate("amos3", rigid="all", step=step, until=3.0, estimate=False)
+    assert any("and were divided; the longest made is" in str(one.message) for one in heard) == told

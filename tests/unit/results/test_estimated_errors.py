@@ -131,4 +131,6 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
     sentences = doubts(numbers, errors, 1e-3)
     assert len(sentences) == 1
     assert "latch torque peak of L1 may be off by 0.02 of its size" in sentences[0]
+    assert sentences[0].endswith("a smaller tolerance makes it surer")
+    assert doubts(numbers, errors, 1e-3, fixed_step=True)[0].endswith("a smaller step makes it surer")
     assert doubts(numbers, errors, None) == []
