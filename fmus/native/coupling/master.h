@@ -467,10 +467,10 @@ static const Crossing *first_crossed(const Master *m, double h) {
     const Crossing *best = NULL;
     double best_time = h;
     for (const Crossing *c = m->crossing; c < m->crossing + m->loop.crossings; c++) {
-        const double after = distance(c);
-        if (after <= 0.0 && 0.0 < c->before && h * c->before / (c->before - after) <= best_time) {
+        const double after = distance(c), time = h * c->before / (c->before - after);
+        if (after <= 0.0 && 0.0 < c->before && (best ? time < best_time : time <= h)) {
             best = c;
-            best_time = h * c->before / (c->before - after);
+            best_time = time;
         }
     }
     return best;

@@ -27,12 +27,9 @@ class Fall(NamedTuple):
 
 
 def first_met(falls: Sequence[Fall], h: float) -> Fall | None:
-    """What falls through zero first in a step h (s); the last of those that come together."""
-    best, best_time = None, h
-    for fall in falls:
-        if fall.after <= 0.0 < fall.before and fall.time(h) <= best_time:
-            best, best_time = fall, fall.time(h)
-    return best
+    """What falls through zero first in a step h (s); the first of those that come together."""
+    within = [fall for fall in falls if fall.after <= 0.0 < fall.before and fall.time(h) <= h]
+    return min(within, key=lambda fall: fall.time(h), default=None)
 
 
 def met_with(crossed: Fall, falls: Sequence[Fall], h: float) -> list[HingeLine | Event]:

@@ -108,6 +108,24 @@ def test_an_event_at_the_angle_of_a_latch(tmp_path):
     assert np.all(run["hinge_a", "motor_torque"][run.time > run.latch_times["A"] + 1e-6] == 0.0)
 
 
+@pytest.mark.parametrize("first", ["A", "B"])
+def test_conditions_that_come_together_act_in_the_order_of_the_scene(first, tmp_path):
+    """As those at one time do: what is set last stays. Regression: they acted the other way round."""
+    when = {"component": "A", "variable": "angle", "above": "45 deg"}
+    settings = {"A": 0.5, "B": 0.25}
+    names = [first, *(settings.keys() - {first})]
+    events = [
+        {"name": f"to_{n}", "when": when, "set": {"A": {"motor_stiffness": settings[n]}}} for n in names
+    ]
+    scene = twins(event=events)
+    run = fanfold.simulate(scene, estimate=False)
+    acted = [name for _, name, _ in run.events if name.startswith("to_")]
+    assert acted == [f"to_{name}" for name in names]
+    (path,) = fanfold.export(scene, tmp_path, as_one=True)
+    host = Host(path).start().to(2.5, 0.1)
+    assert host["A.latch_time"] == pytest.approx(run.latch_times["A"], abs=4e-7)
+
+
 @needs_native
 def test_numbers_have_no_derivatives_where_lines_latch_together():
     """Which of both comes first hangs on the sign of a change: there is no derivative, and that is told."""
