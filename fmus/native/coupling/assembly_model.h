@@ -487,6 +487,7 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
     Loop *l = &m->loop;
     RowBlock *r = &l->rows;
     size_t corrected = 0, laws = 0, all = 0;
+    const size_t *bolts = counted_numbers(data, "bolts", 1, memory, why);
     r->columns = sizes->observations;
     r->channels = CHANNELS;
     r->recorded = counted_numbers(data, "recorded", r->columns, memory, why);
@@ -496,7 +497,8 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
     a->flag = whole_numbers(data, "flags", &a->flags, memory, why);
     if (!a->flag) return 0;
     if (!are_below(a->flag, a->flags, 1, r->columns)) return refuse(why, "the assembly's flags are damaged");
-    if (!r->recorded || !r->corrected || !law) return 0;
+    if (!r->recorded || !r->corrected || !law || !bolts) return 0;
+    if (*bolts > laws / 2) return refuse(why, "the assembly's hold-downs are damaged");
     if (!are_below(r->recorded, r->columns, 1, all) || !are_below(r->corrected, corrected, 1, all) ||
         !are_below(m->network.energy_rows, ENERGIES * m->network.participants, 1, all + 1))
         return refuse(why, "the assembly records what it has not");
@@ -519,6 +521,7 @@ static int create_loop(Assembly *a, const Data *data, const Sizes *sizes, Memory
     }
     l->law = places;
     l->laws = laws / 2;
+    l->bolts = *bolts;
     l->network = &m->network;
     l->sizes = &m->sizes;
     l->error = &m->error;

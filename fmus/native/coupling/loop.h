@@ -45,8 +45,8 @@ typedef struct {
 
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
-   then those of conditions; laws: places of times to breaks; steps (capacity,): sizes made; position: steps of the
-   segment; status: of the coupled step at hand; neighbours: runs beside this one or NULL, guess (size,): room for them. */
+   then those of conditions; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
+   is at release_time; steps (capacity,): sizes made; position: steps of the segment; status: of the coupled step at hand; neighbours: runs beside this one or NULL, guess (size,): room for them. */
 typedef struct {
     Network *network;
     StepSizes *sizes;
@@ -59,8 +59,8 @@ typedef struct {
     double *steps, *guess;
     Neighbours *neighbours;
     RowBlock rows;
-    double time, until, stop, break_time, event_time, fixed_step, ready_step, h;
-    size_t lines, crossings, laws, planned, capacity, made, position, parts, rejected, wanted, status;
+    double time, until, stop, break_time, release_time, event_time, fixed_step, ready_step, h;
+    size_t lines, crossings, laws, bolts, planned, capacity, made, position, parts, rejected, wanted, status;
 } Loop;
 
 /* Why a loop stopped, in the order of Stop in orchestrator/cosim/implicit/native_solver.py. */
@@ -163,9 +163,11 @@ static int has_crossed(const Loop *l, double h) {
 
 /* Note all distances and the next time to end a step at. */
 static void watch(Loop *l) {
-    double form = INFINITY;
+    double form = INFINITY, release = INFINITY;
     for (Crossing *c = l->crossing; c < l->crossing + l->crossings; c++) c->before = distance(c);
     for (size_t i = 0; i < l->laws; i++) form = fmin(form, *l->law[i]);
+    for (size_t i = 0; i < l->bolts; i++) release = fmin(release, *l->law[i]);
+    l->release_time = l->time + release;
     l->break_time = fmin(l->time + form, l->event_time);
 }
 

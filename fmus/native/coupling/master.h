@@ -547,6 +547,16 @@ static int let_act(Master *m) {
     return fine;
 }
 
+/* Go on after a break of a law; where a hold-down lets go there, with what that makes of loads. */
+static int pass_break(Master *m, int lets_go) {
+    if (lets_go) {
+        forget_all(&m->solver);
+        if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
+    }
+    renew(m);
+    return 1;
+}
+
 /* Accept the step at hand, which may end where something crosses, and let that act. */
 static int end_step(Master *m) {
     Loop *l = &m->loop;
@@ -564,6 +574,7 @@ static int end_step(Master *m) {
     }
     const size_t number = crossed ? (size_t)(crossed - m->crossing) : 0;
     const int is_break = l->time + l->h >= l->break_time - m->rules.break_reached;
+    const int lets_go = l->time + l->h >= l->release_time - m->rules.break_reached;
     if (!coupling_accept(&m->network, l->time + 0.5 * l->h, l->h)) return 0;
     l->made = 0;
     count_step(l, l->h);
@@ -571,8 +582,7 @@ static int end_step(Master *m) {
     take_events(m);
     hand_on_rows(m);
     if (!crossed) {
-        if (is_break && !due_event(m)) renew(m);
-        return 1;
+        return !is_break || due_event(m) || pass_break(m, lets_go);
     }
     size_t k = 0;
     m->event_time = l->time;

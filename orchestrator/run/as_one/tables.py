@@ -207,12 +207,23 @@ def _network(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:
         "port_links": np.concatenate([found[::wrench] // wrench for found in rows]),
         "constant_mobility": [float(body.constant_mobility) for body in network.bodies],
         "energy_rows": energy_rows(network.participants),
+        **_laws(network),
+    }
+
+
+def _laws(network: Network) -> dict[str, ArrayLike]:
+    """Participants that tell times to breaks, and where among their outputs; hold-downs, and how many, come first."""
+    telling = [k for k, p in enumerate(network.participants) if TIME_TO_BREAK.name in p.output_layout]
+    bolts = [k for k in telling if RELEASE_COMMAND.name in network.participants[k].input_layout]
+    found = [*bolts, *(k for k in telling if k not in bolts)]
+    layouts = [network.participants[k].output_layout for k in found]
+    return {
         "laws": [
             one
-            for number, participant in enumerate(network.participants)
-            if TIME_TO_BREAK.name in participant.output_layout
-            for one in (number, participant.output_layout[TIME_TO_BREAK.name].start)
+            for k, layout in zip(found, layouts, strict=True)
+            for one in (k, layout[TIME_TO_BREAK.name].start)
         ],
+        "bolts": [len(bolts)],
     }
 
 

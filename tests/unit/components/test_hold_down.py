@@ -21,6 +21,7 @@ from tests.conformance.programs.driver3 import Fmu3
 from tests.references.coupled import base, between, completed, mastered, prepared, rigid
 from tests.references.native_fmus import native_errors, needs_native
 from tests.references.relative_motion import inputs, port_motion, resultant, work
+from tests.unit.run.as_one.host import Host
 
 MASS, STIFFNESS, PRELOAD = 5.0, 2e4, 300.0
 TIGHT = Tolerance(1e-10, 1e-6, 1e-6)
@@ -317,3 +318,12 @@ def test_what_a_release_makes_of_loads_is_told(released):
     load = np.abs(run["base", "interface_force"][:, 2])
     assert load[run.time[:] < 0.05 - 1e-6].max() < 0.01
     assert load.max() == pytest.approx(500.0 * 1e5 / (1e5 + 1e6), rel=1e-4)
+
+
+@needs_native
+@pytest.mark.parametrize("released", ["time", "event"])
+def test_the_one_fmu_tells_it_as_well(released, tmp_path):
+    """The master in C: the same peak, of the resultant."""
+    (path,) = fanfold.export(seat(released), tmp_path, as_one=True)
+    host = Host(path).start().to(0.06, 0.01)
+    assert host["base.interface_force_peak"] == pytest.approx(500.0 * 1e5 / (1e5 + 1e6), rel=1e-4)
