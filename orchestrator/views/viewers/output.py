@@ -31,9 +31,11 @@ def format_of(path: Path, asked: str | None) -> str:
 
 
 def refuse_to_lose(result: Result, path: Path, replace: bool) -> None:
-    """ResultError where a file would be lost: the result itself, whatever is no file, or any without leave."""
+    """ResultError where a file cannot be, or would be lost: the result itself, what is no file, any without leave."""
     try:
         if not path.exists():
+            if not path.parent.is_dir():
+                raise ResultError(f"{path}: there is no folder {path.parent}; make it, or name another")
             return
         if result.path is not None and result.path.exists() and path.samefile(result.path):
             raise ResultError(f"{path}: this is the result itself and would be lost; name another file")

@@ -137,7 +137,6 @@ def test_what_cannot_be_written_is_told(path, tmp_path):
     assert "there is no format 'step'" in told(path, "--out", tmp_path / "a.csv", "--format", "step")
     assert "its ending tells no format" in told(path, "--out", tmp_path / "a.step")
     assert "exists already" in told(path, "--out", kept)
-    assert "cannot be written (No such file or directory)" in told(path, "--out", tmp_path / "no" / "a.csv")
     assert "no signal matches 'door'" in told(path, "--out", tmp_path / "a.csv", "--signals", "door")
     assert "more than 10000000" in told(path, "--out", tmp_path / "a.csv", "--every", "1e-9")
     assert kept.read_text(encoding="utf-8") == "mine"
@@ -154,6 +153,12 @@ def test_the_result_itself_is_never_replaced(path, tmp_path):
     (tmp_path / "link.csv").hardlink_to(itself)
     assert "is the result itself" in told(itself, "--out", tmp_path / "link.csv", "--replace")
     assert Result.open(itself).complete
+
+
+@pytest.mark.parametrize("ending", ["csv", "mat", "glb", "pvd"])
+def test_folders_that_are_not_there_are_told_at_once(path, tmp_path, ending):
+    """Regression: a sentence of SciPy's, and for a series after all of its work."""
+    assert "there is no folder" in told(path, "--out", tmp_path / "none" / f"wing.{ending}")
 
 
 def test_damaged_and_interrupted_results_are_told(path, tmp_path):
