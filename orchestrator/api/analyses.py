@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
@@ -43,7 +45,9 @@ if TYPE_CHECKING:
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
 _LOADED = 1e-3
-"""N or N.m, of what is told to be out of balance."""
+"""N or N.m out of balance, and Hz, up to which nothing is compared."""
+_COMPARED, _OFF = 6, 0.01
+"""Modes as posed that are compared with those in equilibrium, and by how much one of them is off where it is told."""
 Way = tuple[Quantity, Quantity]
 """Angles of a hinge line from which and to which it is turned."""
 
@@ -94,7 +98,8 @@ def modes(
         _at_least(count, 1, "count"),
         held=base == "held",
     )
-    _tell_of_loads(checked, as_posed, found.unbalanced)
+    if as_posed:
+        _tell_of_loads(checked, rigid, flexible, target, found.unbalanced)
     return found
 
 
@@ -130,7 +135,8 @@ def appendage(
         listed(points),
         _at_least(count, 1, "count"),
     )
-    _tell_of_loads(checked, as_posed, found[0].unbalanced)
+    if as_posed:
+        _tell_of_loads(checked, rigid, flexible, target, found[0].unbalanced)
     return found
 
 
@@ -171,7 +177,8 @@ def frequency_response(
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
-    _tell_of_loads(checked, as_posed, model.unbalanced)
+    if as_posed:
+        _tell_of_loads(checked, rigid, flexible, target, model.unbalanced)
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, points, frequencies)
     free = not model.is_grounded
@@ -453,14 +460,29 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
     return checked
 
 
-def _tell_of_loads(scene: CheckedScene, as_posed: bool, unbalanced: tuple[float, float]) -> None:
-    """A FanfoldWarning where joints of a configuration as posed do not carry what they should (N, N.m)."""
-    force, torque = unbalanced
-    if as_posed and max(unbalanced) > _LOADED:
+def _tell_of_loads(
+    scene: CheckedScene, rigid: Names, flexible: Names, target: Configuration, unbalanced: tuple[float, float]
+) -> None:
+    """A FanfoldWarning where frequencies as posed, with this (N, N.m) out of balance, are not those in equilibrium."""
+    from ..analysis.modes import find_modes
+
+    if max(unbalanced) <= _LOADED:
+        return
+    try:
+        posed, settled = (
+            find_modes(scene, listed(rigid), listed(flexible), target, as_posed, _COMPARED).frequencies
+            for as_posed in (True, False)
+        )
+    except SceneError:
+        return
+    count = min(len(posed), len(settled))
+    off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)
+    if count and off.max() > _OFF:
+        k = int(np.argmax(off))
         warn(
-            f"{scene.header.name}: as posed, joints and latches do not carry {force:.3g} N and {torque:.3g} N.m that "
-            "cables, motors, gravity or spin ask of them; the stiffness that carrying gives them is left out, so that "
-            "frequencies may be far off: compare with those in equilibrium (not as posed), where there is one"
+            f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
+            f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
+            f"a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
         )
 
 

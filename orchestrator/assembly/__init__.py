@@ -36,7 +36,7 @@ class HingeLine:
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
     latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
-    whether hold-downs keep it there.
+    whether hold-downs or a drive keep it there.
     """
 
     name: str
@@ -57,7 +57,7 @@ class HingeLine:
 
 
 def bolted_hinges(lines: Iterable[HingeLine]) -> list[str]:
-    """Hinges of lines that hold-downs keep where a run begins, so that no search for equilibrium need hold them."""
+    """Hinges of lines that hold-downs or drives keep where a run begins, so that no search need hold them."""
     return [hinge for line in lines if line.bolted for hinge in line.hinges]
 
 

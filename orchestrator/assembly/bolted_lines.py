@@ -12,20 +12,20 @@ from ..scene.locked_groups import joined
 from ..scene.schema import CheckedScene
 
 Edge = tuple[str, str]
-_KEEPING = (HoldDown.kind, Drive.kind)
 
 
 def bolted_lines(scene: CheckedScene) -> frozenset[str]:
-    """Names of the lines that close a chain of lines, joints, hold-downs and drives, open without these two."""
+    """Names of lines beside a drive, or that close a chain of lines, joints and hold-downs, open without the last."""
     roots = joined(scene)
     lines = {line.name: (roots[line.inboard], roots[line.outboard]) for line in scene.hinge_lines}
     seats = [(c.kind, tuple(roots[seat.body] for seat in c.ports.values())) for c in scene.connections]
     joints = [(bodies[0], bodies[1]) for kind, bodies in seats if kind == Hinge.kind and len(bodies) == 2]
-    bolts = [(bodies[0], bodies[1]) for kind, bodies in seats if kind in _KEEPING and len(bodies) == 2]
+    bolts = [(bodies[0], bodies[1]) for kind, bodies in seats if kind == HoldDown.kind and len(bodies) == 2]
+    driven = [set(bodies) for kind, bodies in seats if kind == Drive.kind]
     found = set()
     for name, ends in lines.items():
         others = [edge for other, edge in lines.items() if other != name] + joints
-        if _leads(ends, [*others, *bolts]) and not _leads(ends, others):
+        if set(ends) in driven or (_leads(ends, [*others, *bolts]) and not _leads(ends, others)):
             found.add(name)
     return frozenset(found)
 

@@ -48,6 +48,8 @@ _NO_RATE = 1e-9
 """m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
 _FAR_CENTER = 100.0
 """Of the radius of gyration, that no centre of mass is from all points of its body."""
+_SMALL = 0.01
+"""m, of the radius of gyration of what may stand for a point mass."""
 _BEYOND_POINTS = 5.0
 """A body's radius of gyration over the distance of its farthest point, where the points still span the body."""
 
@@ -99,7 +101,7 @@ def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
         if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
             yield (
                 f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
-                f"{degrees(line.deployed_angle):g} deg, which it does not reach"
+                f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
             )
 
 
@@ -359,7 +361,7 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
             "its centre of mass; check the units of mass, inertia and points"
         )
     nearest = min((norm(subtract(point, inertial.center_of_mass)) for point in points), default=0.0)
-    if nearest > _FAR_CENTER * gyration:
+    if nearest > _FAR_CENTER * max(gyration, _SMALL):
         yield (
             f"{key}: its centre of mass is {nearest:.3g} m from all of its points, and its radius of gyration is "
             f"{gyration:.3g} m; check the units of center_of_mass and points"

@@ -58,8 +58,8 @@ class Master(CoSimulation):
         events: Sequence[Event] = (),
         signals: Sequence[SignalProcess] = (),
     ) -> None:
-        share, most = stepping.iterated(hinge_lines, network.order)
-        solver = solver_for(network, Tolerance(min(share * settings.tolerance, most)), self.native_solver)
+        iterated = stepping.iterated(hinge_lines, network.order).of(settings.tolerance)
+        solver = solver_for(network, Tolerance(iterated), self.native_solver)
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
@@ -337,8 +337,8 @@ class Master(CoSimulation):
         self._renew()
 
     def _take_signals(self) -> None:
-        """Have FMUs with signals act at this instant; where they change something, go on as after an event."""
-        if self._exchange_signals():
+        """Have FMUs with signals act at this instant; where something changes, a hold-down too, as after an event."""
+        if any([self._exchange_signals(), self._hold_downs.note()]):
             solver, h = self.solver, self._sizes.size
             forget = solver.forget_all if self._signals.sets_bodies else solver.forget
             after = self._instant(h)
@@ -397,7 +397,7 @@ class Master(CoSimulation):
         solver.restore()
         if solver.solve(self.time, after, solver.accepted).converged:
             self._observe(after)
-            found = self._rows.roughness(self.time)
+            found = self._rows.roughness(self.time, len(self.segments[-1]))
         solver.restore()
         solver.forget_all()
         return found

@@ -12,6 +12,9 @@ from components import LAGGED, Layout
 
 from .participant import Matrix, Participant, Vector
 
+_TELLING = 2
+"""Steps whose means tell loads at the end of the last."""
+
 
 class Recorder(Protocol):
     """Takes what happened, in order."""
@@ -80,12 +83,16 @@ class Rows:
         observations[:], scene[:] = self._now
         self._time = time
 
-    def roughness(self, time: float) -> Vector | None:
+    def roughness(self, time: float, steps: int) -> Vector | None:
         """What loads of an instant (now) are off those held back, which steps up to the same time tell, if any do.
 
-        Where steps do not resolve how joints ring, an instant finds them anywhere in their ringing.
+        Where steps do not resolve how joints ring, an instant finds them anywhere in their ringing. steps: since the
+        last event; one alone tells loads by means from before it, so that the instant is right.
         """
         if self._time != time:
+            return None
+        if steps < _TELLING:
+            self._held[0][self._corrected] = self._now[0][self._corrected]
             return None
         found: Vector = self._now[0][self._corrected] - self._held[0][self._corrected]
         return found

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from ctypes import Structure
 from math import ceil, floor, log, sqrt
+from typing import NamedTuple
 
 from components import FanfoldError
 
@@ -19,7 +20,7 @@ from .ports import Order
 _ITERATED, _MOST_ITERATED = {2: 1e-2, 4: 1e-3}, 1e-6
 """Tolerance of an iteration over that of the run by order, and the largest; slopes take up what it leaves in stiff
 joints, and recorded loads."""
-_LOCKED = 1e-2
+_LOCKED, _LEAST_LOCKED = 1e-2, 1e-9
 """Of these where rigid bodies lock: what is left of a lock of 1e8 N.m/rad is a torque beside those of light bodies."""
 RATIO = sqrt(2.0)
 ALLOWED_SHARE = 12.0 * 0.0025
@@ -119,10 +120,24 @@ class StepSizes(Structure):
         self.wait, self.stirred, self.worst = wait, STIRRED_STEPS, 0.0
 
 
-def iterated(lines: Iterable[HingeLine], order: Order) -> tuple[float, float]:
-    """Tolerance of an iteration over that of a run of these lines, and the largest."""
-    share = _LOCKED if any(line.locks_rigid for line in lines) else 1.0
-    return share * _ITERATED[order], share * _MOST_ITERATED
+class Iterated(NamedTuple):
+    """Tolerance of iterations: a share of that of the run, but neither below nor above some."""
+
+    share: float
+    least: float
+    most: float
+
+    def of(self, tolerance: float) -> float:
+        """In a run of a tolerance."""
+        return min(max(self.share * tolerance, self.least), self.most)
+
+
+def iterated(lines: Iterable[HingeLine], order: Order) -> Iterated:
+    """Of a run of these lines; locks ask for more, as far as round-off lets them."""
+    share = _ITERATED[order]
+    if not any(line.locks_rigid for line in lines):
+        return Iterated(share, 0.0, _MOST_ITERATED)
+    return Iterated(_LOCKED * share, _LEAST_LOCKED, _LOCKED * _MOST_ITERATED)
 
 
 def _allowed(tolerance: float, order: Order) -> float:
@@ -177,7 +192,8 @@ class StepPlan:
     """Steps given before a run, a list (s) for every segment between events; those beyond the last go by that."""
 
     def __init__(self, segments: Sequence[Sequence[float]]) -> None:
-        self._segments = [list(segment) for segment in segments]
+        # a run that ends at an event has begun a segment without steps
+        self._segments = [list(segment) for segment in segments if segment]
 
     def __bool__(self) -> bool:
         return bool(self._segments)

@@ -334,9 +334,8 @@ def peak(result: Result, values: Vector) -> Peak:
 
 def jumps(result: Result) -> list[float]:
     """Times (s) at which loads jump: of events, of what FMUs with signals set, which two rows tell, and the start."""
-    apart = np.diff(result.time, prepend=-np.inf, append=np.inf) > EVENT_WIDTH
-    pairs = ~apart[1:-1] & apart[:-2] & apart[2:]
-    return [float(result.time[0]), *(time for time, _, _ in result.events), *result.time[:-1][pairs].tolist()]
+    jumping = result.time[:-1][np.diff(result.time) <= EVENT_WIDTH]
+    return [float(result.time[0]), *(time for time, _, _ in result.events), *jumping.tolist()]
 
 
 def extremes(time: Vector, values: Vector, events: Sequence[float] = ()) -> tuple[Peak, Peak]:

@@ -15,7 +15,7 @@ enum { FITTED = 4, RING = 6, SNAPSHOTS = 3 };
 /* What follows from the tolerance: the largest step (s) of the scene, the tolerance below which it shrinks, what iterations
    leave of the tolerance and at most, what a step may err by, and powers of the tolerance above that limit, of the
    coupling's order and of the second. */
-enum { LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE };
+enum { LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE };
 
 /* An input of the assembly: releases a participant (is_release), or latches a line. */
 typedef struct {

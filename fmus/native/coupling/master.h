@@ -9,7 +9,7 @@
 #include "latch_up.h"
 #include "scheme.h"
 
-enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40 };
+enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40, TELLING_STEPS = 2 };
 #define LEAST_LATCH_SHARE 1e-3
 #define LEAST_KINETIC 1e-17 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
@@ -234,9 +234,12 @@ static int note_roughness(Master *m) {
     if (!restore_all(n)) return 0;
     if (is_solved(m, solve(&m->solver, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), n->accepted))) {
         if (!observe_all(m)) return 0;
+        /* one step alone since the last event tells loads by means from before that: there the instant is right */
+        const int tells = m->loop.position >= TELLING_STEPS;
         for (size_t i = 0; i < r->corrections && r->held && r->held_time == m->loop.time; i++) {
             const size_t place = r->corrected[2 * i + 1];
-            m->roughness[i] = n->observations[place] - r->held_observations[place];
+            if (tells) m->roughness[i] = n->observations[place] - r->held_observations[place];
+            else r->held_observations[place] = n->observations[place];
         }
     }
     if (!restore_all(n)) return 0;

@@ -130,7 +130,9 @@ def _equilibrium(assembly: Assembly, load: Loader) -> Iterator[dict[str, Partici
     with load(assembly) as participants:
         try:
             network = Network(participants, assembly.links)
-            master = Master(network, assembly.hinge_lines, NoRecorder(), Settings())
+            # wherever lines are on their way, nothing else keeps them there
+            lines = [replace(line, bolted=False) for line in assembly.hinge_lines]
+            master = Master(network, lines, NoRecorder(), Settings())
             master.initialize(preload=True)
         except (ParticipantError, NetworkError, StepError) as error:
             raise RunError(f"{assembly.name}: no static equilibrium with the hinges held: {error}") from None

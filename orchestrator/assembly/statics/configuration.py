@@ -15,12 +15,15 @@ from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.loops.closing import start_poses
 from ..assemble import assemble
+from ..bolted_lines import bolted_lines
 from .equilibrium_search import settle
 from .linear_model import LinearModel, linearise
 from .mechanism import Mechanism
 from .steady_spin import Spin
 
 Named = Literal["stowed", "deployed", "current"]
+_AT_START = 1e-9
+"""rad"""
 _LARGEST_TURN = pi / 6.0
 """rad between two poses on the way, so that connections count their angles on."""
 
@@ -102,6 +105,14 @@ def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str]
     return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
+def kept_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
+    """Lines that hold-downs or drives keep, where a run begins, so that nothing else need hold them, as in runs."""
+    at_start = all(
+        abs(target.angles[line.name] - line.initial_angle) < _AT_START for line in scene.hinge_lines
+    )
+    return bolted_lines(scene) if at_start else frozenset()
+
+
 def hinges_of(scene: CheckedScene, lines: Collection[str]) -> list[str]:
     """Names of the hinges of lines that move."""
     return [h.name for line in scene.hinge_lines if line.name in lines and not line.held for h in line.hinges]
@@ -160,7 +171,7 @@ def loaded(
 ) -> Mechanism:
     """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
     mechanism = placed(scene, rigid, flexible, target, spin)
-    hinges = hinges_of(scene, free_lines(scene, target))
+    hinges = hinges_of(scene, free_lines(scene, target, kept_lines(scene, target)))
     mechanism.command(HOLD.name, 1.0, hinges)
     settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
     mechanism.command(HOLD.name, 0.0, hinges)

@@ -29,7 +29,14 @@ class HoldDowns:
         self._left = times_to_break(p for p in participants if RELEASE_COMMAND.name in p.input_layout)
         self._gone = 0
 
+    def left_any(self) -> bool:
+        """Whether any has let go since the last note."""
+        return self._count() > self._gone
+
     def note(self) -> bool:
-        """Take note; whether any has let go since the last time."""
-        before, self._gone = self._gone, sum(outputs.item(place) >= NEVER for outputs, place in self._left)
+        """The same, and take note."""
+        before, self._gone = self._gone, self._count()
         return self._gone > before
+
+    def _count(self) -> int:
+        return sum(outputs.item(place) >= NEVER for outputs, place in self._left)

@@ -103,7 +103,7 @@ class Leader(CompiledMaster):
             super()._pass_break()
         if is_whole:
             for one in self._neighbours:
-                one.pass_break(self._instants)
+                one.pass_break(self._instants, self.time)
 
     def _latch(self, line: HingeLine, *others: HingeLine) -> None:
         with self._one_event() as is_whole:

@@ -94,9 +94,14 @@ class Neighbour(Master):
         self._instants = iter(instants)
         self._happen(self._events[event.name])
 
-    def pass_break(self, instants: Sequence[float]) -> None:
-        """As the leader, see `latch`."""
+    def pass_break(self, instants: Sequence[float], time: float) -> None:
+        """As the leader at a time (s), see `latch`; AstrayError where a hold-down lets go in one of both only."""
         self._instants = iter(instants)
+        if self._hold_downs.left_any() != bool(instants):
+            raise AstrayError(
+                f"with {self.name} a little different, hold-downs do not let go in the order in which they do "
+                f"without, near t = {time:.6g} s: there is no derivative"
+            )
         self._pass_break()
 
     def renew(self) -> None:

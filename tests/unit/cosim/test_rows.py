@@ -65,11 +65,22 @@ def test_a_jump_of_loads_is_that_of_the_event():
     observations[:] = (1, 2, 3, 0, 0, 4, 0)
     held.hold(0.1, continues=False)
     observations[:2] = 1.75, 2.5
-    roughness = held.roughness(0.1)
+    roughness = held.roughness(0.1, 2)
     observations[:2] = 11.75, 0.0  # ten more, and of a joint that has let go
     held.smooth(roughness)
     assert observations[:2].tolist() == [11.0, 0.0]
-    assert held.roughness(0.2) is None  # what is held back is not of this time
+    assert held.roughness(0.2, 2) is None  # what is held back is not of this time
+
+
+def test_after_one_step_alone_the_instant_tells():
+    """Its means reach back before the last event. Regression: loads between two close events were extrapolated so."""
+    recorder, observations, _, held = rows()
+    observations[:] = (1, 2, 3, 0, 0, 4, 0)
+    held.hold(0.1, continues=False)
+    observations[:2] = 1.75, 2.5
+    assert held.roughness(0.1, 1) is None
+    held.release()
+    assert recorder.rows[0][0] == [1.75, 2.5, 3]
 
 
 def test_rows_beside_an_event_stand():

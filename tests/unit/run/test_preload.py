@@ -237,3 +237,23 @@ def test_what_hangs_and_may_turn_starts_where_it_hangs(side):
     tension = np.hypot(side, weight)
     hangs = (length + (tension - weight) / stiffness) * np.array([side, 0.0, -weight]) / tension
     assert np.abs(place - (0, 0, 2) - hangs).max() < 1e-6
+
+
+def test_a_drive_across_two_lines_keeps_neither():
+    """Rule: it holds one rotation, so that the lines between are held. Regression: a motor opened them to 164 deg."""
+    scene = fanfold.Scene("two", until="0.01 s", preload=True)
+    base = scene.base(points={"root": (0, 0, 0)})
+    rigid = {"mass": 2.0, "center_of_mass": (0.3, 0, 0), "inertia": (0.1, 0.1, 0.1)}
+    points = {"root": (0, 0, 0), "tip": (0.6, 0, 0)}
+    inner, outer = (scene.body(name, rigid=rigid | {"points": points}) for name in ("inner", "outer"))
+    for line, a, b, ends in (("L1", base, inner, ("root", "root")), ("L2", inner, outer, ("tip", "root"))):
+        scene.hinge_line(
+            line, a, b, axis="+y", aligned_angle="90 deg", hinges={f"h_{line}": ends},
+            motor={"stowed": 2.0, "deployed": 1.0}, latch={"stiffness": 100},
+        )  # fmt: skip
+    scene.connection(
+        "drive", "drive", structure={"axis": (0, 1, 0), "profile": "step5"}, parameters={"start_time": 10},
+        ports={"inboard": (base, "root"), "outboard": (outer, "root")},
+    )  # fmt: skip
+    run = fanfold.simulate(scene, estimate=False)
+    assert abs(run["h_L1", "angle"][0]) < 0.01
