@@ -44,6 +44,8 @@ _MOST = 0.01
 """Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
 _COSTLIEST = 50
 """Times the steps of the run before that a repetition may take: ten follow from the tolerance, others from ringing."""
+_UNTOLD = 1e4
+"""Tolerances beyond which their number is not told: something has blown up."""
 _FALLING = 1.0 / 3.0
 _AT_THE_MOST = 2.0
 """Times what is left where errors fall as they should."""
@@ -177,10 +179,15 @@ def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> st
         said = "nothing tells how far its numbers are off"
     elif error.likely > MOST_TOLERANCES:
         number, share = least_sure(numbers, errors)
-        said = f"{number} is likely to be off by {share.likely / asked:.0f} times the tolerance of {asked:g}"
+        said = f"{number} is likely to be off by {_times(share.likely / asked)} the tolerance of {asked:g}"
     else:
         of_latches = largest_shares(numbers, errors, OF_LATCHES).most / asked
         among = OF_LATCHES if of_latches > MOST_TOLERANCES else PROMISED
         number, share = least_sure(numbers, errors, among, by="most")
-        said = f"{number} may be off by {share.most / asked:.0f} times the tolerance of {asked:g}"
+        said = f"{number} may be off by {_times(share.most / asked)} the tolerance of {asked:g}"
     return f"{name}: {said}; it is run again at {tolerance:.2g}"
+
+
+def _times(tolerances: float) -> str:
+    """In words; beyond some it is that of a number that has blown up, and means nothing."""
+    return f"{tolerances:.0f} times" if tolerances < _UNTOLD else f"more than {_UNTOLD:.0f} times"

@@ -567,7 +567,7 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 
 /* Numbers of the master, in the order of their structures. */
 static int read_settings(Assembly *a, const Data *data, Reason *why) {
-    enum { NETWORK = 5, OF_LIMITS = 15, OF_RULES = 19, OF_MASTER = 7 };
+    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 19, OF_MASTER = 7 };
     Master *m = &a->master;
     Network *n = &m->network;
     const double *sizes = data_array(data, "network", NETWORK, why), *limit = data_array(data, "limits", OF_LIMITS, why);
@@ -583,12 +583,13 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     if (n->bodies > n->participants) return refuse(why, "the assembly's network is damaged");
     Limits *of = &n->limits;
     double *plain[] = {&of->slow,     &of->diverged, &of->steepest, &of->round_off, &of->near,
-                       &of->credible, &of->agreed,   &of->overshot, &of->rough};
+                       &of->credible, &of->agreed,   &of->overshot, &of->rough,     &of->least_reach};
+    const size_t numbers = sizeof plain / sizeof *plain;
     size_t *whole[] = {&of->patience, &of->most, &of->halvings, of->refreshed, of->refreshed + 1, of->refreshed + 2};
-    for (size_t i = 0; i < 9; i++) *plain[i] = limit[i];
+    for (size_t i = 0; i < numbers; i++) *plain[i] = limit[i];
     for (size_t i = 0; i < 6; i++) {
-        if (!(limit[9 + i] >= 0.0 && limit[9 + i] < 1e3)) return refuse(why, "the assembly's limits are damaged");
-        *whole[i] = (size_t)limit[9 + i];
+        if (!(limit[numbers + i] >= 0.0 && limit[numbers + i] < 1e3)) return refuse(why, "the assembly's limits are damaged");
+        *whole[i] = (size_t)limit[numbers + i];
     }
     Rules *r = &m->rules;
     *r = (Rules){rule[0],  rule[1],  rule[2],  rule[3],  rule[4],  rule[5],  (ptrdiff_t)rule[6],

@@ -18,7 +18,7 @@ typedef struct {
 
 /* Numbers of the iteration, see cosim/implicit/convergence.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, near, credible, agreed, overshot, rough;
+    double slow, diverged, steepest, round_off, near, credible, agreed, overshot, rough, least_reach;
     size_t patience, most, halvings, refreshed[3];
 } Limits;
 

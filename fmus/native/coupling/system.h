@@ -125,7 +125,7 @@ VECTORISED static void assemble(Network *n) {
         for (size_t i = 0; i < rows; i++) m->values[m->blocks[g].offset + i * (rows + 1)] = 1.0;
     }
     const double rate = largest_of_ports(n, 7, MOTION);
-    n->reach = largest_of_ports(n, 0, 3);
+    n->reach = fmax(n->limits.least_reach, largest_of_ports(n, 0, 3));
     const Part *part = n->parts;
     for (size_t i = n->bodies; i < n->participants; i++) {
         note_round_off(n, n->participant + i, rate);

@@ -26,6 +26,8 @@ OVERSHOT = 0.5
 """Part of the step before, and cosine against it, from which a correction takes it back; see `overshoots`."""
 ROUGH = 1e-5
 """Least relative correction of wrenches that takes one back; smaller ones may be round-off of laws and joints."""
+LEAST_REACH = 1.0
+"""m, of positions whose rounding ports have at least: bodies reach beyond their ports, which may lie in the origin."""
 HALVINGS = 24
 """Most halvings of an iteration's steps: a way of a radian comes down to where friction of 1e-7 rad sticks."""
 DIVERGED = 50.0
@@ -121,7 +123,7 @@ class Extent(NamedTuple):
     def of(cls, motions: Iterable[Vector]) -> Extent:
         """From the motions of all ports of every connection, 13 numbers a port."""
         table = np.abs(np.concatenate([motion.reshape(-1, 13) for motion in motions]))
-        return cls(float(table[:, :3].max()), float(table[:, 7:].max()))
+        return cls(max(LEAST_REACH, float(table[:, :3].max())), float(table[:, 7:].max()))
 
 
 def round_off(stiffness: Matrix, width: Width, extent: Extent, h: float) -> Vector:

@@ -33,6 +33,7 @@ _LIMITS = Limits(
     convergence.AGREED,
     convergence.OVERSHOT,
     convergence.ROUGH,
+    convergence.LEAST_REACH,
     convergence.PATIENCE,
     convergence.MAX_ITERATIONS,
     convergence.HALVINGS,

@@ -137,6 +137,7 @@ def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[st
             convergence.AGREED,
             convergence.OVERSHOT,
             convergence.ROUGH,
+            convergence.LEAST_REACH,
             convergence.PATIENCE,
             convergence.MAX_ITERATIONS,
             convergence.HALVINGS,

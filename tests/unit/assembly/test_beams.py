@@ -269,3 +269,23 @@ def test_a_free_spacecraft_with_beams_keeps_its_angular_momentum():
     free = momentum[run.time[:] >= 0.2]
     assert free[0, 2] == pytest.approx(6.0, rel=1e-3)
     assert np.abs(free - free[0]).max() < 1e-9 * free[0, 2]
+
+
+@pytest.mark.parametrize("ratio", ["2 %", "3 %"])
+def test_a_boom_on_the_origin_is_followed_at_a_tight_tolerance(ratio):
+    """Regression: its only port lies in the origin, so that no rounding of places was seen: no step converged."""
+    damping = {"ratio": ratio, "reference_frequency": "3 Hz"}
+    scene = fanfold.Scene("boom", until="2 ms")
+    base = scene.base(points={"root": (0, 0, 0)})
+    tube = {**TUBE, "diameter": "30 mm", "wall": "1 mm"}
+    bar = scene.body(
+        "bar", beam={"length": "3 m", "tube": tube, "attachment_points": {"root": 0, "tip": "3 m"}}
+    )
+    scene.hinge_line(
+        "HL", base, bar, axis="+y", aligned_angle="90 deg", hinges={"h": ("root", "root")},
+        motor={"stowed": "0.5 N.m", "deployed": "0.5 N.m"}, latch={"stiffness": 500},
+    )  # fmt: skip
+    run = fanfold.simulate(
+        scene.with_settings({"structural_damping": damping}), tolerance=1e-6, estimate=False
+    )
+    assert run.complete
