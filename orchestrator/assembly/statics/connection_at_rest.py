@@ -22,6 +22,8 @@ from .. import Part
 
 _STEP = 1e-5
 """m, rad, m/s and rad/s; central differences, whose errors of truncation and of round-off are then both 1e-11."""
+_BENT, _FINE_STEP = 1e-3, 1e-8
+"""Of the largest derivative, by which both sides of a step differ that is taken for too long, and one that is not."""
 _RIGID_MOTION = (0.31, -0.42, 0.27, 0.3, 0.5, -0.2)
 """m and rad; any motion on which the wrenches of a connection between bodies do not depend."""
 _SAME = 1e-6
@@ -157,19 +159,33 @@ class Connection:
         return stiffness, damping
 
     def _differences(self, motions: Vector, of_rates: bool, first: int) -> Vector:
-        """Minus the derivatives by the motions (or rates) of the ports from `first` on; other columns are zero."""
+        """Minus the derivatives by the motions (or rates) of the ports from `first` on; other columns are zero.
+
+        Where one side differs from the other, as at a contact that touches or a rope that goes slack within the step,
+        by a step so small that it hardly leaves the side it is on.
+        """
         result = np.zeros((6 * len(motions), 6 * len(motions)))
+        bent = np.zeros(result.shape[1])
+        here = self._wrenches_at(motions).ravel()
         for column in range(6 * first, 6 * len(motions)):
-            port, coordinate = divmod(column, 6)
-            ends = []
-            for sign in (1.0, -1.0):
-                moved = motions.copy()
-                step = np.zeros(6)
-                step[coordinate] = sign * _STEP
-                moved[port] = _with_rates(moved[port], step) if of_rates else displaced(moved[port], step)
-                ends.append(self._wrenches_at(moved).ravel())
-            result[:, column] = (ends[1] - ends[0]) / (2.0 * _STEP)
+            low, high = self._beside(motions, of_rates, column, _STEP)
+            result[:, column] = (low - high) / (2.0 * _STEP)
+            bent[column] = np.abs(low + high - 2.0 * here).max() / (2.0 * _STEP)
+        for column in np.flatnonzero(bent > _BENT * np.abs(result).max(initial=0.0)).tolist():
+            low, high = self._beside(motions, of_rates, column, _FINE_STEP)
+            result[:, column] = (low - high) / (2.0 * _FINE_STEP)
         return result
+
+    def _beside(self, motions: Vector, of_rates: bool, column: int, size: float) -> tuple[Vector, Vector]:
+        """Wrenches with one coordinate of one port (6 port + coordinate) smaller and larger by so much."""
+        port, coordinate = divmod(column, 6)
+        found = []
+        for sign in (-1.0, 1.0):
+            moved, step = motions.copy(), np.zeros(6)
+            step[coordinate] = sign * size
+            moved[port] = _with_rates(moved[port], step) if of_rates else displaced(moved[port], step)
+            found.append(self._wrenches_at(moved).ravel())
+        return found[0], found[1]
 
     def _is_relative(self, motions: Vector) -> bool:
         """Whether the wrenches go with a rigid motion of all ports, and take no note of a common rate."""

@@ -196,3 +196,24 @@ def test_the_command_says_which_base(tmp_path):
     assert "base driven in z" in told
     assert "the base is free in this scene; here it moves as prescribed" in told
     assert "--plot FILE draws the curves" in told
+
+
+@pytest.mark.parametrize("preload", [1.0, 30.0, 3000.0])
+def test_pads_that_are_pressed_a_little_are_as_stiff_as_others(preload):
+    """Closed form: bolt and pad beside each other, sqrt((k + K) / m), pressed by 20 nm or 70 um.
+
+    Regression: derivatives over 10 um to both sides had a part of the open pad in them.
+    """
+    scene = fanfold.Scene("pressed", until="1 s", preload=True)
+    base = scene.base(points={"p": (0, 0, 0)})
+    rigid = {"mass": 20.0, "inertia": (2, 2, 3), "points": {"p": (0, 0, 0)}}
+    block = scene.body("block", place={"body": base, "point": "p"}, rigid=rigid)
+    ports = {"inboard": (base, "p"), "outboard": (block, "p")}
+    stiffness = {"translational_stiffness": [1e6, 1e6, 1e7], "preload": preload}
+    scene.connection("bolt", "hold_down", structure={"axis": (0, 0, 1)}, ports=ports, parameters=stiffness)
+    pad = {"reference_force": 3000, "reference_penetration": 1e-4, "exponent": 1}
+    scene.connection("pad", "contact", structure={"normal": (0, 0, 1)}, ports=ports, parameters=pad)
+    free = {"rotational_stiffness": [1e5] * 3, "translational_stiffness": [0] * 3}
+    scene.connection("turns", preset="bushing", axes={"x": (1, 0, 0)}, ports=ports, parameters=free)
+    found = 2.0 * np.pi * fanfold.modes(scene).frequencies
+    assert np.abs(found - ((1e7 + 3e7) / 20.0) ** 0.5).min() < 1e-3
