@@ -31,11 +31,15 @@ from ..assembly.statics.linear_model import (
     spinning_modes,
 )
 from ..assembly.statics.steady_spin import spin_at_start
-from ..scene import CheckedScene
+from ..scene import CheckedScene, SceneError
 from ..scene.damping import StructuralDamping
 from .vibration import DIRECTIONS
 
 _SMALLEST_SHARE = 1e-3
+_LOADED = 1e-3
+"""N or N.m out of balance, and Hz, up to which nothing is compared."""
+_COMPARED, _OFF = 6, 0.01
+"""Modes as posed that are compared with those in equilibrium, and by how much one of them is off where it is told."""
 _COUPLED = 0.1
 """Part of its damping that a mode may lose to others before that is told."""
 
@@ -137,6 +141,35 @@ def find_modes(
         scene.header.name, target, base, tuple(mode_table(model, shapes, count)), int(shapes.is_free.sum()),
         model.unbalanced, scene.structural_damping, model, shapes,
     )  # fmt: skip
+
+
+def posing_sentence(
+    scene: CheckedScene,
+    rigid: Collection[str],
+    flexible: Collection[str],
+    target: Configuration,
+    unbalanced: tuple[float, float],
+) -> str:
+    """Where frequencies as posed, with this (N, N.m) out of balance, are not those in equilibrium; empty elsewhere."""
+    if max(unbalanced) <= _LOADED:
+        return ""
+    try:
+        posed, settled = (
+            find_modes(scene, rigid, flexible, target, as_posed, _COMPARED).frequencies
+            for as_posed in (True, False)
+        )
+    except SceneError:
+        return ""
+    count = min(len(posed), len(settled))
+    off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)
+    if off.max(initial=0.0) <= _OFF:
+        return ""
+    k = int(np.argmax(off))
+    return (
+        f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
+        f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
+        f"a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
+    )
 
 
 def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]:

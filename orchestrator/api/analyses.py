@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
@@ -44,10 +42,6 @@ if TYPE_CHECKING:
 
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
-_LOADED = 1e-3
-"""N or N.m out of balance, and Hz, up to which nothing is compared."""
-_COMPARED, _OFF = 6, 0.01
-"""Modes as posed that are compared with those in equilibrium, and by how much one of them is off where it is told."""
 Way = tuple[Quantity, Quantity]
 """Angles of a hinge line from which and to which it is turned."""
 
@@ -99,7 +93,7 @@ def modes(
         held=base == "held",
     )
     if as_posed:
-        _tell_of_loads(checked, rigid, flexible, target, found.unbalanced)
+        _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
     return found
 
 
@@ -136,7 +130,7 @@ def appendage(
         _at_least(count, 1, "count"),
     )
     if as_posed:
-        _tell_of_loads(checked, rigid, flexible, target, found[0].unbalanced)
+        _tell_of_posing(checked, rigid, flexible, target, found[0].unbalanced)
     return found
 
 
@@ -178,7 +172,7 @@ def frequency_response(
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
     if as_posed:
-        _tell_of_loads(checked, rigid, flexible, target, model.unbalanced)
+        _tell_of_posing(checked, rigid, flexible, target, model.unbalanced)
     frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, points, frequencies)
     free = not model.is_grounded
@@ -460,30 +454,14 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
     return checked
 
 
-def _tell_of_loads(
+def _tell_of_posing(
     scene: CheckedScene, rigid: Names, flexible: Names, target: Configuration, unbalanced: tuple[float, float]
 ) -> None:
-    """A FanfoldWarning where frequencies as posed, with this (N, N.m) out of balance, are not those in equilibrium."""
-    from ..analysis.modes import find_modes
+    """A FanfoldWarning where frequencies as posed, with so much out of balance, are not those in equilibrium."""
+    from ..analysis.modes import posing_sentence
 
-    if max(unbalanced) <= _LOADED:
-        return
-    try:
-        posed, settled = (
-            find_modes(scene, listed(rigid), listed(flexible), target, as_posed, _COMPARED).frequencies
-            for as_posed in (True, False)
-        )
-    except SceneError:
-        return
-    count = min(len(posed), len(settled))
-    off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)
-    if count and off.max() > _OFF:
-        k = int(np.argmax(off))
-        warn(
-            f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
-            f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
-            f"a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
-        )
+    if sentence := posing_sentence(scene, listed(rigid), listed(flexible), target, unbalanced):
+        warn(sentence)
 
 
 def _configuration(
