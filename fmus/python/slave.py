@@ -116,10 +116,8 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type i
         try:
             release_interpreter_at_exit(Path(self.resources))
             self._load(Path(self.resources))
-        except (
-            Exception,
-            SystemExit,
-        ) as error:  # raised again as soon as there is a log to put the reason into
+        except (Exception, SystemExit) as error:
+            # raised again as soon as there is a log to put the reason into
             self._broken = error
 
     def _load(self, resources: Path) -> None:

@@ -108,7 +108,7 @@ class Network:
         self.coarse = {
             c.name
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
-            if any(reverse[(c.name, port)][0] in coarse for port in ports)
+            if order == 4 and any(reverse[(c.name, port)][0] in coarse for port in ports)
         }
         count = len(self.port_names)
         self._shape = (count, width.wrench)

@@ -462,7 +462,8 @@ static double allowed_error(const double *by, double tolerance, double order, do
 static void take_tolerance(Assembly *a, double tolerance) {
     Master *m = &a->master;
     const double *by = a->by_tolerance;
-    m->usual_relative = m->network.tolerance.relative = fmin(fmax(by[ITERATED] * tolerance, by[LEAST_ITERATED]), by[MOST_ITERATED]);
+    m->usual_relative = fmin(fmax(by[ITERATED] * tolerance, by[LEAST_ITERATED]), by[MOST_ITERATED]);
+    m->network.tolerance.relative = m->usual_relative;
     m->sizes.largest = by[LARGEST_STEP] * fmin(1.0, sqrt(tolerance / by[REFERENCE_TOLERANCE]));
     m->error.allowed = allowed_error(by, tolerance, (double)m->sizes.order, by[LOOSE]);
     m->error.resolved = allowed_error(by, tolerance, 2.0, by[LOOSE_AT_ORDER_2]);

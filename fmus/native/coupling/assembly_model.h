@@ -15,7 +15,10 @@ enum { FITTED = 4, RING = 6, SNAPSHOTS = 3 };
 /* What follows from the tolerance: the largest step (s) of the scene, the tolerance below which it shrinks, what iterations
    leave of the tolerance and at most, what a step may err by, and powers of the tolerance above that limit, of the
    coupling's order and of the second. */
-enum { LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE };
+enum {
+    LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2,
+    OF_TOLERANCE
+};
 
 /* An input of the assembly: releases a participant (is_release), or latches a line. */
 typedef struct {
@@ -588,8 +591,9 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     size_t *whole[] = {&of->patience, &of->most, &of->halvings, of->refreshed, of->refreshed + 1, of->refreshed + 2};
     for (size_t i = 0; i < numbers; i++) *plain[i] = limit[i];
     for (size_t i = 0; i < 6; i++) {
-        if (!(limit[numbers + i] >= 0.0 && limit[numbers + i] < 1e3)) return refuse(why, "the assembly's limits are damaged");
-        *whole[i] = (size_t)limit[numbers + i];
+        const double count = limit[numbers + i];
+        if (!(count >= 0.0 && count < 1e3)) return refuse(why, "the assembly's limits are damaged");
+        *whole[i] = (size_t)count;
     }
     Rules *r = &m->rules;
     *r = (Rules){rule[0],  rule[1],  rule[2],  rule[3],  rule[4],  rule[5],  (ptrdiff_t)rule[6],
