@@ -216,41 +216,21 @@ def read_npz(path: Path) -> FiniteElementData:
         NotImplementedError,
     ) as error:
         raise ComponentError(f"{path.name}: cannot be read as npz: {error}") from None
+    entries = (name for name in found if name.endswith(_ENTRIES))
     # stiffness and mass first, as other matrices have as many columns
-    for name in sorted((name for name in found if name.endswith(_ENTRIES)), key=_is_rows):
+    for name in sorted(entries, key=lambda one: one.removesuffix(_ENTRIES) not in _SQUARE):
         found[name.removesuffix(_ENTRIES)] = _from_entries(name, found.pop(name), found)
     return from_matrices(found)
 
 
-def _is_rows(name: str) -> bool:
-    """Whether a matrix has rows of its own, and is no square one."""
-    return name.removesuffix(_ENTRIES) not in _SQUARE
-
-
-def _is_table(name: str) -> bool:
-    """Whether columns have their own meaning, and are no degrees of freedom."""
-    return name.removesuffix(_ENTRIES) in _TABLES
-
-
 def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_array:
-    """A sparse matrix of its entries (k, 3): as many columns as `dofs`, the stiffness, or the largest number.
-
-    One with rows of its own has as many as labels, or the largest number.
-    """
+    """A sparse matrix of its entries (k, 3)."""
     if np.ndim(entries) != 2 or np.shape(entries)[1] != 3 or not len(entries):
         raise ComponentError(f"{name} is {np.shape(entries)}; it must have three columns: row, column, value")
     rows, columns = _whole(name, entries[:, 0]) - 1, _whole(name, entries[:, 1]) - 1
     if min(rows.min(), columns.min()) < 0:
         raise ComponentError(f"{name}: rows and columns count from 1")
-    count = int(max(columns.max(), 0 if _is_rows(name) else rows.max())) + 1
-    if "dofs" in found and not _is_table(name):
-        count = len(found["dofs"])
-    elif not _is_table(name) and _is_rows(name) and "stiffness" in found and np.ndim(found["stiffness"]) == 2:
-        count = found["stiffness"].shape[1]
-    labels = found.get(f"{name.removesuffix(_ENTRIES)}_labels")
-    height = count
-    if _is_rows(name):
-        height = int(rows.max()) + 1 if labels is None else np.size(labels)
+    height, count = _shape(name.removesuffix(_ENTRIES), int(rows.max()) + 1, int(columns.max()) + 1, found)
     if count > len(entries) * _EMPTY:
         raise ComponentError(f"{name}: an entry is in row or column {count}, and there are {len(entries)}")
     if columns.max() >= count or rows.max() >= height:
@@ -259,3 +239,22 @@ def _from_entries(name: str, entries: Vector, found: Matrices) -> sparse.coo_arr
             f"and {count} columns"
         )
     return sparse.coo_array((entries[:, 2], (rows, columns)), shape=(height, count))
+
+
+def _shape(matrix: str, last_row: int, last_column: int, found: Matrices) -> tuple[int, int]:
+    """Rows and columns of a matrix whose entries reach to these, counted from 1.
+
+    Square ones have as many as `dofs`; others have as many rows as labels, and columns as `dofs` or the stiffness, but
+    for tables, whose columns are no degrees of freedom.
+    """
+    dofs = len(found["dofs"]) if "dofs" in found else None
+    if matrix in _SQUARE:
+        size = max(last_row, last_column) if dofs is None else dofs
+        return size, size
+    labels = found.get(f"{matrix}_labels")
+    height = last_row if labels is None else np.size(labels)
+    if matrix in _TABLES:
+        return height, last_column
+    if dofs is None and np.ndim(found.get("stiffness", 0)) == 2:
+        dofs = found["stiffness"].shape[1]
+    return height, last_column if dofs is None else dofs

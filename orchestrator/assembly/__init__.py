@@ -7,6 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
+from components import REGISTRY, Component
+
 STOPS = ("_stop_1", "_stop_2")
 """What the contacts of a hinge's end stop are called, behind its name."""
 
@@ -19,6 +21,10 @@ class Part:
     kind: str
     structure: Mapping[str, Any]
     start: Mapping[str, float | tuple[float, ...]]
+
+    def component(self) -> Component:
+        """A new component of its structure."""
+        return REGISTRY[self.kind](**self.structure)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
-from components import LAGGED, REGISTRY, Component, ComponentError, Quantity
+from components import LAGGED, Component, ComponentError, Quantity
 from components.contract.errors import unknown
 from components.contract.roles import (
     CUT,
@@ -79,7 +79,7 @@ class _EventReader:
 
     def _released(self, key: str, event: Event, part: Part) -> Event:
         """With a part that lets go, or is cut."""
-        component = component_of(part)
+        component = part.component()
         if any(command in component.input_layout for command in RELEASES):
             return event.also(releases=(part.name,))
         if CUT.name in component.parameter_layout:
@@ -96,7 +96,7 @@ class _EventReader:
         for part in self._parts_of(f"{key}.component", name):
             quantities = {
                 q.name: q
-                for q in component_of(part).observation_layout.quantities
+                for q in part.component().observation_layout.quantities
                 if not q.name.endswith(LAGGED)
             }
             try:
@@ -111,7 +111,7 @@ class _EventReader:
         return None
 
     def _with_settings(self, key: str, event: Event, part: Part, variables: Mapping[str, Any]) -> Event:
-        component = component_of(part)
+        component = part.component()
         values = dict(part.start)
         for name, given in variables.items():
             try:
@@ -148,11 +148,6 @@ class _EventReader:
         if line is None or not self._lines[line].latches:
             raise ValueError(f"{part.name} is no hinge of a line that has a latch")
         return event.also(latches=(line,))
-
-
-def component_of(part: Part) -> Component:
-    """The component of a part, as the scene gives its structure."""
-    return REGISTRY[part.kind](**part.structure)
 
 
 def scalar(name: str, quantities: Mapping[str, Quantity], kind: str) -> tuple[Quantity, int]:

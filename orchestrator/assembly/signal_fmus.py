@@ -21,7 +21,7 @@ from ..scene.signals.tables import Fmu
 from ..scene.table import SceneError
 from . import HingeLine, Part, Signal, SignalFmu
 from .array_elements import element, length
-from .events import component_of, scalar, tunable
+from .events import scalar, tunable
 
 _NUMBERS = ("Real", "Float64", "Float32")
 _WHOLE = ("Integer", "Enumeration", *(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64)))
@@ -186,7 +186,7 @@ class _Reader:
             variable = self._signal_variable(name, "input")
             part, rest = self._part(source)
             sensor = self._lines[part].sensor if part in self._lines else part
-            component = component_of(self._known(sensor))
+            component = self._known(sensor).component()
             quantities = {
                 q.name: q
                 for layout in (component.output_layout, component.observation_layout)
@@ -209,7 +209,7 @@ class _Reader:
             variable = self._signal_variable(name, "output")
             name_of_part, rest = self._part(target)
             for part in self._lines[name_of_part].hinges if name_of_part in self._lines else (name_of_part,):
-                component, kind = component_of(self._known(part)), self._parts[part].kind
+                component, kind = self._known(part).component(), self._parts[part].kind
                 known = {q.name: q for q in component.parameter_layout.quantities}
                 tunable(rest.partition("[")[0], component, kind)
                 if self._table.iterated and kind != "load":

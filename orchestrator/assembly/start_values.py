@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from components import REGISTRY, Instance
+from components import Instance
 from components.contract.connection import Connection
 from components.contract.ports import PortMotion
 
@@ -36,7 +36,7 @@ def led_to(before: Sequence[Part], now: Sequence[Part], links: Sequence[Link]) -
 
 
 def _led(before: Part, now: Part) -> Part:
-    component = REGISTRY[now.kind](**now.structure)
+    component = now.component()
     if not isinstance(component, Connection):
         return now
     then, here = ([_motion(part, port.name) for port in component.ports] for part in (before, now))
@@ -54,6 +54,6 @@ def _motion(part: Part, port: str) -> PortMotion:
 
 def _outputs(part: Part) -> Mapping[str, tuple[float, ...]]:
     """Outputs of a body at its start, by name."""
-    body = Instance(REGISTRY[part.kind](**part.structure), part.start)
+    body = Instance(part.component(), part.start)
     layout, outputs = body.component.output_layout, body.outputs()
     return {q.name: tuple(outputs[layout[q.name]].tolist()) for q in layout.quantities}

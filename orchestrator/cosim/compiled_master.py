@@ -112,8 +112,7 @@ class CompiledMaster(Master):
         loop, every = self._loop, self.settings.snapshot_every
         self._start[:] = self._energy_start
         loop.time, loop.position, loop.parts = self.time, len(self.segments[-1]), self._parts
-        loop.until, loop.break_time = until, self._break
-        loop.event_time = min(self._scheduled.next_time, self._signals.next_time)
+        loop.until, loop.break_time, loop.event_time = until, self._break, self._next_stop
         loop.stop = inf if every is None else (self.time // every + 1.0) * every - stepping.TIME_ROUNDING
         loop.sizes, loop.error, loop.guard = map(addressof, (self._sizes, self._error, self._guard))
         loop.fixed_step = self.settings.fixed_step or 0.0

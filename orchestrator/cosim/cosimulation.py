@@ -111,6 +111,11 @@ class CoSimulation(ABC):
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where that cannot be done."""
 
+    @property
+    def _next_stop(self) -> float:
+        """Time (s) of the next event that has one, or communication point of an FMU with signals."""
+        return min(self._scheduled.next_time, self._signals.next_time)
+
     def _seek_equilibrium(self) -> None:
         """Static equilibrium of the participants with all hinges held but those that hold-downs or drives keep."""
         solver = self.solver

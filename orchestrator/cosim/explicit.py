@@ -86,7 +86,7 @@ class ExplicitMaster(CoSimulation):
                     self._engage(line)
             if self._signals.is_due(self.time):
                 self._exchange_signals()
-            remaining = min(until, self._scheduled.next_time, self._signals.next_time) - self.time
+            remaining = min(until, self._next_stop) - self.time
             h = remaining if remaining < 1.001 * size else size
             self._step_or_fail(h)
             self._advance(h)

@@ -492,7 +492,7 @@ class Master(CoSimulation):
         """Note how far lines are from their latches and conditions from holding, and the next time to end a step at."""
         self._before = {one.name: self._left(one) for one in self._awaited()}
         form = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
-        self._break = min(form, self._scheduled.next_time, self._signals.next_time)
+        self._break = min(form, self._next_stop)
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)

@@ -102,14 +102,7 @@ class Network:
             for number, (b, ports) in enumerate(zip(self.bodies, self.body_ports, strict=True))
             for side, port in enumerate(ports)
         ]
-        coarse = {
-            b.name for b, place in zip(self.bodies, self.body_places, strict=True) if place.moments is None
-        }
-        self.coarse = {
-            c.name
-            for c, ports in zip(self.connections, self.connection_ports, strict=True)
-            if order == 4 and any(reverse[(c.name, port)][0] in coarse for port in ports)
-        }
+        self.coarse = self._of_order_2() if order == 4 else frozenset()
         count = len(self.port_names)
         self._shape = (count, width.wrench)
         self._motion, self._moments = np.zeros((count, 13)), np.zeros((count, 6))
@@ -118,6 +111,14 @@ class Network:
             np.array([place[reverse[(c.name, port)]] for port in ports])
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
+
+    def _of_order_2(self) -> frozenset[str]:
+        """Names of connections with a body that has no slopes."""
+        return frozenset(
+            self.connections[met.connection].name
+            for met in self.meetings
+            if self.body_places[met.body].moments is None
+        )
 
     def order_of(self, name: str) -> Order:
         """Order of a participant by name: a connection with a body of order 2 is of that as well.

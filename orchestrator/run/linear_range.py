@@ -47,7 +47,7 @@ def linear_range_sentences(scene: CheckedScene, assembly: Assembly, result: Resu
     """A sentence for each body that bent further than its theory goes."""
     yield from _bent_plates(scene, assembly, result)
     yield from _turned_bodies(scene, assembly, result)
-    if not list(unstiffened_spins(scene, assembly)):  # which are told before the run
+    if not any(unstiffened_spins(scene, assembly)):  # which are told before the run
         rates = {name: _mean_rate(result, name) for name in assembly.flexible}
         yield from unstiffened_rates(scene, assembly, rates, "a mean of")
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from ..assembly import Assembly, Part
-from ..assembly.events import component_of
 from ..assembly.start_values import led_to
 from ..cosim.settings import Settings
 from ..results.result import Result
@@ -51,7 +50,7 @@ def lost_preloads(assembly: Assembly, result: Result) -> Iterator[str]:
         given = float(np.ravel(part.start.get("preload", 0.0))[0]) if part.kind == "hold_down" else 0.0
         if not given or not result.has(part.name, "force"):
             continue
-        axis = np.array(component_of(part).structure["axis"], dtype=float)
+        axis = np.array(part.component().structure["axis"], dtype=float)
         pull = -float(result.signal(part.name, "force")[0] @ axis) / float(np.linalg.norm(axis))
         if abs(pull - given) > _LOST * given:
             left = f"{pull:.4g} N" if pull >= 0.0 else f"a push of {-pull:.4g} N"

@@ -33,7 +33,7 @@ from ..cosim.master import Master
 from ..cosim.network import Network, NetworkError
 from ..cosim.participant import Participant, ParticipantError
 from ..cosim.ports import Order
-from ..cosim.rows import recorded_layout
+from ..cosim.rows import Recorder, recorded_layout
 from ..cosim.settings import Settings
 from ..cosim.signals.joined import recorded
 from ..cosim.signals.process import SignalProcess
@@ -312,15 +312,7 @@ def _follow(
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
         signals = _signal_processes(assembly, settings.tolerance, stack)
-        runner = (
-            (CompiledMaster if settings.compiled else Master)(
-                network, assembly.hinge_lines, writer, settings, assembly.events, signals
-            )
-            if kind == "implicit"
-            else ExplicitMaster(
-                network, assembly.hinge_lines, writer, settings, kind, assembly.events, signals
-            )
-        )
+        runner = _runner(assembly, network, writer, settings, kind, signals)
 
         def keep(snapshot: Snapshot) -> None:
             if isinstance(writer, ResultWriter):
@@ -353,6 +345,22 @@ def _follow(
     result = recorder.result()
     seen = statistics.latch_frequencies, statistics.restless
     return Outcome(result, kind, network.order, headline(result), costs, segments, *seen)
+
+
+def _runner(
+    assembly: Assembly,
+    network: Network,
+    writer: Recorder,
+    settings: Settings,
+    kind: MasterKind,
+    signals: Sequence[SignalProcess],
+) -> Master | ExplicitMaster:
+    """The master of a kind."""
+    lines, events = assembly.hinge_lines, assembly.events
+    if kind != "implicit":
+        return ExplicitMaster(network, lines, writer, settings, kind, events, signals)
+    master = CompiledMaster if settings.compiled else Master
+    return master(network, lines, writer, settings, events, signals)
 
 
 def _signal_processes(assembly: Assembly, tolerance: float, stack: ExitStack) -> list[SignalProcess]:

@@ -116,18 +116,13 @@ def plot_all(result: Result, directory: str | Path, format: str = "png") -> list
     return write_all(draw_all(result), Path(directory), format)
 
 
-def refuse_format(format: str) -> None:
-    """FanfoldError for a format that pictures are not written in."""
-    if format not in (known := sorted(FigureCanvasBase.filetypes)):
-        raise FanfoldError(f"format {unknown(format, known, 'format')}")
-
-
 def write_all(drawings: Iterable[Drawing], directory: Path, format: str = "png") -> list[Path]:
     """Write figures into a folder that is made if missing, under their names; the paths written.
 
     FanfoldError for a format that there is none of.
     """
-    refuse_format(format)
+    if format not in (known := sorted(FigureCanvasBase.filetypes)):
+        raise FanfoldError(f"format {unknown(format, known, 'format')}")
     directory.mkdir(parents=True, exist_ok=True)
     written = []
     for name, _, figure in drawings:

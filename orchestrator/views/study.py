@@ -15,7 +15,7 @@ from components.contract.component import Vector
 
 from ..analysis.sampling.influence import Influence, influence
 from ..analysis.sampling.study import Study
-from .plots import refuse_format
+from .plots import Drawing, write_all
 from .style import COLOURS, STYLE, WIDTH, empty_figure
 
 _COLUMNS = 3
@@ -29,16 +29,16 @@ _BARS = 8
 
 def plot_study(study: Study, folder: Path, format: str = "png") -> list[Path]:
     """Every figure that there is something for, into a folder that is made if missing; the paths written."""
-    refuse_format(format)
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
+    return write_all(_drawings(study), folder, format)
+
+
+def _drawings(study: Study) -> Iterator[Drawing]:
+    """Each in the style that it is written in as well."""
     for name, draw in FIGURES.items():
         with mpl.rc_context(STYLE):
             figure = draw(study)
             if figure is not None:
-                paths.append(folder / f"{name}.{format}")
-                figure.savefig(paths[-1])
-    return paths
+                yield Drawing(name, "", figure)
 
 
 def _distributions(study: Study) -> Figure | None:

@@ -14,7 +14,6 @@ import numpy as np
 from components.contract.component import Vector
 from components.contract.errors import unknown
 
-from ...assembly.events import component_of
 from ...cosim.rows import recorded_layout
 from ...scene.units import UNITS, to_si
 from .distributions import StudyError
@@ -167,7 +166,7 @@ def refuse_unknown(targets: Sequence[Target], measured: Sequence[Curve], sample:
 def _signals_of(task: Task) -> list[str]:
     """All that a run of it records, COMPONENT.VARIABLE."""
     layouts = (
-        (part.name, recorded_layout(component_of(part).observation_layout))
+        (part.name, recorded_layout(part.component().observation_layout))
         for part in task.options.assemble(task.scene.check_one_run()).parts
     )
     return [f"{name}.{scalar}" for name, layout in layouts for scalar in layout.scalar_names()]

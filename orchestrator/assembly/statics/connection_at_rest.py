@@ -55,7 +55,7 @@ class Connection:
     def __init__(self, part: Part, motions: Mapping[str, Vector]) -> None:
         resting = at_rest(part)
         self.name = part.name
-        self.component = REGISTRY[resting.kind](**resting.structure)
+        self.component = resting.component()
         self.ports = tuple(port.name for port in self.component.ports)
         start = {k: v for k, v in resting.start.items() if k in self.component.parameter_layout}
         self._instance = Instance(self.component, start)

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from components import REGISTRY
 from components.contract.component import Vector
 from components.contract.frames import Quaternion, skew
 from components.fixed_base import FixedBase
@@ -46,7 +45,7 @@ class Mechanism:
         for part in parts:
             if part.name in self.bodies:
                 continue
-            names = [port.name for port in REGISTRY[part.kind](**part.structure).ports]
+            names = [port.name for port in part.component().ports]
             seats = {port: partner[(part.name, port)] for port in names}
             numbers = {port: self.bodies[body].ports.index(name) for port, (body, name) in seats.items()}
             at = {port: motions[seats[port][0]][number] for port, number in numbers.items()}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from components import REGISTRY, ComponentError, Instance, Layout, rotation_matrix
+from components import ComponentError, Instance, Layout, rotation_matrix
 from components.body import Body
 from components.contract.component import Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
@@ -25,7 +25,7 @@ class PlacedBody:
 
     def __init__(self, part: Part) -> None:
         self.name = part.name
-        component = REGISTRY[part.kind](**part.structure)
+        component = part.component()
         start = {name: value for name, value in part.start.items() if name in component.parameter_layout}
         self._instance = Instance(component, start)
         try:

@@ -13,20 +13,27 @@ TimeToBreak = tuple[Vector, int]
 """Outputs of a participant, and the place among them of the time (s) to its next break."""
 
 
+def is_hold_down(participant: Participant) -> bool:
+    """Whether a participant can let go, so that its break may be that."""
+    return RELEASE_COMMAND.name in participant.input_layout
+
+
+def place_of_break(participant: Participant) -> int | None:
+    """Where among its outputs a participant tells the time (s) to its next break; None where it has none."""
+    layout = participant.output_layout
+    return layout[TIME_TO_BREAK.name].start if TIME_TO_BREAK.name in layout else None
+
+
 def times_to_break(participants: Iterable[Participant]) -> list[TimeToBreak]:
     """Of all participants that have one."""
-    return [
-        (p.outputs, p.output_layout[TIME_TO_BREAK.name].start)
-        for p in participants
-        if TIME_TO_BREAK.name in p.output_layout
-    ]
+    return [(p.outputs, place) for p in participants if (place := place_of_break(p)) is not None]
 
 
 class HoldDowns:
     """How many of the hold-downs among participants no release by time is to come for."""
 
     def __init__(self, participants: Iterable[Participant]) -> None:
-        self._left = times_to_break(p for p in participants if RELEASE_COMMAND.name in p.input_layout)
+        self._left = times_to_break(filter(is_hold_down, participants))
         self._gone = 0
 
     def left_any(self) -> bool:

@@ -16,12 +16,12 @@ from components.contract.roles import (
     LATCH_COMMAND,
     LATCH_DISTANCE,
     RELEASE_COMMAND,
-    TIME_TO_BREAK,
 )
 
 from ...assembly import Assembly, Event, HingeLine, Part
 from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
+from ...cosim.events.breaks import is_hold_down, place_of_break
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
 from ...cosim.native.fields import constant
@@ -214,18 +214,11 @@ def _network(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:
 
 def _laws(network: Network) -> dict[str, ArrayLike]:
     """Participants that tell times to breaks, and where among their outputs; hold-downs, and how many, come first."""
-    telling = [k for k, p in enumerate(network.participants) if TIME_TO_BREAK.name in p.output_layout]
-    bolts = [k for k in telling if RELEASE_COMMAND.name in network.participants[k].input_layout]
-    found = [*bolts, *(k for k in telling if k not in bolts)]
-    layouts = [network.participants[k].output_layout for k in found]
-    return {
-        "laws": [
-            one
-            for k, layout in zip(found, layouts, strict=True)
-            for one in (k, layout[TIME_TO_BREAK.name].start)
-        ],
-        "bolts": [len(bolts)],
-    }
+    places = {k: place_of_break(p) for k, p in enumerate(network.participants)}
+    telling = [(k, place) for k, place in places.items() if place is not None]
+    bolts = [one for one in telling if is_hold_down(network.participants[one[0]])]
+    found = [*bolts, *(one for one in telling if one not in bolts)]
+    return {"laws": [number for one in found for number in one], "bolts": [len(bolts)]}
 
 
 def _linear_system(network: Network, still: frozenset[int]) -> dict[str, ArrayLike]:
