@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
-from components import REGISTRY, Component
+if TYPE_CHECKING:
+    from components import Component
 
 STOPS = ("_stop_1", "_stop_2")
 """What the contacts of a hinge's end stop are called, behind its name."""
@@ -24,6 +25,8 @@ class Part:
 
     def component(self) -> Component:
         """A new component of its structure."""
+        from components import REGISTRY  # helps of commands know parts, and need no numpy
+
         return REGISTRY[self.kind](**self.structure)
 
 
