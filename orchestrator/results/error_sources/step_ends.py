@@ -1,9 +1,10 @@
 """What of a peak hangs on where communication steps happened to end, told by the rows of a run alone.
 
-A companion with longer steps sees two things by chance only. The peak of a ringing that steps do not resolve is the
-row that came nearest to it: without every other row it is another one. And a line latches with the rates that its
-hinges have at one instant: where bodies ring within a step, these are off those at which the angles of the last steps
-arrive, and the damping of the latch makes a torque of them at once.
+A companion with longer steps sees three things by chance only. The peak of a ringing that steps do not resolve is the
+row that came nearest to it: without every other row it is another one. Where an event starts a motion that is over
+within two steps, what stood out between rows may have been higher than the peak that the run tells, at another time.
+And a line latches with the rates that its hinges have at one instant: where bodies ring within a step, these are off
+those at which the angles of the last steps arrive, and the damping of the latch makes a torque of them at once.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ _LOADS = {"N": "interface force peak", "N.m": "interface torque peak"}
 _OF_SAMPLING, _OF_RATES = 1.0 / 15.0, 0.25
 """Likely shares of what half the samples change, as a cubic through all errs by a sixteenth of what theirs does, and of
 what a rate changes: between that of second order and, where it rings, all of it."""
+_AROUND = 8
+"""Rows on either side of a top that tell how unsure it is."""
 _STEPS = 2
 """Steps before a latch-up that tell its rates; more would ring themselves."""
 
@@ -40,7 +43,8 @@ def errors_of_step_ends(result: Result, peaks: Peaks) -> dict[Key, EstimatedErro
     events = jumps(result)
     for key, values in peaks:
         moves = sampling_error(result.time, values, events)
-        found[key] = larger(found.get(key), EstimatedError(_OF_SAMPLING * moves, moves))
+        hidden = hidden_excess(result.time, values, events)
+        found[key] = larger(found.get(key), EstimatedError(_OF_SAMPLING * moves, max(moves, hidden)))
     for line in result.hinge_lines:
         key = "latch torque peak", line.name
         if key in found:
@@ -61,6 +65,25 @@ def sampling_error(time: Vector, values: Vector, events: list[float]) -> float:
     place = _place_after_event(time, events)
     parts = ((place == 0) | (place % 2 == odd) for odd in (0, 1))
     return max(abs(_largest(time[part], values[part], events) - whole) for part in parts)
+
+
+def hidden_excess(time: Vector, values: Vector, events: list[float]) -> float:
+    """How far beyond the largest magnitude of a signal (N,) a lower top may reach by what is unsure of itself.
+
+    A top is unsure by what the largest magnitude around it moves when every other row is left out.
+    """
+    height = np.abs(values)
+    whole = _largest(time, values, events)
+    tops = np.flatnonzero((height[1:-1] >= height[:-2]) & (height[1:-1] > height[2:])) + 1
+    # without a top its neighbours remain, so that it is unsure by no more than it rises above them
+    reach = 2.0 * height[tops] - np.maximum(height[tops - 1], height[tops + 1])
+    most = whole
+    for top in tops[np.argsort(-reach)]:
+        if 2.0 * height[top] - max(height[top - 1], height[top + 1]) <= most:
+            break
+        near = slice(max(0, top - _AROUND), top + _AROUND + 1)
+        most = max(most, height[top] + sampling_error(time[near], values[near], events))
+    return most - whole
 
 
 def latching_rate_error(result: Result, line: HingeLine) -> float:

@@ -11,7 +11,7 @@ from fmus import native_library
 from orchestrator.assembly import HingeLine
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
-from orchestrator.results.error_sources.step_ends import latching_rate_error, sampling_error
+from orchestrator.results.error_sources.step_ends import hidden_excess, latching_rate_error, sampling_error
 from orchestrator.run.companion import with_estimates
 from orchestrator.run.run import run
 from tests.references.random_wings import load_wing
@@ -39,6 +39,24 @@ def test_rows_of_events_stay():
     time = np.array([0.0, 1.0, 2.0, 3.0, 3.0 + 1e-7, 4.0, 5.0, 6.0, 7.0])
     values = np.array([0.0, 0.0, 0.0, 0.0, 5.0, 1.0, 1.0, 1.0, 1.0])
     assert sampling_error(time, values, [0.0, 3.0]) == 0.0
+
+
+def test_a_top_between_two_rows_after_an_event_may_be_higher_than_the_peak():
+    """Rule: 9 beside a peak of 10, of which 5 are one row's alone, may be 14; at 4, or without that row, it is none."""
+    time = np.concatenate([np.linspace(0.0, 10.0, 401), 10.0 + 1e-7 + 0.025 * np.arange(40)])
+    slow = np.where(time <= 10.0, 10.0 * np.sin(0.5 * np.pi * time / 5.0), 0.0)
+    resolved = 10.0 * 3.0 / 128.0 * (0.1 * np.pi * 0.05) ** 4
+    for top, hidden in ((9.0, 4.0), (4.0, 0.0)):
+        values = slow.copy()
+        values[401:407] = [0.0, -top, -4.0, -4.0, -4.0, -4.0]
+        assert hidden_excess(time, values, [0.0, 10.0]) == pytest.approx(hidden, abs=resolved)
+
+
+def test_tops_that_rows_resolve_hide_nothing():
+    """Closed form: a cubic errs by 3/128 (w h)^4 of an amplitude, here with every other row; tops alike but for that."""
+    time = np.linspace(0.0, 50.0, 2001)
+    bound = 3.0 / 128.0 * (2.0 * time[1]) ** 4
+    assert hidden_excess(time, 7.0 * np.sin(time) * (1.0 - 1e-9 * time), []) <= 7.0 * bound
 
 
 def _latching(angle, rate, torque):
