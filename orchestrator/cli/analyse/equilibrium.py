@@ -78,7 +78,7 @@ def command(
         content = {"scene": scene.name, "equilibria": [one.as_dict() for one in found]}
         click.echo(json.dumps(content))
         return
-    from ._equilibrium_tables import print_loads, print_sweep
+    from ..tables.equilibrium import print_loads, print_sweep
 
     if sweeps:
         print_sweep(found)

@@ -99,7 +99,7 @@ def command(
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
     from ..tables import terminal
-    from ._torque_margin_tables import margin_table, restart_table, sentences_without_margin
+    from ..tables.torque_margin import margin_table, restart_table, sentences_without_margin
 
     refuse_idle("--until", "--restart")
     scene = choice.load()

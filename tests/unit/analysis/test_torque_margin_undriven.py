@@ -17,12 +17,12 @@ from orchestrator.analysis.torque_margin.restart import CaseRestart, Restart
 from orchestrator.analysis.torque_margin.rules import Found, LineTorques, margins
 from orchestrator.analysis.torque_margin.standard import FACTORS
 from orchestrator.analysis.torque_margin.undriven import without_margin
-from orchestrator.cli.analyse._torque_margin_tables import (
+from orchestrator.cli.main import main
+from orchestrator.cli.tables.torque_margin import (
     margin_table,
     restart_table,
     sentences_without_margin,
 )
-from orchestrator.cli.main import main
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
 from tests.unit.scene.scene_cases import TWO_PANELS, load_text

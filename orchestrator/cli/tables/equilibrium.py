@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...analysis.equilibrium import Equilibrium
 from ...results.round_off import noise_floor
 from ...scene.units import degrees_text
-from ..tables import Column, plain_table, tables_that_fit, terminal
+from . import Column, plain_table, tables_that_fit, terminal
 
 _BASE_LOADS = (("force", "N"), ("torque", "N.m"))
 _NUMBER = 7

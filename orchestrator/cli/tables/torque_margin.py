@@ -11,7 +11,7 @@ from ...analysis.torque_margin.margins import TorqueMargin
 from ...analysis.torque_margin.restart import CaseRestart, Restart
 from ...analysis.torque_margin.rules import LIMIT, RULE_TEXTS, LineTorques, Margins
 from ...scene.units import degrees_text
-from ..tables import plain_table
+from . import plain_table
 
 
 def margin_table(found: TorqueMargin) -> Table:
