@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .body_parts.carried import Carried
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
@@ -111,7 +112,8 @@ class Body(Component):
     data), optional `offset` (3, m, body axes, a rigid arm) and `orientation` (quaternion of the port in the
     body's construction axes). inertia_coupling: which invariants vary with deformation; "rigid" and
     "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9. is_base: a rigid
-    body that is the spacecraft, which tells its attitude and the loads at its ports as well.
+    body that is the spacecraft, which tells its attitude and the loads at its ports as well. carried: fields of
+    `Carried`, of that part of its mass that its interface loads include, as it is no part of the spacecraft.
     """
 
     kind = "body"
@@ -123,6 +125,7 @@ class Body(Component):
         ports: Sequence[Mapping[str, Any]],
         inertia_coupling: CouplingLevel = "full",
         is_base: bool = False,
+        carried: Mapping[str, Any] | None = None,
     ) -> None:
         data = ModalData.from_arrays(modal)
         self.data = data
@@ -133,6 +136,8 @@ class Body(Component):
         self.tension = TensionForms(data.tension_forms) if len(data.tension_forms) else None
         self.arms = self._placed.arms
         self._interface: Interface | None = None
+        self.carried: Carried | None = None
+        self._shares: Vector | None = None
         structure: dict[str, Any] = {
             "modal": dict(modal),
             "ports": [dict(p) for p in ports],
@@ -147,7 +152,12 @@ class Body(Component):
             if self.modes:
                 raise ComponentError("is_base is for rigid bodies; this one has modes")
             structure["is_base"] = True
-            self._interface = Interface([p["name"] for p in ports], self.arms + data.center_of_mass)
+            if carried is not None:
+                structure["carried"] = dict(carried)
+                self.carried = Carried.of(carried)
+                self._shares = self.carried.shares(data)
+            names, arms = [p["name"] for p in ports], self.arms + data.center_of_mass
+            self._interface = Interface(names, arms, self._shares)
             self.noun = Interface.noun
         own = self._interface
         self._declare(
@@ -216,7 +226,7 @@ class Body(Component):
             result = self._static_step(c, x, load, h) if c.quasi_static else self._dynamic_step(c, x, load, h)
         if self._interface is not None:
             behind = self._moments.stop
-            result[behind:] = self._interface.after(x[_Q], x[behind:], u, h)
+            result[behind:] = self._interface.after(x[_Q], x[_W], x[behind:], u, h)
         return result
 
     def _dynamic_step(self, c: _Constants, x: Vector, u: Vector, h: float) -> Vector:
@@ -466,6 +476,7 @@ class Body(Component):
             "second_order": self._placed.second_order,
             "tension_forms": self.data.tension_forms,
             "is_base": self._interface is not None,
+            "carried": np.zeros(0) if self._shares is None else self._shares,
             **self.inertia.native_data(),
         }
 
@@ -486,4 +497,7 @@ class Body(Component):
         """The free spacecraft."""
         rigid = ModalData.rigid(1.0, (0.0,) * 3, tuple(np.eye(3).tolist()), {"port": (0.0,) * 3})
         ports = [{"name": "hinge", "point": "port"}]
-        return {"a free spacecraft": cls(modal=rigid.to_arrays(), ports=ports, is_base=True)}
+        free = cls(modal=rigid.to_arrays(), ports=ports, is_base=True)
+        yoke = {"mass": 0.2, "center_of_mass": (0.5, 0.1, 0.0), "inertia": np.diag((0.01, 0.03, 0.02))}
+        loaded = cls(modal=rigid.to_arrays(), ports=ports, is_base=True, carried=yoke)
+        return {"a free spacecraft": free, "a free spacecraft that carries a yoke": loaded}

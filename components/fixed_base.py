@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .body_parts.carried import Carried
 from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized
 from .contract.ports import WRENCH_SIZE
@@ -21,7 +22,8 @@ class FixedBase(Component):
     """Ports that never move, whatever slopes their wrenches have, and the loads they carry.
 
     ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
-    (quaternion). Interface loads are told in sum about `reference` (3, m) and by port, see `PortLoads`.
+    (quaternion). Interface loads are told in sum about `reference` (3, m) and by port, see `PortLoads`. carried: fields
+    of `Carried`, of bodies joined to it, whose weight by gravity (3, m/s2) is part of the sum.
     """
 
     kind = "fixed_base"
@@ -30,13 +32,25 @@ class FixedBase(Component):
     constant_mobility = True
 
     def __init__(
-        self, ports: Sequence[Mapping[str, Any]], reference: Sequence[float] = (0.0, 0.0, 0.0)
+        self,
+        ports: Sequence[Mapping[str, Any]],
+        reference: Sequence[float] = (0.0, 0.0, 0.0),
+        carried: Mapping[str, Any] | None = None,
+        gravity: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
         self._positions = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
         self._arms = self._positions - np.asarray(reference, dtype=float)
         self._loads = PortLoads([port["name"] for port in ports], self._arms)
+        structure: dict[str, Any] = {"ports": [dict(port) for port in ports], "reference": tuple(reference)}
+        self.carried = None if carried is None else Carried.of(carried)
+        self.weight = np.zeros(WRENCH_SIZE)
+        if carried is not None and self.carried is not None:
+            structure |= {"carried": dict(carried), "gravity": tuple(gravity)}
+            self.weight = self.carried.weight(
+                np.array(gravity, dtype=float), np.array(reference, dtype=float)
+            )
         self._declare(
-            {"ports": [dict(port) for port in ports], "reference": tuple(reference)},
+            structure,
             ports=[Port(port["name"], "body", 4) for port in ports],
             inputs=[IMPULSE],
             observations=self._loads.observations,
@@ -72,7 +86,12 @@ class FixedBase(Component):
 
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads now and one step earlier, see `PortLoads.observe`."""
-        return self._loads.observe(x, u[: self._impulse], _UPRIGHT, _UPRIGHT)
+        loads = self._loads.observe(x, u[: self._impulse], _UPRIGHT, _UPRIGHT)
+        now, earlier = loads.reshape(2, -1)[:, :WRENCH_SIZE]
+        now += self.weight
+        if self._loads.tells_earlier(x):
+            earlier += self.weight
+        return loads
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
         """There are no continuous states."""
@@ -84,6 +103,7 @@ class FixedBase(Component):
             "base_positions": self._positions,
             "base_arms": self._arms,
             "base_orientations": self._orientations,
+            "base_carried_weight": self.weight,
         }
 
     @classmethod

@@ -15,42 +15,52 @@ from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
 from ..contract.roles import ATTITUDE, IMPULSE
 from ..numerics.port_loads import PortLoads
+from .carried import products
 
-_TURN = 4
+_TURN, _MOTION = 4, 7
 
 
 class Interface:
     """Declarations and functions of a base with these ports; arms (ports, 3) from its origin, body axes.
 
-    Its state, behind all else of the body: the quaternion one step earlier, and the record of `PortLoads`.
+    Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`. shares:
+    of a base that carries bodies rigidly, see `Carried`, which then count in the sum of the loads.
     """
 
     noun: ClassVar[str] = "interface"
 
-    def __init__(self, names: Sequence[str], arms: Vector) -> None:
+    def __init__(self, names: Sequence[str], arms: Vector, shares: Vector | None = None) -> None:
         self._impulse = WRENCH_SIZE * len(names)
+        self._shares = shares
         self._loads = PortLoads(names, arms)
         before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
         self.inputs = [replace(IMPULSE, resized=True)]
-        self.states = [replace(before, size=_TURN, resized=True), *self._loads.states]
+        rate = replace(kept("rad/s", "Angular velocity one step earlier, body axes"), name="rate_before")
+        earlier = [replace(before, size=_TURN, resized=True), replace(rate, size=3, resized=True)]
+        self.states = [*earlier, *self._loads.states]
         self.observations = [*_motion(), *self._loads.observations]
 
     def without_own(self, u: Vector) -> Vector:
         """Wrenches and slopes of the ports alone, as any body takes them."""
         return np.concatenate((u[: self._impulse], u[self._impulse + 1 :]))
 
-    def after(self, orientation: Vector, state: Vector, u: Vector, h: float) -> Vector:
-        """Its state after a step that began at an orientation (4,)."""
+    def after(self, orientation: Vector, rate: Vector, state: Vector, u: Vector, h: float) -> Vector:
+        """Its state after a step that began at an orientation (4,) with a rate (3,), which is given in body axes."""
         wrenches, slopes = u[: self._impulse], u[self._impulse + 1 :]
-        record = self._loads.after(state[_TURN:], wrenches, slopes, h, bool(u[self._impulse] > 0.5))
-        return np.concatenate((orientation, record))
+        record = self._loads.after(state[_MOTION:], wrenches, slopes, h, bool(u[self._impulse] > 0.5))
+        return np.concatenate((orientation, rate, record))
 
     def observe(self, orientation: Vector, rate: Vector, state: Vector, u: Vector) -> Vector:
         """Attitude, rate (3,), which is given in body axes, and loads."""
-        before, record = state[:_TURN], state[_TURN:]
+        before, rate_before, record = state[:_TURN], state[_TURN:_MOTION], state[_MOTION:]
         axes = rotation_matrix(tuple(orientation.tolist()))
         earlier = rotation_matrix(normalized(tuple(before.tolist()))) if before.any() else axes
         loads = self._loads.observe(record, u[: self._impulse], axes, earlier)
+        if self._shares is not None:
+            now, then = loads.reshape(2, -1)[:, :WRENCH_SIZE]
+            now[:] = self._shares @ np.concatenate((now, products(rate)))
+            if self._loads.tells_earlier(record):
+                then[:] = self._shares @ np.concatenate((then, products(rate_before)))
         return np.concatenate((_attitude(orientation), rate, loads))
 
 

@@ -21,9 +21,10 @@ _SIZES = 2
 class PortLoads:
     """The record of a base, a part of its state: sizes of two steps, means and slopes of all wrenches over each.
 
-    The load on a base is what its ports bring: its own inertia and weight are no part of it. Forces and torques are in
-    the axes of the base; torques of a port are about its origin, the sum's about the point that the arms, (ports, 3) in
-    the axes of the base, start from. What moves by a law and is not the spacecraft (`is_base`) tells reactions.
+    The load on a base is what its ports bring: its own inertia and weight are no part of it, which of what it carries
+    rigidly its component adds. Forces and torques are in the axes of the base; torques of a port are about its origin,
+    the sum's about the point that the arms, (ports, 3) in the axes of the base, start from. What moves by a law and is
+    not the spacecraft (`is_base`) tells reactions.
     """
 
     def __init__(self, names: Sequence[str], arms: Vector, is_base: bool = True) -> None:
@@ -69,10 +70,14 @@ class PortLoads:
         else:
             now = extrapolated(StepMean(mean, slope, h), StepMean(mean_before, slope_before, h_before))
         earlier = np.zeros_like(now)
-        if min(h, h_before) > 0.0:
+        if self.tells_earlier(record):
             mean, slope, mean_before, slope_before = (self._loads(part, axes_before) for part in parts)
             earlier = between(StepMean(mean_before, slope_before, h_before), StepMean(mean, slope, h))
         return np.concatenate((now, earlier))
+
+    def tells_earlier(self, record: Vector) -> bool:
+        """Whether there are two steps, so that loads one step earlier are known."""
+        return bool(record[:_SIZES].min() > 0.0)
 
     def sums(self, wrenches: Vector, axes: Vector) -> Vector:
         """Force and torque (6,) of all ports, as `observe` tells their sum, of wrenches in world axes."""

@@ -163,8 +163,9 @@ def _piece_part(
     if (motion := motions(scene).get(piece.root)) is not None:
         return _moving_part(scene, piece, motion, poses), _geometry(*joined_geometry(piece, own))
     if piece.root == scene.base.name:
+        carried = _carried(piece, own)
         if base is None:
-            return _fixed_part(scene, piece), _geometry(*joined_geometry(piece, own))
+            return _fixed_part(scene, piece, carried), _geometry(*joined_geometry(piece, own))
         own = {scene.base.name: base, **own}
     model = joined_model(piece, own) if piece.is_joined else own[piece.root]
     ports = [
@@ -183,7 +184,7 @@ def _piece_part(
         structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
         start["damping_scale"] = bodies[piece.root].damping_scale
     else:
-        structure["is_base"] = True
+        structure |= {"is_base": True, **carried}
     shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
     return Part(piece.root, "body", structure, start), shown
 
@@ -205,9 +206,21 @@ def _geometry(positions: Any, faces: Any) -> Geometry:  # noqa: ANN401 - arrays
     return Geometry(positions, np.zeros((len(positions), 3, 0)), faces)
 
 
-def _fixed_part(scene: CheckedScene, piece: Piece) -> Part:
+def _carried(piece: Piece, models: Mapping[str, ModalData]) -> dict[str, Any]:
+    """What held lines join to the base, as its structure has it; empty where nothing is."""
+    if not models:
+        return {}
+    whole = joined_model(piece, models)
+    center, inertia = tuple(whole.center_of_mass.tolist()), whole.inertia.tolist()
+    return {"carried": {"mass": whole.mass, "center_of_mass": center, "inertia": inertia}}
+
+
+def _fixed_part(scene: CheckedScene, piece: Piece, carried: Mapping[str, Any]) -> Part:
     """The spacecraft as ground, with what held lines join to it; loads are about its first point."""
-    return Part(piece.root, "fixed_base", {"ports": _frame_ports(scene, piece)}, {})
+    structure = {"ports": _frame_ports(scene, piece), **carried}
+    if carried:
+        structure["gravity"] = scene.header.gravity
+    return Part(piece.root, "fixed_base", structure, {})
 
 
 def _moving_part(scene: CheckedScene, piece: Piece, motion: Motion, poses: Mapping[str, StartPose]) -> Part:

@@ -12,6 +12,7 @@ typedef struct {
     const double *positions;    /* 3 a port, world axes */
     const double *arms;         /* the same from the reference point */
     const double *orientations; /* 4 a port */
+    const double *carried_weight; /* and its moment about the reference point */
 } FixedBase;
 
 static inline const real *own_inputs(const FixedBase *base, const real *u) { return u + WRENCH_SIZE * base->ports; }
@@ -54,7 +55,9 @@ void fixed_base_outputs_complex(void *self, const double complex *x, const doubl
 static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason *why) {
     if (!read_base_ports(data, memory, &base->ports, &base->arms, &base->orientations, why)) return 0;
     base->positions = read_table_part(data, memory, "base", "positions", 3 * base->ports, why);
-    return base->positions != NULL;
+    if (!base->positions) return 0;
+    base->carried_weight = read_table_part(data, memory, "base", "carried_weight", WRENCH_SIZE, why);
+    return base->carried_weight != NULL;
 }
 
 static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t *states, Reason *why) {
@@ -90,6 +93,11 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const FixedBase *base = self;
     observe_port_loads(base->ports, base->arms, x, u, upright, upright, z);
+    double *earlier = z + port_loads_told(base->ports) / 2;
+    for (size_t i = 0; i < WRENCH_SIZE; i++) {
+        z[i] += base->carried_weight[i];
+        if (tells_earlier(x)) earlier[i] += base->carried_weight[i];
+    }
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

@@ -50,6 +50,9 @@ static inline void store_port_loads(size_t ports, const double *old, const real 
 
 #ifndef FANFOLD_COMPLEX
 
+/* Whether there are two steps, so that loads one step earlier are known. */
+static inline int tells_earlier(const double *record) { return record[0] > 0.0 && record[1] > 0.0; }
+
 /* Load 0 is the sum of all ports about the point that the arms start from, load k that of port k - 1; axes of the base. */
 static inline void load_in_axes(size_t ports, const double *arms, const double *wrenches, size_t number,
                                 const double axes[9], double load[WRENCH_SIZE]) {
@@ -95,7 +98,7 @@ static inline void observe_port_loads(size_t ports, const double *arms, const do
                 z[i] = extrapolated((StepMean){now.mean[i], now.slope[i], h},
                                     (StepMean){now.mean_before[i], now.slope_before[i], h_before});
             earlier[i] = 0.0;
-            if (h > 0.0 && h_before > 0.0)
+            if (tells_earlier(record))
                 earlier[i] = between((StepMean){before.mean_before[i], before.slope_before[i], h_before},
                                      (StepMean){before.mean[i], before.slope[i], h});
         }

@@ -187,8 +187,10 @@ def _places(scene: CheckedScene, model: LinearModel, names: Sequence[str]) -> di
     """Positions (3,) of points of the base by name."""
     base, given = scene.base.name, model.mechanism.bodies[scene.base.name]
     if not names:
-        what = "reference point" if model.is_grounded else "centre of mass"
-        return {f"{what} of {base}": model.origin}
+        if model.is_grounded:
+            return {f"reference point of {base}": model.origin}
+        carries = " with what held lines join to it" if given.carried_mass().any() else ""
+        return {f"centre of mass of {base}{carries}": model.origin}
     known = scene.base.points
     unknown = [name for name in names if name.removeprefix(f"{base}.") not in known]
     if unknown:

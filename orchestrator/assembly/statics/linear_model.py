@@ -78,7 +78,9 @@ class LinearModel:
     def mass_on_base(self) -> Vector:
         """(n, n) mass of all that a base carries, without that of the base itself."""
         result = self.mass.copy()
-        result[np.ix_(self.base_rows, self.base_rows)] = 0.0
+        if self.mechanism.base in self.mechanism.bodies:
+            rows = np.ix_(self.base_rows, self.base_rows)
+            result[rows] = self.mechanism.bodies[self.mechanism.base].carried_mass()
         return result
 
     @property

@@ -104,7 +104,8 @@ class PlacedBody:
         if self.body is None:
             reach = self._arms
             moments = np.cross(reach, wrenches[:, :3]) + wrenches[:, 3:]
-            return np.concatenate((wrenches[:, :3].sum(0), moments.sum(0)))
+            load = np.concatenate((wrenches[:, :3].sum(0), moments.sum(0)))
+            return load + self.component.weight if isinstance(self.component, FixedBase) else load
         assert self.body.continuous is not None
         self._rest()
         self._instance.inputs[: wrenches.size] = wrenches.ravel()
@@ -182,6 +183,15 @@ class PlacedBody:
             result[3:6, 3:6] = self.axes @ data.inertia @ self.axes.T
             result[6:, 6:] = np.eye(self.modes)
         return result
+
+    def carried_mass(self) -> Vector:
+        """Mass (6, 6) of what a base carries rigidly, which is no part of the spacecraft."""
+        component = self.component
+        carried = component.carried if isinstance(component, Body | FixedBase) else None
+        if carried is None:
+            return np.zeros((6, 6))
+        center = self.body.data.center_of_mass if self.body is not None else self.position
+        return carried.mass_matrix(self.axes @ (carried.center_of_mass - center), self.axes)
 
     def modal_matrices(self) -> tuple[Vector, Vector]:
         """Damping and stiffness (size, size) of the modes."""

@@ -53,7 +53,7 @@ def test_a_top_between_two_rows_after_an_event_may_be_higher_than_the_peak():
 
 
 def test_tops_that_rows_resolve_hide_nothing():
-    """Closed form: a cubic errs by 3/128 (w h)^4 of an amplitude, here with every other row; tops alike but for that."""
+    """Closed form: a cubic errs by 3/128 (w h)^4 of an amplitude, here with every other row; tops are alike."""
     time = np.linspace(0.0, 50.0, 2001)
     bound = 3.0 / 128.0 * (2.0 * time[1]) ** 4
     assert hidden_excess(time, 7.0 * np.sin(time) * (1.0 - 1e-9 * time), []) <= 7.0 * bound

@@ -122,6 +122,17 @@ static int read_mass(Body *body, const Data *data, Reason *why) {
            copy_array(data, "inverse_inertia", 9, body->coupling.inverse, why);
 }
 
+static int read_carried(Body *body, const Data *data, Reason *why) {
+    const size_t expected = WRENCH_SIZE * CARRIED_COLUMNS;
+    size_t numbers = 0;
+    if (!data_any(data, "carried", &numbers, why)) return 0;
+    if (numbers && numbers != expected)
+        return refuse(why, "the body's data have %lu numbers of carried; it takes %lu", (unsigned long)numbers,
+                      (unsigned long)expected);
+    body->has_carried = numbers != 0;
+    return !numbers || copy_array(data, "carried", expected, body->carried, why);
+}
+
 static int read_oscillators(Body *body, const Data *data, Reason *why) {
     Oscillators *oscillators = &body->oscillators;
     const double *frequency = finite_array(data, "frequency", body->modes, why);
@@ -224,7 +235,7 @@ static void *create(const Data *data, const Sizes *sizes, Memory *memory, size_t
     }
     body->damping_scale = -1.0; /* none yet */
     if (!read_sizes(body, data, sizes, why) || !read_level(body, data, why) || !allocate_all(body, memory, why) ||
-        !read_mass(body, data, why) || !read_coupling(body, data, memory, why) ||
+        !read_mass(body, data, why) || !read_carried(body, data, why) || !read_coupling(body, data, memory, why) ||
         !read_oscillators(body, data, why) || !read_ports(body, data, why))
         return NULL;
     for (size_t i = 0; i < 3 * body->ports; i++) body->origin_arms[i] = body->arms[i] + body->center_of_mass[i % 3];

@@ -12,6 +12,8 @@
 #include "oscillators.h"
 #include "port_sizes.h"
 
+/* Loads, and products of two rates. */
+enum { CARRIED_COLUMNS = WRENCH_SIZE + 6 };
 
 /* B, J - B B^T and what its quadratic part is made of, at the modal coordinates they were last evaluated for: a state is
    asked for them several times. */
@@ -41,6 +43,8 @@ typedef struct {
     int quasi_static;
     int is_base;         /* 1: it has the input impulse, and tells of the loads at its ports */
     double *origin_arms; /* 3 a port, from the construction frame's origin */
+    int has_carried;     /* 1: `carried` tells loads without what accelerates bodies that a base carries */
+    double carried[WRENCH_SIZE * CARRIED_COLUMNS];
     Remembered at_start, at_end, at_end_complex;
     void *work, *work_complex; /* of a large body */
 } Body;
