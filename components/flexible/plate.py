@@ -141,8 +141,11 @@ class Panel:
             if not all(_within(patch, inside) for patch in self.patches(arm)):
                 yield f"the insert patch of hinge arm {arm.name!r} reaches beyond the plate"
         for one, other in combinations(self.arms, 2):
-            if any(_overlap(*pair) for pair in product(self.patches(one), self.patches(other))):
-                yield f"the insert patches of {one.name!r} and {other.name!r} overlap; make one of them"
+            if any(_meet(*pair) for pair in product(self.patches(one), self.patches(other))):
+                yield (
+                    f"the insert patches of {one.name!r} and {other.name!r} overlap or touch, and what is rigid there "
+                    "would be one piece; make one insert of them, or leave a gap between them"
+                )
         yield from self._narrow_elements()
         for name, (x, y) in self.nodes.items():
             if not _within(((x, x), (y, y)), inside):
@@ -170,7 +173,7 @@ def _within(inner: Rectangle, outer: Rectangle) -> bool:
     )
 
 
-def _overlap(one: Rectangle, other: Rectangle) -> bool:
+def _meet(one: Rectangle, other: Rectangle) -> bool:
     return all(
-        a < high - _ROUNDING and low < b - _ROUNDING for (a, b), (low, high) in zip(one, other, strict=True)
+        a <= high + _ROUNDING and low <= b + _ROUNDING for (a, b), (low, high) in zip(one, other, strict=True)
     )

@@ -43,7 +43,10 @@ def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
     for iteration in range(_MOST_ITERATIONS):
         if iteration:
             model = linearise(mechanism)
-        step = _step(model, kept)
+        try:
+            step = _step(model, kept)
+        except np.linalg.LinAlgError:
+            break
         work, motion = abs(float(step @ model.residual)), _port_motions(mechanism, step)
         if not np.isfinite(motion).all():
             break
@@ -98,7 +101,7 @@ def _without(model: LinearModel, free: Vector) -> Vector | None:
 
 
 def _step(model: LinearModel, kept: Vector | None) -> Vector:
-    """Newton's step (n,) to balance, among these motions or all."""
+    """Newton's step (n,) to balance, among these motions or all; LinAlgError where none of all does."""
     if kept is not None:
         found: Vector = kept @ np.linalg.lstsq(kept.T @ model.stiffness @ kept, kept.T @ model.residual)[0]
         return found

@@ -78,7 +78,7 @@ BAD_PANELS = [
     ("sandwich", 3.0, "panel.sandwich: is 3.0; it must be a table"),
     ("arm.y", None, "panel.arm.y: is missing; hinge_lines have their arms at + and - y"),
     ("arm.y", 0.4, "panel: the insert patch of hinge arm 'root_left' reaches beyond the plate"),
-    ("arm.y", 0.01, "panel: the insert patches of 'root_left' and 'root_right' overlap; make one of them"),
+    ("arm.y", 0.01, "panel: the insert patches of 'root_left' and 'root_right' overlap or touch"),
     ("arm.patch", 0.6, "the insert patches of 'root_left' and"),
     ("arm.patch", 1e-8, "edges of inserts lie 1e-08 m apart at x = "),
     ("arm.patch", 1.2, "the insert patch of hinge arm 'tip_left' reaches beyond the plate"),
@@ -114,7 +114,15 @@ BAD_PANELS = [
         [{"name": "lock", "x": 1.139, "y": 0.0}],
         "patch of hinge arm 'lock' reaches beyond the plate",
     ),
-    ("inserts", [{"name": "lock", "x": 0.06, "y": 0.25}], "patches of 'root_left' and 'lock' overlap"),
+    ("inserts", [{"name": "lock", "x": 0.06, "y": 0.25}], "patches of 'root_left' and 'lock' overlap or touch"),
+    (
+        "inserts",
+        [
+            {"name": name, "x": x, "y": 0.0, "rectangles": [{"x": [x, x + 0.1], "y": [-0.1, 0.1]}]}
+            for name, x in (("one", 0.4), ("other", 0.5))
+        ],
+        "patches of 'one' and 'other' overlap or touch",
+    ),
     ("element_size", 0.0, "panel.element_size: is 0.0; it must be positive m"),
     (
         "face_sheets",
