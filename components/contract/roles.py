@@ -55,6 +55,8 @@ QUASI_STATIC = Quantity(
     "tunable",
 )
 """Parameter of bodies."""
+OF_THE_MASTER = (END_WEIGHT, QUASI_STATIC)
+"""Parameters by which a master seeks equilibrium, and that nobody else may set in a run."""
 
 KINETIC_ENERGY = Quantity("kinetic_energy", "J", "Kinetic energy")
 POTENTIAL_ENERGY = Quantity("potential_energy", "J", "Elastic energy")

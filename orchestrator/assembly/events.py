@@ -10,10 +10,9 @@ from components import LAGGED, Component, ComponentError, Quantity
 from components.contract.errors import unknown
 from components.contract.roles import (
     CUT,
-    END_WEIGHT,
     FAILURE_COMMAND,
     LATCH_COMMAND,
-    QUASI_STATIC,
+    OF_THE_MASTER,
     RELEASE_COMMAND,
 )
 
@@ -33,7 +32,7 @@ _ACT_IN_LATCHES = {"latch_stiffness": ("spring",), "latch_damping": ("spring", "
 """Kinds of latches that parameters of them act in."""
 _MOTORS = {"motor_stiffness": "motor_constant_torque", "motor_constant_torque": "motor_stiffness"}
 """Parameters by which a motor drives, and the other one."""
-_OF_THE_MASTER = (END_WEIGHT.name, QUASI_STATIC.name)
+_OF_THE_MASTER = tuple(one.name for one in OF_THE_MASTER)
 
 
 def assembly_events(

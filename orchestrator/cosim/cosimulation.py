@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from components.contract.roles import END_WEIGHT, HOLD, QUASI_STATIC
+from components.contract.roles import HOLD, OF_THE_MASTER
 
 from ..assembly import Event, HingeLine, bolted_hinges
 from .energy_balance import Energies
@@ -120,19 +120,19 @@ class CoSimulation(ABC):
         """Static equilibrium of the participants with all hinges held but those that hold-downs or drives keep."""
         solver = self.solver
         changed = [
-            (p, name, value, float(p.parameter_layout.start_values()[p.parameter_layout[name]][0]))
+            (p, one.name, float(p.parameter_layout.start_values()[p.parameter_layout[one.name]][0]))
             for p in self.network.participants
-            for name, value in ((QUASI_STATIC.name, 1.0), (END_WEIGHT.name, 1.0))
-            if name in p.parameter_layout
+            for one in OF_THE_MASTER
+            if one.name in p.parameter_layout
         ]
-        for participant, name, value, _ in changed:
-            participant.set_parameter(name, value)
+        for participant, name, _ in changed:
+            participant.set_parameter(name, 1.0)
         self._command(HOLD.name, 1.0)
         self._command(HOLD.name, 0.0, self._bolted)
         solver.mode = "static"
         solver.save(-DURATION)
         self.statistics.restless = StaticSearch(solver).run()
-        for participant, name, _, normal in changed:
+        for participant, name, normal in changed:
             participant.set_parameter(name, normal)
         self._command(HOLD.name, 0.0)
         solver.mode = "dynamic"

@@ -158,7 +158,9 @@ def normal_modes(model: LinearModel, constraints: Vector | None = None) -> Norma
             if shift > _LARGEST_SHIFT:
                 raise SceneError(["the stiffness has no modes: check springs with negative rates"]) from None
     if not np.all(inverse > 0.0):
-        raise SceneError(["the masses have no modes: some are so small beside others that they round to nothing"])
+        raise SceneError(
+            ["the masses have no modes: some are so small beside others that they round to nothing"]
+        )
     order = np.argsort(-inverse)
     vectors = vectors[:, order] / np.sqrt(inverse[order])
     return NormalModes(1.0 / inverse[order] - shift, basis @ vectors)

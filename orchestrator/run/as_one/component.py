@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike
 
 from components import REGISTRY, Component, ComponentError, Layout, Quantity
 from components.contract.quantity import Vector
-from components.contract.roles import FAILURE_COMMAND, INTERFACE_LOAD, LATCH_COMMAND, LOAD, RELEASE_COMMAND
+from components.contract.roles import (
+    FAILURE_COMMAND,
+    INTERFACE_LOAD,
+    LATCH_COMMAND,
+    LOAD,
+    OF_THE_MASTER,
+    RELEASE_COMMAND,
+)
 from fmus.build import component_data
 from fmus.native.compile import ASSEMBLY
 
@@ -66,6 +73,7 @@ _MEETS_RATES = Quantity(
 """Of a driven base, the last parameter but one."""
 _INITIAL = "initial_"
 _ORDER, _LATCH_TORQUE = "order", "latch_torque"
+_OF_THE_MASTER = tuple(f".{one.name}" for one in OF_THE_MASTER)
 
 
 class AssembledScene(Component, registered=False):
@@ -132,11 +140,13 @@ class AssembledScene(Component, registered=False):
         )
 
     def _as_here(self, parameters: Iterable[Quantity]) -> Iterator[Quantity]:
-        """The order of the coupling is the master's: a component of another would not fit; and where all starts."""
+        """What is the master's stays: a component of another order or scheme would not fit; and where all starts."""
         for one in parameters:
             if one.name.endswith(f".{_ORDER}"):
                 order = self._orders[one.name.removesuffix(f".{_ORDER}")]
                 yield replace(one, minimum=order, maximum=order)
+            elif one.name.endswith(_OF_THE_MASTER):
+                yield replace(one, minimum=one.start, maximum=one.start, variability="fixed")
             elif self._rests and f".{_INITIAL}" in one.name:
                 yield one.saying(f"{one.description}; does nothing, as all starts in static equilibrium")
             else:

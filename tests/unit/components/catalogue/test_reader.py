@@ -114,7 +114,11 @@ BAD_PANELS = [
         [{"name": "lock", "x": 1.139, "y": 0.0}],
         "patch of hinge arm 'lock' reaches beyond the plate",
     ),
-    ("inserts", [{"name": "lock", "x": 0.06, "y": 0.25}], "patches of 'root_left' and 'lock' overlap or touch"),
+    (
+        "inserts",
+        [{"name": "lock", "x": 0.06, "y": 0.25}],
+        "patches of 'root_left' and 'lock' overlap or touch",
+    ),
     (
         "inserts",
         [

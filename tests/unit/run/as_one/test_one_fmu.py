@@ -169,10 +169,14 @@ def test_parameters_before_the_start(path):
     assert fast == pytest.approx(usual * (2.0 / 3.0) ** 0.5, rel=1e-4)
 
 
-def test_the_order_of_the_coupling_is_its_own(path):
-    """Regression: a component set to another order than its master's gave half the torque, without a word."""
+@pytest.mark.parametrize(
+    ("name", "value"), [("root.order", 2.0), ("root.end_weight", 0.6), ("panel.quasi_static", 1.0)]
+)
+def test_what_is_the_masters_is_its_own(path, name, value):
+    """Regression: components of another order or scheme than the master's gave wrong torques, without a word."""
+    host = Host(path)
     with pytest.raises(fmpy.fmi1.FMICallException):
-        Host(path).start(**{"root.order": 2.0})
+        host.start(**{name: value})
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
