@@ -146,7 +146,8 @@ class AssembledScene(Component, registered=False):
                 order = self._orders[one.name.removesuffix(f".{_ORDER}")]
                 yield replace(one, minimum=order, maximum=order)
             elif one.name.endswith(_OF_THE_MASTER):
-                yield replace(one, minimum=one.start, maximum=one.start, variability="fixed")
+                stays = float(np.ravel(one.start)[0])
+                yield replace(one, minimum=stays, maximum=stays, variability="fixed")
             elif self._rests and f".{_INITIAL}" in one.name:
                 yield one.saying(f"{one.description}; does nothing, as all starts in static equilibrium")
             else:
