@@ -23,6 +23,9 @@ from .plate import Geometry
 from .second_order import check_second_order, second_order_inertia, second_order_shapes, symmetric
 from .von_karman import bending_modes, tension_forms
 
+_ALIKE, _EQUAL = 2, 1e-6
+"""Modes beyond those asked for that are compared with the last, and the difference of eigenvalues that are one."""
+
 
 def _times(matrix: SparseMatrix, vectors: Vector) -> Vector:
     """Sparse matrix times dense vectors."""
@@ -60,6 +63,22 @@ def _lowest_modes(
     return values[order], vectors[:, order]
 
 
+def _lowest_whole(stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU) -> Vector:
+    """The same vectors, but that modes of one frequency which the count parts are turned in a way of their own.
+
+    A solver returns any of them, another one each time, and bodies with half of a pair would not be the same.
+    """
+    beyond = min(count + _ALIKE, stiffness.shape[0]) if count > 0 else count
+    values, vectors = _lowest_modes(stiffness, mass, max(beyond, count), factor)
+    if beyond <= count or values[count] - values[count - 1] > _EQUAL * values[count]:
+        return vectors[:, :count]
+    group = np.flatnonzero(np.abs(values - values[count]) <= _EQUAL * values[count])
+    marks = np.random.default_rng(2).standard_normal((stiffness.shape[0], group.size))
+    turn, sizes = np.linalg.qr(vectors[:, group].T @ _times(mass, marks))
+    vectors[:, group] = vectors[:, group] @ (turn * np.sign(np.diag(sizes)))
+    return vectors[:, :count]
+
+
 def fixed_interface_frequencies(
     model: FiniteElementModel, attachment_points: Sequence[str], count: int
 ) -> Vector:
@@ -89,7 +108,7 @@ def craig_bampton_basis(
     if not interior.size and not number_of_fixed_interface_modes:
         return np.eye(boundary.size)[np.argsort(boundary)]
     factor = factorize(stiffness)
-    normal = _lowest_modes(stiffness, mass, number_of_fixed_interface_modes, factor)[1]
+    normal = _lowest_whole(stiffness, mass, number_of_fixed_interface_modes, factor)
     constraint = -factor.solve(model.stiffness[interior][:, boundary].toarray())
     basis = np.zeros((model.stiffness.shape[0], normal.shape[1] + boundary.size))
     basis[interior] = np.hstack([normal, constraint])

@@ -154,22 +154,23 @@ def posing_sentence(
     if max(unbalanced) <= _LOADED:
         return ""
     try:
-        posed, settled = (
-            find_modes(scene, rigid, flexible, target, as_posed, _COMPARED).frequencies
-            for as_posed in (True, False)
-        )
+        both = [find_modes(scene, rigid, flexible, target, as_posed, _COMPARED) for as_posed in (True, False)]
     except SceneError:
         return ""
+    said = (
+        f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
+        f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
+    )
+    free = [found.free_motions for found in both]
+    if free[0] != free[1]:
+        return f"{said}{free[0]} motions are free for {free[1]} in equilibrium (not as posed)"
+    posed, settled = (found.frequencies for found in both)
     count = min(len(posed), len(settled))
     off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)
     if off.max(initial=0.0) <= _OFF:
         return ""
     k = int(np.argmax(off))
-    return (
-        f"{scene.header.name}: as posed, joints and latches do not carry {unbalanced[0]:.3g} N and "
-        f"{unbalanced[1]:.3g} N.m that cables, motors, gravity or spin ask of them, and lack their stiffness: "
-        f"a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
-    )
+    return f"{said}a frequency is {posed[k]:.4g} Hz for {settled[k]:.4g} Hz in equilibrium (not as posed)"
 
 
 def mode_table(model: LinearModel, modes: NormalModes, count: int) -> list[Mode]:

@@ -88,7 +88,8 @@ class PanelStress:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What these stresses do not hold, as sentences."""
-        return () if self.stretching is None else tuple(self.stretching.sentences(self.body))
+        found = [] if self.stretching is None else [*self.stretching.sentences(self.body)]
+        return (*found, *self.stress.left_out(self.body))
 
 
 def panel_stress(result: Result, body: str, choice: Choice, radius: float, count: int) -> PanelStress:

@@ -22,6 +22,8 @@ from ...scene.hinge_line_tables import HingeLine
 from ...scene.units import to_si
 from .sweep import at_share, driven_lines, travel
 
+_LATE = 0.95
+"""Part of a run after which a rate is one towards its end."""
 _POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")
 
 
@@ -30,8 +32,8 @@ class Restart:
     """What a line did after a start from rest: angles in rad, rate in rad/s, time in s (None if it did not open).
 
     moves: its opening rate exceeded the stiction velocity, below which the friction law stands for sticking.
-    still_opening: its opening rate at the end did, and it had not opened. opens: it latched, or reached its
-    deployed angle where it has no latch.
+    still_opening: its rate towards the end did, and it had not opened; a line that swings turns back now and then.
+    opens: it latched, or reached its deployed angle where it has no latch.
     """
 
     line: str
@@ -152,7 +154,8 @@ def _restarted(result: Result, line: HingeLine, assembly: Assembly) -> Restart:
         there = np.flatnonzero(angle >= line.deployed_angle)
         opened = float(result.time[there[0]]) if there.size else None
     fastest = float(np.max(rate))
-    still_opening = opened is None and bool(rate[-1] > transition)
+    late = result.time >= _LATE * result.time[-1]
+    still_opening = opened is None and bool(np.abs(rate[late]).max() > transition)
     return Restart(
         line.name, line.initial_angle, float(angle[-1]), fastest, bool(fastest > transition), still_opening, opened
     )  # fmt: skip

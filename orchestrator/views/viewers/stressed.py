@@ -42,8 +42,7 @@ def plate(result: Result, name: str) -> Plate:
     if not np.all(np.isfinite(stress.coordinates)):
         raise ResultError(f"{result.name}: {name}: the stresses are not finite; the run was unstable")
     remarks = [] if stress.slopes is None else [*stretching(stress, result.time).sentences(name)]
-    if stress.prestress:
-        remarks.append(f"stresses of {name} leave out its tension at rest, {stress.prestress:.4g} Pa")
+    remarks += stress.left_out(name)
     used, corners = np.unique(stress.plate.faces, return_inverse=True)
     faces = corners.reshape(stress.plate.faces.shape).astype(np.int64)
     geometry = Geometry(stress.plate.positions[used], stress.shapes[used], faces)
