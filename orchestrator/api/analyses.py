@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from ..assembly.statics.configuration import Configuration, Named
     from ..scene.hinge_line_tables import HingeLine
 
+T = TypeVar("T")
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
 Way = tuple[Quantity, Quantity]
@@ -145,9 +147,9 @@ def frequency_response(
     as_posed: bool = False,
     excite: str = "z",
     along: str | None = None,
-    points: Sequence[str] = ("interface",),
-    low: float = 0.1,
-    high: float = 100.0,
+    points: Names = ("interface",),
+    low: Quantity = 0.1,
+    high: Quantity = 100.0,
     steps: int = 400,
 ) -> FrequencyResponse:
     """Response of a scene in a configuration (see `modes`) to vibration of its base.
@@ -164,17 +166,18 @@ def frequency_response(
     for name, direction in (("excite", excite), ("along", along or excite)):
         if direction not in DIRECTIONS:
             raise SceneError([f"{name} is {direction!r}; it must be one of {', '.join(DIRECTIONS)}"])
-    if not ZERO_FREQUENCY <= low < high < float("inf"):
+    first, last = in_si(low, "Hz", "low", "positive"), in_si(high, "Hz", "high", "positive")
+    if not ZERO_FREQUENCY <= first < last < float("inf"):
         raise SceneError(
-            [f"low is {low:g} and high {high:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
+            [f"low is {first:g} and high {last:g} Hz; give low, {ZERO_FREQUENCY:g} Hz at least, below high"]
         )
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, model.unbalanced)
-    frequencies = frequency_grid(model, low, high, _at_least(steps, 2, "steps"))
-    found = responses(model, excite, along or excite, points, frequencies)
+    frequencies = frequency_grid(model, first, last, _at_least(steps, 2, "steps"))
+    found = responses(model, excite, along or excite, listed(points), frequencies)
     free = not model.is_grounded
     return FrequencyResponse(checked.header.name, target, free, excite, frequencies, tuple(found))
 
@@ -220,7 +223,16 @@ def quasi_static(
     from ..analysis.equilibrium import Sweep, lines_held
     from ..analysis.equilibrium import quasi_static as find
 
-    ways = [Sweep(line, _angle(line, start), _angle(line, end)) for line, (start, end) in sweeps.items()]
+    example = '{"HL1": (0, "90 deg")}'
+    ways = []
+    for line, both in _by_line(sweeps, "sweeps", example).items():
+        if not isinstance(both, Sequence) or isinstance(both, str) or len(both) != 2:
+            raise SceneError(
+                [f"the sweep of {line} is {both!r}; give the angles of its ends, such as {example}"]
+            )
+        ways.append(Sweep(line, *(_angle(line, angle) for angle in both)))
+    if not ways:
+        raise SceneError([f"no line is swept; give one, such as {example}"])
     for way in ways:
         if way.start == way.end:
             raise SceneError([f"the sweep of {way.line} begins and ends at the same angle"])
@@ -255,8 +267,9 @@ def torque_margin(
         raise SceneError([f"there are no factors {factors!r}; factors are {', '.join(FACTORS)}"])
     symbols = (*FACTORS["theoretical"], *DEMANDS)
     extra: dict[str, dict[str, float]] = {}
-    for line, given in (torques or {}).items():
-        for symbol, torque in given.items():
+    example = '{"HL2": {"HY": 0.02}}'
+    for line, given in _by_line(torques or {}, "torques", example).items():
+        for symbol, torque in _by_line(given, f"the torques of {line}", example).items():
             if symbol not in symbols:
                 raise SceneError(
                     [f"{line}: there is no torque {symbol!r}; symbols of ECSS are {', '.join(symbols)}"]
@@ -473,7 +486,8 @@ def _configuration(
         raise SceneError(
             [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
         )
-    turned = {line: _angle(line, angle) for line, angle in (angles or {}).items()}
+    given = _by_line(angles or {}, "angles", '{"HL1": "45 deg"}')
+    turned = {line: _angle(line, angle) for line, angle in given.items()}
     return configuration(scene, named, turned, latched)
 
 
@@ -482,9 +496,20 @@ def _angle(line: str, angle: Quantity) -> float:
 
 
 def _at_least(count: int, least: int, what: str) -> int:
-    if count < least:
-        raise SceneError([f"{what} is {count}; it must be at least {least}"])
-    return count
+    try:
+        found = index(count)
+    except TypeError:
+        raise SceneError([f"{what} is {count!r}; it must be a whole number"]) from None
+    if found < least:
+        raise SceneError([f"{what} is {found}; it must be at least {least}"])
+    return found
+
+
+def _by_line(given: Mapping[str, T], what: str, example: str) -> Mapping[str, T]:
+    """What is given by hinge line; SceneError where it is something else."""
+    if not isinstance(given, Mapping):
+        raise SceneError([f"{what}: is {given!r}; give values by line, such as {example}"])
+    return given
 
 
 def _folder(folder: str | Path | None) -> Path | None:

@@ -62,7 +62,10 @@ class Signal(NDArrayOperatorsMixin):
 
     def at(self, times: ArrayLike, side: Side = "after") -> NDArray[np.float64]:
         """Values at times (s), shape of the times, then (size,) of a vector; see `Result.at` about events."""
-        asked = np.asarray(times, dtype=float)
+        try:
+            asked = np.asarray(times, dtype=float)
+        except (TypeError, ValueError):
+            raise ResultError(f"{self.name}: {times!r} are no times; give numbers, in s") from None
         is_flag = _is_flag(self.values)
         found = np.array(
             [_at(self.time, self.values, self.events, float(t), side, is_flag) for t in asked.ravel()]

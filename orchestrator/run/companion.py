@@ -25,7 +25,7 @@ from ..results.key_figures import headline
 from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARES = {2: 1.0 / sqrt(3.0), 4: 0.3}
+_SHARES = {2: 1.0 / sqrt(3.0), 4: 0.35}
 """Of the difference, by order, between 1 / (2^n - 1) and 1: where most random wings lie, in the middle of order 2."""
 _BY_CHANCE = 3.0
 """Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""

@@ -101,7 +101,10 @@ class Gradients:
         return {**asdict(self), **{name: _listed(array) for name, array in arrays.items()}}
 
     def of(self, number: str, key: str) -> float:
-        """Derivative of a number, such as "latch time HL1", by a key."""
+        """Derivative of a number, such as "latch time HL1", by a key; StudyError where there is none."""
+        for one, known, what in ((number, self.names, "number"), (key, self.keys, "key")):
+            if one not in known:
+                raise StudyError(f"{self.scene}: there is no {what} {one!r}; those are {', '.join(known)}")
         return float(self.derivatives[self.names.index(number), self.keys.index(key)])
 
 

@@ -71,7 +71,7 @@ def restart_share(scene: CheckedScene, position: str) -> float:
     SceneError where it is neither, or does not lie within the travel, or none is left.
     """
     line = driven_lines(scene)[0]
-    found = _POSITION.fullmatch(position)
+    found = _POSITION.fullmatch(position) if isinstance(position, str) else None
     try:
         if found is None:
             raise ValueError

@@ -22,18 +22,21 @@ from .step_ends import Peaks, promised_peaks
 
 _ROWS = 16
 """That are compared, half of them on either side of a peak."""
+_SHIFTED = 4
+"""Of them, at least, where a shift is told from a difference."""
 
 
 def differences_near(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
     """Root mean square differences around the promised peaks and impulses of one result, in the numbers' units.
 
-    peaks: of one. other: a run along some of its steps, segment by segment between events; times count from each.
+    What comes a little earlier or later in the other one is as high there, and no difference of a peak. peaks: of one.
+    other: a run along some of its steps, segment by segment between events; times count from each.
     Numbers around which no rows of both belong together are left out.
     """
     rows = _pair(one.time, sorted(jumps(one)), other.time, sorted(jumps(other)))
     theirs = dict(promised_peaks(other))
     found = {
-        key: rows.difference(values, theirs[key], int(np.argmax(np.abs(values))))
+        key: rows.difference_in_height(one.time, values, theirs[key], int(np.argmax(np.abs(values))))
         for key, values in peaks
         if key in theirs
     }
@@ -51,12 +54,28 @@ class _Pairs:
 
     def difference(self, ours: Vector, theirs: Vector, row: int) -> float | None:
         """Root mean square difference of two signals (N,) around a row of the first, in its segment."""
-        inside = np.flatnonzero(self.segments[self.ours] == self.segments[row])
-        place = int(np.searchsorted(self.ours[inside], row))
-        near = inside[max(0, place - _ROWS // 2) : place + _ROWS // 2]
+        near = self._near(row)
         if not near.size:
             return None
         return sqrt(float(np.mean((ours[self.ours[near]] - theirs[self.theirs[near]]) ** 2)))
+
+    def difference_in_height(self, time: Vector, ours: Vector, theirs: Vector, row: int) -> float | None:
+        """The same, less what a shift of one against the other in time (s) takes away."""
+        near = self._near(row)
+        if near.size < _SHIFTED:
+            return self.difference(ours, theirs, row)
+        here = self.ours[near]
+        apart, slope = ours[here] - theirs[self.theirs[near]], np.gradient(ours[here], time[here])
+        steepness = float(slope @ slope)
+        if steepness > 0.0:
+            apart -= slope * float(slope @ apart) / steepness
+        return sqrt(float(np.mean(apart**2)))
+
+    def _near(self, row: int) -> NDArray[np.intp]:
+        """Numbers of the pairs around a row of the first run, in its segment."""
+        inside = np.flatnonzero(self.segments[self.ours] == self.segments[row])
+        place = int(np.searchsorted(self.ours[inside], row))
+        return inside[max(0, place - _ROWS // 2) : place + _ROWS // 2]
 
 
 def _pair(time: Vector, events: Sequence[float], other: Vector, other_events: Sequence[float]) -> _Pairs:
