@@ -182,6 +182,7 @@ class Component(ABC):
     def check_ranges(self, p: Vector) -> None:
         """Raise `ComponentError` naming the first parameter that is not finite or out of its range."""
         for quantity in self.parameter_layout.quantities:
+            unit = "" if quantity.unit == "1" else f" {quantity.unit}"
             for name, value in zip(
                 quantity.scalar_names(), p[self.parameter_layout[quantity.name]], strict=True
             ):
@@ -189,12 +190,10 @@ class Component(ABC):
                     raise ComponentError(f"{name} is {value}; it must be a finite number")
                 if quantity.minimum is not None and value < quantity.minimum:
                     raise ComponentError(
-                        f"{name} = {value:g} {quantity.unit}; it must be at least {quantity.minimum:g}"
+                        f"{name} = {value:g}{unit}; it must be at least {quantity.minimum:g}"
                     )
                 if quantity.maximum is not None and value > quantity.maximum:
-                    raise ComponentError(
-                        f"{name} = {value:g} {quantity.unit}; it must be at most {quantity.maximum:g}"
-                    )
+                    raise ComponentError(f"{name} = {value:g}{unit}; it must be at most {quantity.maximum:g}")
 
     @abstractmethod
     def prepare(self, p: Vector) -> Any:  # noqa: ANN401 - opaque to everybody but the component

@@ -38,6 +38,16 @@ def stop_attachments(line: HingeLine) -> Iterator[Attachment]:
             )
 
 
+def share_of_stiffness(angle: float) -> float:
+    """Torque of an end stop over its stiffness times the angle (rad) by which a line is in it: flat pads give way.
+
+    Their depth grows less than the angle, and their lever shortens; they let go where they are past the plane.
+    """
+    slant = cos(_HALF_ZONE) / sin(_HALF_ZONE)
+    depth, lever = sin(angle) + slant * (cos(angle) - 1.0), cos(angle) - slant * sin(angle)
+    return max(0.0, depth * lever / angle)
+
+
 def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
     """The end stops of a line, each with its share of stiffness and damping."""
     if line.end_stop is None:

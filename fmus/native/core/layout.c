@@ -31,7 +31,7 @@ void layout_scalar_name(const Instance *instance, uint32_t reference, char *name
         snprintf(name, size, "%s[%lu]", variable.name, (unsigned long)(position - variable.offset + 1));
 }
 
-/* Unit of the parameter at a position; empty where it is not known. */
+/* Unit of the parameter at a position; empty where it is not known or there is none. */
 static const char *unit_of(const Instance *instance, size_t position) {
     Variable variable;
     char entry[200];
@@ -39,7 +39,7 @@ static const char *unit_of(const Instance *instance, size_t position) {
         return "";
     snprintf(entry, sizeof entry, "unit:%s", variable.name);
     const char *unit = data_text(&instance->data, entry);
-    return unit ? unit : "";
+    return unit && strcmp(unit, "1") != 0 ? unit : "";
 }
 
 int layout_ranges_hold(const Instance *instance, Reason *why) {
@@ -52,7 +52,8 @@ int layout_ranges_hold(const Instance *instance, Reason *why) {
         if (!isfinite(value))
             return refuse(why, "%s is %g; it must be a finite number", name, value);
         int low = value < instance->minimum[i];
-        return refuse(why, "%s = %g %.40s; it must be at %s %g", name, value, unit_of(instance, i),
+        const char *unit = unit_of(instance, i);
+        return refuse(why, "%s = %g%s%.40s; it must be at %s %g", name, value, *unit ? " " : "", unit,
                       low ? "least" : "most", low ? instance->minimum[i] : instance->maximum[i]);
     }
     return 1;

@@ -7,7 +7,7 @@ import pytest
 
 import orchestrator as fanfold
 from components.contract.frames import exponential, rotate, scaled
-from orchestrator.assembly.end_stops import stop_attachments, stop_parts
+from orchestrator.assembly.end_stops import share_of_stiffness, stop_attachments, stop_parts
 from tests.unit.scene.scene_cases import TWO_PANELS, load_text
 
 STOP = "end_stop = { angle = '100 deg', stiffness = 2e4, arm = '40 mm' }\n"
@@ -117,3 +117,31 @@ def test_a_line_that_folds_back_is_told_of():
     back = result.headline.folded_back["HL"]
     assert 8 * 9.81 * 0.8 * sin(back.value) == pytest.approx(30.0 * back.value, rel=1e-3)
     assert back.value > 1.0
+
+
+def test_a_line_that_goes_far_into_its_stop_is_told_of():
+    """Statics with the pads as built: k f(angle) angle = T for a motor that presses; nothing said how soft they are."""
+    scene = fanfold.Scene("pressed", until=8.0)
+    base = scene.base(points={"root": (0, 0, 0)})
+    panel = scene.body(
+        "panel",
+        rigid={
+            "mass": 8,
+            "center_of_mass": (0.8, 0, 0),
+            "inertia": (0.9, 1.8, 2.7),
+            "points": {"root": (0, 0, 0)},
+        },
+    )
+    scene.hinge_line(
+        "HL", base, panel, axis="-y", aligned_angle="90 deg", start_angle="89 deg", hinges={"hinge": "root"},
+        motor={"stowed": "60.00006 N.m", "deployed": "60 N.m"},
+        end_stop={"stiffness": "800 N.m/rad", "damping": "100 N.m.s/rad"},
+    )  # fmt: skip
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"HL went \d\.\d deg into its end_stop, at .* push back by 9\d% of"
+    ):
+        result = fanfold.simulate(scene, estimate=False)
+    rest = result.signal("hinge", "angle")[-1] - np.pi / 2
+    assert 800.0 * share_of_stiffness(rest) * rest == pytest.approx(60.0, rel=1e-3)
+    assert rest == pytest.approx(0.0809, rel=5e-3)  # an own integration with the geometry of the pads
+    assert share_of_stiffness(radians(60.0)) == pytest.approx(0.0, abs=1e-12)
