@@ -19,6 +19,18 @@ def stopped(folder, stop=STOP):
     return load_text(folder, TWO_PANELS.replace(HINGES, stop + HINGES)).hinge_lines[0]
 
 
+def one_panel(name, **options):
+    """A scene with a base and a rigid panel, to be joined at their roots."""
+    scene = fanfold.Scene(name, **options)
+    rigid = {
+        "mass": 8,
+        "center_of_mass": (0.8, 0, 0),
+        "inertia": (0.9, 1.8, 2.7),
+        "points": {"root": (0, 0, 0)},
+    }
+    return scene, scene.base(points={"root": (0, 0, 0)}), scene.body("panel", rigid=rigid)
+
+
 def penetration(line, angle):
     """Depth (m) of the pad at a hinge angle, from the parameters of the contact."""
     (part, _), (_, pad, *_) = stop_parts(line, "mean"), stop_attachments(line)
@@ -45,18 +57,7 @@ def test_stiffness_is_that_of_the_line(tmp_path):
     Closed form of the deepest turn: half k delta^2 = W + T delta, W the work of the motor up to the stop and T its
     torque there. The lever of the pads shortens by delta / tan 60 deg = 0.25 % on the way.
     """
-    scene = fanfold.Scene("one_panel", until=4.0)
-
-    base = scene.base(points={"root": (0, 0, 0)})
-    panel = scene.body(
-        "panel",
-        rigid={
-            "mass": 8,
-            "center_of_mass": (0.8, 0, 0),
-            "inertia": (0.9, 1.8, 2.7),
-            "points": {"root": (0, 0, 0)},
-        },
-    )
+    scene, base, panel = one_panel("one_panel", until=4.0)
     scene.hinge_line(
         "HL", base, panel, axis="+y", aligned_angle="90 deg", start_angle="80 deg", hinges={"hinge": "root"},
         motor={"stowed": "1.6 N.m", "deployed": "1.0 N.m"}, end_stop={"stiffness": 2e4},
@@ -96,17 +97,7 @@ def test_a_line_that_folds_back_is_told_of():
 
     Closed form of the lowest angle: m g r sin(angle) = T angle, the motor's torque T being constant.
     """
-    scene = fanfold.Scene("pendulum", until=2.0, gravity=(0, 0, -9.81))
-    base = scene.base(points={"root": (0, 0, 0)})
-    panel = scene.body(
-        "panel",
-        rigid={
-            "mass": 8,
-            "center_of_mass": (0.8, 0, 0),
-            "inertia": (0.9, 1.8, 2.7),
-            "points": {"root": (0, 0, 0)},
-        },
-    )
+    scene, base, panel = one_panel("pendulum", until=2.0, gravity=(0, 0, -9.81))
     scene.hinge_line(
         "HL", base, panel, axis="-y", aligned_angle="0 deg", start_angle="0 deg", hinges={"hinge": "root"},
         latch_angle="90 deg", motor={"stowed": "30.00003 N.m", "deployed": "30 N.m"},
@@ -121,17 +112,7 @@ def test_a_line_that_folds_back_is_told_of():
 
 def test_a_line_that_goes_far_into_its_stop_is_told_of():
     """Statics with the pads as built: k f(angle) angle = T for a motor that presses; nothing said how soft they are."""
-    scene = fanfold.Scene("pressed", until=8.0)
-    base = scene.base(points={"root": (0, 0, 0)})
-    panel = scene.body(
-        "panel",
-        rigid={
-            "mass": 8,
-            "center_of_mass": (0.8, 0, 0),
-            "inertia": (0.9, 1.8, 2.7),
-            "points": {"root": (0, 0, 0)},
-        },
-    )
+    scene, base, panel = one_panel("pressed", until=8.0)
     scene.hinge_line(
         "HL", base, panel, axis="-y", aligned_angle="90 deg", start_angle="89 deg", hinges={"hinge": "root"},
         motor={"stowed": "60.00006 N.m", "deployed": "60 N.m"},
