@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from ..flexible.beam_frame import BeamSection, tube_section
@@ -28,6 +28,8 @@ _EDGES: tuple[_Edge, ...] = ("inboard", "outboard")
 _GEOMETRIES: tuple[Geometry, ...] = ("linear", "von_karman")
 _SIDES = (("left", 1.0), ("right", -1.0))
 _UNKNOWN: tuple[float, ...] = (nan, nan, nan, nan)
+_SAME = 1.05
+"""Times one thickness that another of the same plate may be."""
 _NO_SECTION = BeamSection(0.0, 0.0, 0.0, 0.0)
 
 
@@ -126,7 +128,7 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
     areal_mass = table.number("areal_mass", "kg/m2")
     kind = table.one_of("stiffness", "sandwich", "layers")
     bending, membrane = _UNKNOWN, _UNKNOWN
-    sheets = None
+    sheets, total = None, inf
     if kind == "stiffness" and (given := table.table("stiffness")):
         bending, membrane = given.numbers("bending", "N.m", 4), given.numbers("membrane", "N/m", 4)
         given.close()
@@ -138,6 +140,7 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
             table.note("layers", "is empty; give at least one")
         elif all(layer.is_known for layer in layers):
             bending, membrane, problem = laminate_stiffness(layers)
+            total = sum(layer.thickness for layer in layers)
             if problem:
                 table.note("layers", problem)
     for name, values in (("bending", bending), ("membrane", membrane)):
@@ -150,7 +153,7 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
         *(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane), prestress),
         geometry="von_karman" if geometry == "von_karman" else "linear",
     )
-    return plate, _face_sheets(table, sheets)
+    return plate, _face_sheets(table, sheets, total)
 
 
 def _orthotropic(values: Sequence[float]) -> tuple[float, float, float, float]:
@@ -185,7 +188,8 @@ def _layer(table: Table) -> Layer:
     return layer
 
 
-def _face_sheets(table: Table, sheets: FaceSheets | None) -> FaceSheets | None:
+def _face_sheets(table: Table, sheets: FaceSheets | None, total: float) -> FaceSheets | None:
+    """Those given in place of the plate's own; total: thickness (m) of its layers, infinite where that is not known."""
     given = table.table("face_sheets", required=False)
     if given is None:
         return sheets
@@ -195,6 +199,9 @@ def _face_sheets(table: Table, sheets: FaceSheets | None) -> FaceSheets | None:
     given.close()
     if not thickness > 0.0 or not (solid or distance > 0.0):
         return None
+    through = thickness + distance
+    if isfinite(total) and (through > _SAME * total or (solid and _SAME * through < total)):
+        table.note("face_sheets", f"reach over {through:g} m, and the layers are {total:g} m thick")
     return FaceSheets.solid(thickness) if solid else FaceSheets.sandwich(thickness, distance)
 
 

@@ -290,6 +290,24 @@ def test_impossible_layers(layers, told):
         read_body({"panel": table}, si)
 
 
+@pytest.mark.parametrize(
+    ("sheets", "reach"),
+    [
+        ({"thickness": 1e-3}, "0.001"),
+        ({"skin": 1e-3, "distance": 6e-3}, "0.007"),
+        ({"thickness": 6e-3}, "0.006"),
+    ],
+)
+def test_face_sheets_that_are_not_those_of_the_layers(sheets, reach):
+    """Regression: stresses by 6 M / t^2 of another t were 25 times too large, without a word."""
+    solid = {**LAYER, "thickness": 5e-3}
+    table = changed(PANEL, "sandwich", None) | {"layers": [solid], "face_sheets": sheets}
+    with pytest.raises(
+        TableError, match=f"face_sheets: reach over {reach} m, and the layers are 0.005 m thick"
+    ):
+        read_body({"panel": table}, si)
+
+
 def test_layers_make_a_plate():
     """Closed form: one isotropic layer, D11 = E t³ / 12 (1 - nu²)."""
     plate = read_body({"panel": changed(PANEL, "sandwich", None) | {"layers": [LAYER]}}, si).panel.plate
