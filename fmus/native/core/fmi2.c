@@ -11,6 +11,7 @@
 #include "continuous.h"
 #include "fmi2_instance.h"
 #include "input_slopes.h"
+#include "log_categories.h"
 #include "resources.h"
 
 /* An instance and the host it reports to. */
@@ -18,13 +19,8 @@ typedef struct {
     Instance *instance;
     fmi2CallbackFunctions callbacks;
     char *name;
+    Unwanted unwanted;
 } Slave;
-
-static const char *category_of(Status status) {
-    static const char *const categories[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
-                                             "logStatusFatal"};
-    return categories[status];
-}
 
 /* A host may take the message as a format. */
 static void double_percent_signs(const char *sentence, char *message, size_t size) {
@@ -40,7 +36,7 @@ static void double_percent_signs(const char *sentence, char *message, size_t siz
 static void log_to_host(void *host, Status status, const char *sentence) {
     const Slave *slave = host;
     char message[1600];
-    if (!slave->callbacks.logger)
+    if (!slave->callbacks.logger || !is_wanted(slave->unwanted, status))
         return;
     double_percent_signs(sentence, message, sizeof message);
     slave->callbacks.logger(slave->callbacks.componentEnvironment, slave->name, (fmi2Status)status,
@@ -93,7 +89,9 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
 
 FMI2_EXPORT fmi2Status fmi2SetDebugLogging(fmi2Component component, fmi2Boolean on, size_t count,
                                            const fmi2String categories[]) {
-    (void)component, (void)on, (void)count, (void)categories;
+    if (!component)
+        return fmi2Error;
+    slave_of(component)->unwanted = unwanted_by(on, count, categories);
     return fmi2OK;
 }
 

@@ -12,13 +12,10 @@
 /* Relative tolerance of times. */
 #define SAME_TIME 1e-9
 
-static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
-                                         "logStatusFatal"};
-
 static void log_to_host(void *host, Status status, const char *sentence) {
     const Fmu *fmu = host;
-    if (fmu->log)
-        fmu->log(fmu->environment, (fmi3Status)status, CATEGORIES[status], sentence);
+    if (fmu->log && is_wanted(fmu->unwanted, status))
+        fmu->log(fmu->environment, (fmi3Status)status, category_of(status), sentence);
 }
 
 FMI3_EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
@@ -85,20 +82,15 @@ FMI3_EXPORT fmi3Instance fmi3InstantiateCoSimulation(
     return fmu;
 }
 
-/* There are no messages for debugging; what goes wrong is always said. */
 FMI3_EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t count,
                                            const fmi3String categories[]) {
-    (void)on;
     if (!instance)
         return fmi3Error;
-    for (size_t i = 0; i < count; i++) {
-        int known = 0;
-        for (size_t k = 0; k < sizeof CATEGORIES / sizeof *CATEGORIES; k++)
-            known |= categories[i] && strcmp(categories[i], CATEGORIES[k]) == 0;
-        if (!known)
+    for (size_t i = 0; i < count; i++)
+        if (!is_category(categories[i]))
             return (fmi3Status)instance_fail(core_of(instance), STATUS_ERROR, "there is no log category %.80s",
                                              categories[i] ? categories[i] : "(null)");
-    }
+    fmu_of(instance)->unwanted = unwanted_by(on, count, categories);
     return fmi3OK;
 }
 

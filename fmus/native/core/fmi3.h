@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "instance.h"
+#include "log_categories.h"
 #include "fmi3_names.h"
 
 typedef void *fmi3Instance;
@@ -63,6 +64,7 @@ typedef struct {
     Instance *instance;
     fmi3InstanceEnvironment environment;
     fmi3LogMessageCallback log;
+    Unwanted unwanted;
     int event_mode_used, early_return_allowed;
     size_t scalars;
     uint32_t *sizes;     /* number of scalars of the variable at a reference; 0 where there is none */
