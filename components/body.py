@@ -137,7 +137,6 @@ class Body(Component):
         self.arms = self._placed.arms
         self._interface: Interface | None = None
         self.carried: Carried | None = None
-        self._shares: Vector | None = None
         structure: dict[str, Any] = {
             "modal": dict(modal),
             "ports": [dict(p) for p in ports],
@@ -155,9 +154,8 @@ class Body(Component):
             if carried is not None:
                 structure["carried"] = dict(carried)
                 self.carried = Carried.of(carried)
-                self._shares = self.carried.shares(data)
             names, arms = [p["name"] for p in ports], self.arms + data.center_of_mass
-            self._interface = Interface(names, arms, self._shares)
+            self._interface = Interface(names, arms, self.carried, data)
             self.noun = Interface.noun
         own = self._interface
         self._declare(
@@ -476,7 +474,7 @@ class Body(Component):
             "second_order": self._placed.second_order,
             "tension_forms": self.data.tension_forms,
             "is_base": self._interface is not None,
-            "carried": np.zeros(0) if self._shares is None else self._shares,
+            "carried": np.zeros(0) if self._interface is None else self._interface.shares,
             **self.inertia.native_data(),
         }
 
@@ -497,7 +495,6 @@ class Body(Component):
         """The free spacecraft."""
         rigid = ModalData.rigid(1.0, (0.0,) * 3, tuple(np.eye(3).tolist()), {"port": (0.0,) * 3})
         ports = [{"name": "hinge", "point": "port"}]
-        free = cls(modal=rigid.to_arrays(), ports=ports, is_base=True)
+        base: dict[str, Any] = {"modal": rigid.to_arrays(), "ports": ports, "is_base": True}
         yoke = {"mass": 0.2, "center_of_mass": (0.5, 0.1, 0.0), "inertia": np.diag((0.01, 0.03, 0.02))}
-        loaded = cls(modal=rigid.to_arrays(), ports=ports, is_base=True, carried=yoke)
-        return {"a free spacecraft": free, "a free spacecraft that carries a yoke": loaded}
+        return {"a free spacecraft": cls(**base), "one that carries a yoke": cls(**base, carried=yoke)}

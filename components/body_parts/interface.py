@@ -14,8 +14,9 @@ from ..contract.frames import normalized, rotation_matrix
 from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
 from ..contract.roles import ATTITUDE, IMPULSE
+from ..flexible.modal import ModalData
 from ..numerics.port_loads import PortLoads
-from .carried import products
+from .carried import Carried, products
 
 _TURN, _MOTION = 4, 7
 
@@ -23,15 +24,16 @@ _TURN, _MOTION = 4, 7
 class Interface:
     """Declarations and functions of a base with these ports; arms (ports, 3) from its origin, body axes.
 
-    Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`. shares:
-    of a base that carries bodies rigidly, see `Carried`, which then count in the sum of the loads.
+    Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`.
+    carried: bodies that are part of the whole, but count in the sum of the loads. shares: see `Carried`, (6, 12), or
+    empty.
     """
 
     noun: ClassVar[str] = "interface"
 
-    def __init__(self, names: Sequence[str], arms: Vector, shares: Vector | None = None) -> None:
+    def __init__(self, names: Sequence[str], arms: Vector, carried: Carried | None, whole: ModalData) -> None:
         self._impulse = WRENCH_SIZE * len(names)
-        self._shares = shares
+        self.shares = np.zeros(0) if carried is None else carried.shares(whole)
         self._loads = PortLoads(names, arms)
         before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
         self.inputs = [replace(IMPULSE, resized=True)]
@@ -56,11 +58,11 @@ class Interface:
         axes = rotation_matrix(tuple(orientation.tolist()))
         earlier = rotation_matrix(normalized(tuple(before.tolist()))) if before.any() else axes
         loads = self._loads.observe(record, u[: self._impulse], axes, earlier)
-        if self._shares is not None:
+        if self.shares.size:
             now, then = loads.reshape(2, -1)[:, :WRENCH_SIZE]
-            now[:] = self._shares @ np.concatenate((now, products(rate)))
+            now[:] = self.shares @ np.concatenate((now, products(rate)))
             if self._loads.tells_earlier(record):
-                then[:] = self._shares @ np.concatenate((then, products(rate_before)))
+                then[:] = self.shares @ np.concatenate((then, products(rate_before)))
         return np.concatenate((_attitude(orientation), rate, loads))
 
 

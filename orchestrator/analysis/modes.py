@@ -163,7 +163,7 @@ def posing_sentence(
     )
     free = [found.free_motions for found in both]
     if free[0] != free[1]:
-        return f"{said}{free[0]} motions are free for {free[1]} in equilibrium (not as posed)"
+        return f"{said}free motions are {free[0]} for {free[1]} in equilibrium (not as posed)"
     posed, settled = (found.frequencies for found in both)
     count = min(len(posed), len(settled))
     off = np.abs(posed[:count] - settled[:count]) / np.maximum(np.abs(settled[:count]), _LOADED)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from operator import index
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import TYPE_CHECKING, Literal
 
 from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
@@ -17,7 +16,7 @@ from ..scene.bodies import motions
 from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
-from .quantities import Quantity, in_si
+from .quantities import Quantity, at_least, by_line, in_si
 from .simulate import SceneLike, load
 from .warnings import warn
 
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
     from ..assembly.statics.configuration import Configuration, Named
     from ..scene.hinge_line_tables import HingeLine
 
-T = TypeVar("T")
 Angles = Mapping[str, Quantity]
 """Angles of hinge lines by name, rad or texts such as "45 deg"."""
 Way = tuple[Quantity, Quantity]
@@ -91,7 +89,7 @@ def modes(
         listed(flexible),
         target,
         as_posed,
-        _at_least(count, 1, "count"),
+        at_least(count, 1, "count"),
         held=base == "held",
     )
     if as_posed:
@@ -129,7 +127,7 @@ def appendage(
         as_posed,
         hold,
         listed(points),
-        _at_least(count, 1, "count"),
+        at_least(count, 1, "count"),
     )
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, found[0].unbalanced)
@@ -176,7 +174,7 @@ def frequency_response(
     model = scene_model(checked, listed(rigid), listed(flexible), target, as_posed)
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, model.unbalanced)
-    frequencies = frequency_grid(model, first, last, _at_least(steps, 2, "steps"))
+    frequencies = frequency_grid(model, first, last, at_least(steps, 2, "steps"))
     found = responses(model, excite, along or excite, listed(points), frequencies)
     free = not model.is_grounded
     return FrequencyResponse(checked.header.name, target, free, excite, frequencies, tuple(found))
@@ -225,7 +223,7 @@ def quasi_static(
 
     example = '{"HL1": (0, "90 deg")}'
     ways = []
-    for line, both in _by_line(sweeps, "sweeps", example).items():
+    for line, both in by_line(sweeps, "sweeps", example).items():
         if not isinstance(both, Sequence) or isinstance(both, str) or len(both) != 2:
             raise SceneError(
                 [f"the sweep of {line} is {both!r}; give the angles of its ends, such as {example}"]
@@ -239,7 +237,7 @@ def quasi_static(
     checked = _for_small_motion(scene, rigid)
     target = _configuration(checked, configuration, angles, latched)
     held = lines_held(checked, target, hold, ways)
-    count = _at_least(steps, 1, "steps")
+    count = at_least(steps, 1, "steps")
     return find(checked, listed(rigid), listed(flexible), target, held, ways, count)
 
 
@@ -268,15 +266,15 @@ def torque_margin(
     symbols = (*FACTORS["theoretical"], *DEMANDS)
     extra: dict[str, dict[str, float]] = {}
     example = '{"HL2": {"HY": 0.02}}'
-    for line, given in _by_line(torques or {}, "torques", example).items():
-        for symbol, torque in _by_line(given, f"the torques of {line}", example).items():
+    for line, given in by_line(torques or {}, "torques", example).items():
+        for symbol, torque in by_line(given, f"the torques of {line}", example).items():
             if symbol not in symbols:
                 raise SceneError(
                     [f"{line}: there is no torque {symbol!r}; symbols of ECSS are {', '.join(symbols)}"]
                 )
             value = in_si(torque, "N.m", f"the torque {symbol} of {line}", "zero or positive")
             extra.setdefault(line, {})[symbol] = value or 0.0
-    count = _at_least(positions, 2, "positions")
+    count = at_least(positions, 2, "positions")
     return find(margin_cases(load(scene), listed(cases)), count, factors, friction, extra)
 
 
@@ -427,7 +425,7 @@ def stress(
     margin = in_si(insert_margin, "m", "insert_margin", "zero or positive") or 0.0
     choice = Choice(None if nodes is None else tuple(nodes), within, around, margin)
     near = in_si(radius, "m", "radius", "zero or positive") or 0.0
-    return panel_stress(opened(result), body, choice, near, _at_least(count, 1, "count"))
+    return panel_stress(opened(result), body, choice, near, at_least(count, 1, "count"))
 
 
 def body_outputs(result: ResultLike, body: str) -> BodyOutputs:
@@ -486,30 +484,13 @@ def _configuration(
         raise SceneError(
             [f"there is no configuration {named!r}; configurations are stowed, deployed and current"]
         )
-    given = _by_line(angles or {}, "angles", '{"HL1": "45 deg"}')
+    given = by_line(angles or {}, "angles", '{"HL1": "45 deg"}')
     turned = {line: _angle(line, angle) for line, angle in given.items()}
     return configuration(scene, named, turned, latched)
 
 
 def _angle(line: str, angle: Quantity) -> float:
     return in_si(angle, "rad", f"the angle of {line}") or 0.0
-
-
-def _at_least(count: int, least: int, what: str) -> int:
-    try:
-        found = index(count)
-    except TypeError:
-        raise SceneError([f"{what} is {count!r}; it must be a whole number"]) from None
-    if found < least:
-        raise SceneError([f"{what} is {found}; it must be at least {least}"])
-    return found
-
-
-def _by_line(given: Mapping[str, T], what: str, example: str) -> Mapping[str, T]:
-    """What is given by hinge line; SceneError where it is something else."""
-    if not isinstance(given, Mapping):
-        raise SceneError([f"{what}: is {given!r}; give values by line, such as {example}"])
-    return given
 
 
 def _folder(folder: str | Path | None) -> Path | None:

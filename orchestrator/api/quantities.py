@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import overload
+from collections.abc import Mapping
+from operator import index
+from typing import TypeVar, overload
 
 from ..scene.table import SceneError
 from ..scene.units import Sign, written
 
+T = TypeVar("T")
 Quantity = float | str
 """A number in SI units, or a text with its unit such as "90 deg"."""
 
@@ -23,3 +26,21 @@ def in_si(value: Quantity | None, unit: str, what: str, sign: Sign = "any") -> f
         return written(value, unit, sign)
     except ValueError as error:
         raise SceneError([f"{what} {error}"]) from None
+
+
+def at_least(count: int, least: int, what: str) -> int:
+    """A count that is as large; SceneError where it is less, or no whole number."""
+    try:
+        found = index(count)
+    except TypeError:
+        raise SceneError([f"{what} is {count!r}; it must be a whole number"]) from None
+    if found < least:
+        raise SceneError([f"{what} is {found}; it must be at least {least}"])
+    return found
+
+
+def by_line(given: Mapping[str, T], what: str, example: str) -> Mapping[str, T]:
+    """What is given by hinge line; SceneError where it is something else."""
+    if not isinstance(given, Mapping):
+        raise SceneError([f"{what}: is {given!r}; give values by line, such as {example}"])
+    return given

@@ -359,6 +359,6 @@ def test_a_pendulum_in_a_joint_by_its_preset_has_its_frequency(preset, tmp_path)
     lever, about = 2.0 * 9.81 * 0.6, 0.3 + 2.0 * 0.6**2
     assert 2.0 * pi * found.frequencies[0] == pytest.approx((lever / about) ** 0.5, rel=1e-4)
     with pytest.warns(
-        fanfold.FanfoldWarning, match=r"do not carry 19\.6 N .* is 22\.\d+ Hz for 0\.5407 Hz in equilibrium"
+        fanfold.FanfoldWarning, match=r"do not carry 19\.6 N .* free motions are 1 for 0 in equilibrium"
     ):
         assert 2.0 * pi * fanfold.modes(path, as_posed=True).frequencies[0] > 100.0

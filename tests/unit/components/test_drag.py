@@ -227,7 +227,7 @@ def test_parameters_out_of_range(name):
     component = PlateDrag()
     p = component.parameter_layout.start_values()
     p[component.parameter_layout[name]] = -1.0
-    with pytest.raises(ComponentError, match=f"{name} = -1 .*at least 0"):
+    with pytest.raises(ComponentError, match=f"{name} = -1.*at least 0"):
         component.prepare(p)
 
 
