@@ -42,13 +42,12 @@ class FixedBase(Component):
         self._arms = self._positions - np.asarray(reference, dtype=float)
         self._loads = PortLoads([port["name"] for port in ports], self._arms)
         structure: dict[str, Any] = {"ports": [dict(port) for port in ports], "reference": tuple(reference)}
-        self.carried = None if carried is None else Carried.of(carried)
+        self.carried: Carried | None = None
         self.weight = np.zeros(WRENCH_SIZE)
-        if carried is not None and self.carried is not None:
+        if carried is not None:
             structure |= {"carried": dict(carried), "gravity": tuple(gravity)}
-            self.weight = self.carried.weight(
-                np.array(gravity, dtype=float), np.array(reference, dtype=float)
-            )
+            self.carried = Carried.of(carried)
+            self.weight = self.carried.weight(*np.array([gravity, reference], dtype=float))
         self._declare(
             structure,
             ports=[Port(port["name"], "body", 4) for port in ports],

@@ -78,9 +78,10 @@ def hidden_excess(time: Vector, values: Vector, events: list[float]) -> float:
     # without a top its neighbours remain, so that it is unsure by no more than it rises above them
     reach = 2.0 * height[tops] - np.maximum(height[tops - 1], height[tops + 1])
     most = whole
-    for top in tops[np.argsort(-reach)]:
-        if 2.0 * height[top] - max(height[top - 1], height[top + 1]) <= most:
+    for number in np.argsort(-reach):
+        if reach[number] <= most:
             break
+        top = tops[number]
         near = slice(max(0, top - _AROUND), top + _AROUND + 1)
         most = max(most, height[top] + sampling_error(time[near], values[near], events))
     return most - whole
