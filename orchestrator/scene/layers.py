@@ -205,6 +205,9 @@ def _merged_entries(key: str, below: Any, above: Any, added: set[str]) -> list[T
     entries = {entry["name"]: entry for entry in below}
     if len(entries) < len(below):  # the later would hide the earlier, and nobody could say so any more
         raise SceneError([f"{key}: two entries have the same name, so a layer cannot tell which it is about"])
+    laid = [entry["name"] for entry in above if entry.get(_REMOVE) is not True]
+    if twice := sorted({name for name in laid if laid.count(name) > 1}):
+        raise SceneError([f"{key}: a layer has two entries of the name {twice[0]!r}; rename one"])
     for entry in above:
         name = entry["name"]
         if entry.get(_REMOVE) is not True:

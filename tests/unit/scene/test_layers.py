@@ -171,6 +171,15 @@ def test_a_layer_over_two_entries_of_one_name_is_told(tmp_path):
     assert "two components are named 'inner'" in problems_of(path)
 
 
+def test_two_entries_of_one_name_in_a_layer_are_told(tmp_path):
+    """Regression: they became one entry, without a word."""
+    written(tmp_path, "below.toml", TWO_PANELS)
+    twice = 2 * '[[body]]\nname = "inner"\n'
+    assert "body: a layer has two entries of the name 'inner'" in problems_of(
+        written(tmp_path, "above.toml", 'extends = "below.toml"\n' + twice)
+    )
+
+
 def test_a_named_scene_can_be_extended(tmp_path):
     scene = load_scene(written(tmp_path, "mine.toml", 'extends = "amos3"\n[scene]\nuntil = 2.0\n'))
     assert [body.name for body in scene.bodies] == [
