@@ -200,7 +200,12 @@ class Observations(NamedTuple):
             HINGE_LOAD,
         ),
     ]
-    motor_energy: Annotated[float, observed("J", "Energy released by the motorisation since stowed")]
+    motor_energy: Annotated[
+        float,
+        observed(
+            "J", "Energy released since stowed by the motorisation as it is now; it jumps where one is set"
+        ),
+    ]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
     latch_energy: Annotated[
         float, observed("J", "Energy dissipated by the latch, its impulse included", DISSIPATION)

@@ -77,9 +77,9 @@ class Headline:
     attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
     attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
-    motor_energy: released up to the last latch-up. energy_exchanged, numerical_dissipation and energy_residual
-    (largest, over energy_exchanged; None where there is none): see `energy_ledger`. warnings: sentences on what is
-    not as the tolerance promises.
+    motor_energy: released by motors, and put in by drives and loads, up to the last latch-up. energy_exchanged,
+    numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
+    `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
     """
 
