@@ -4,8 +4,9 @@ The companion is a run of half the cost along the steps that the run accepted, s
 it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
 the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
 of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
-difference. Where both numbers are near each other by chance, the rows around them differ by more
-(`near_peaks`), and where ringing is not resolved, the rows of the run itself tell what both miss alike (`step_ends`).
+difference, and half as much again at order 4. Where both numbers are near each other by chance, the rows around them
+differ by more (`near_peaks`), and where ringing is not resolved, the rows of the run itself tell what both miss alike
+(`step_ends`).
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ from ..results.key_figures import headline
 from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
 
-_SHARES = {2: 1.0 / sqrt(3.0), 4: 0.35}
-"""Of the difference, by order, between 1 / (2^n - 1) and 1: where most random wings lie, in the middle of order 2."""
+_SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.5)}
+"""Of the difference, by order: likely ones between 1 / (2^n - 1) and 1, in the middle of order 2, and where most random
+wings lie; in one of ten of these the error of order 4 is more than the whole difference."""
 _BY_CHANCE = 3.0
 """Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
@@ -81,6 +83,6 @@ def _errors(
     }
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
     return {
-        key: larger(EstimatedError(share * d, d), by_rows.get(key), at_least.get(key))
+        key: larger(EstimatedError(share.likely * d, share.most * d), by_rows.get(key), at_least.get(key))
         for key, d in widest.items()
     }
