@@ -86,10 +86,8 @@ class FixedBase(Component):
     def observe(self, c: None, x: Vector, u: Vector) -> Vector:
         """Loads now and one step earlier, see `PortLoads.observe`."""
         loads = self._loads.observe(x, u[: self._impulse], _UPRIGHT, _UPRIGHT)
-        now, earlier = loads.reshape(2, -1)[:, :WRENCH_SIZE]
-        now += self.weight
-        if self._loads.tells_earlier(x):
-            earlier += self.weight
+        for whole in self._loads.known_sums(loads, x):
+            whole += self.weight
         return loads
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:

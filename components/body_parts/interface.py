@@ -59,10 +59,10 @@ class Interface:
         earlier = rotation_matrix(normalized(tuple(before.tolist()))) if before.any() else axes
         loads = self._loads.observe(record, u[: self._impulse], axes, earlier)
         if self.shares.size:
-            now, then = loads.reshape(2, -1)[:, :WRENCH_SIZE]
-            now[:] = self.shares @ np.concatenate((now, products(rate)))
-            if self._loads.tells_earlier(record):
-                then[:] = self.shares @ np.concatenate((then, products(rate_before)))
+            for whole, turning in zip(
+                self._loads.known_sums(loads, record), (rate, rate_before), strict=False
+            ):
+                whole[:] = self.shares @ np.concatenate((whole, products(turning)))
         return np.concatenate((_attitude(orientation), rate, loads))
 
 

@@ -68,12 +68,13 @@ def _lowest_whole(stiffness: SparseMatrix, mass: SparseMatrix, count: int, facto
 
     A solver returns any of them, another one each time, and bodies with half of a pair would not be the same.
     """
-    beyond = min(count + _ALIKE, stiffness.shape[0]) if count > 0 else count
-    values, vectors = _lowest_modes(stiffness, mass, max(beyond, count), factor)
-    if beyond <= count or values[count] - values[count - 1] > _EQUAL * values[count]:
+    size = stiffness.shape[0]
+    asked = min(count + _ALIKE, size) if 0 < count < size else count
+    values, vectors = _lowest_modes(stiffness, mass, asked, factor)
+    if asked == count or values[count] - values[count - 1] > _EQUAL * values[count]:
         return vectors[:, :count]
     group = np.flatnonzero(np.abs(values - values[count]) <= _EQUAL * values[count])
-    marks = np.random.default_rng(2).standard_normal((stiffness.shape[0], group.size))
+    marks = np.random.default_rng(2).standard_normal((size, group.size))
     turn, sizes = np.linalg.qr(vectors[:, group].T @ _times(mass, marks))
     vectors[:, group] = vectors[:, group] @ (turn * np.sign(np.diag(sizes)))
     return vectors[:, :count]

@@ -70,13 +70,17 @@ class PortLoads:
         else:
             now = extrapolated(StepMean(mean, slope, h), StepMean(mean_before, slope_before, h_before))
         earlier = np.zeros_like(now)
-        if self.tells_earlier(record):
+        if self._tells_earlier(record):
             mean, slope, mean_before, slope_before = (self._loads(part, axes_before) for part in parts)
             earlier = between(StepMean(mean_before, slope_before, h_before), StepMean(mean, slope, h))
         return np.concatenate((now, earlier))
 
-    def tells_earlier(self, record: Vector) -> bool:
-        """Whether there are two steps, so that loads one step earlier are known."""
+    def known_sums(self, loads: Vector, record: Vector) -> list[Vector]:
+        """Parts (6,) of what `observe` gives: the sum now and, where there are two steps, that one step earlier."""
+        now, earlier = loads.reshape(2, -1)[:, :WRENCH_SIZE]
+        return [now, earlier] if self._tells_earlier(record) else [now]
+
+    def _tells_earlier(self, record: Vector) -> bool:
         return bool(record[:_SIZES].min() > 0.0)
 
     def sums(self, wrenches: Vector, axes: Vector) -> Vector:

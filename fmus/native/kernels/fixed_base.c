@@ -93,7 +93,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     static const double upright[9] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
     const FixedBase *base = self;
     observe_port_loads(base->ports, base->arms, x, u, upright, upright, z);
-    double *earlier = z + port_loads_told(base->ports) / 2;
+    double *earlier = earlier_loads(base->ports, z);
     for (size_t i = 0; i < WRENCH_SIZE; i++) {
         z[i] += base->carried_weight[i];
         if (tells_earlier(x)) earlier[i] += base->carried_weight[i];

@@ -53,6 +53,9 @@ static inline void store_port_loads(size_t ports, const double *old, const real 
 /* Whether there are two steps, so that loads one step earlier are known. */
 static inline int tells_earlier(const double *record) { return record[0] > 0.0 && record[1] > 0.0; }
 
+/* Where loads one step earlier stand behind those of now. */
+static inline double *earlier_loads(size_t ports, double *z) { return z + WRENCH_SIZE * (1 + ports); }
+
 /* Load 0 is the sum of all ports about the point that the arms start from, load k that of port k - 1; axes of the base. */
 static inline void load_in_axes(size_t ports, const double *arms, const double *wrenches, size_t number,
                                 const double axes[9], double load[WRENCH_SIZE]) {
@@ -88,7 +91,7 @@ static inline LoadRecord load_record(size_t ports, const double *arms, const dou
 static inline void observe_port_loads(size_t ports, const double *arms, const double *record, const double *wrenches,
                                       const double axes[9], const double axes_before[9], double *z) {
     const double h = record[0], h_before = record[1];
-    double *earlier = z + WRENCH_SIZE * (1 + ports);
+    double *earlier = earlier_loads(ports, z);
     for (size_t k = 0; k <= ports; k++, z += WRENCH_SIZE, earlier += WRENCH_SIZE) {
         const LoadRecord now = load_record(ports, arms, record, k, axes);
         const LoadRecord before = load_record(ports, arms, record, k, axes_before);

@@ -15,7 +15,7 @@ from components.flexible.stress import FACES, Indices, PeakStress, hot_spots, no
 
 from ...results.result import Result, ResultError
 from .model import AT_INSERT, BodyStress, body_stress
-from .stretching import Stretching, stretching
+from .stretching import Stretching, left_out, stretching
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,7 @@ class PanelStress:
     @property
     def remarks(self) -> tuple[str, ...]:
         """What these stresses do not hold, as sentences."""
-        found = [] if self.stretching is None else [*self.stretching.sentences(self.body)]
-        return (*found, *self.stress.left_out(self.body))
+        return tuple(left_out(self.body, self.stress, self.stretching))
 
 
 def panel_stress(result: Result, body: str, choice: Choice, radius: float, count: int) -> PanelStress:
@@ -101,9 +100,7 @@ def panel_stress(result: Result, body: str, choice: Choice, radius: float, count
             f"{result.name}: {body}: the modal coordinates are not finite; the run was unstable"
         )
     places, spots = find_hot_spots(result, stress, peak, radius, count)
-    stretched = None
-    if stress.slopes is not None:
-        stretched = stretching(stress, result.time)
+    stretched = stretching(stress, result.time)
     return PanelStress(body, tuple(spots), radius, peak, places, stress, result, stretched)
 
 

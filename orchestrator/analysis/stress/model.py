@@ -44,14 +44,6 @@ class BodyStress:
     shapes: Vector
     """(n, 3, M) of all nodes of the plate by the modal coordinates of the run, m / (kg^1/2 m)"""
 
-    def left_out(self, body: str) -> tuple[str, ...]:
-        """What the recovery leaves out, as sentences."""
-        return (
-            (f"stresses of {body} leave out its tension at rest, {self.prestress:.4g} Pa",)
-            if self.prestress
-            else ()
-        )
-
 
 def body_stress(result: Result, body: str, choose: Callable[[PlateNodes], Indices]) -> BodyStress:
     """Stress recovery of a flexible panel; ResultError where the result or the catalogue does not allow it."""

@@ -53,9 +53,21 @@ class Stretching:
             )
 
 
-def stretching(stress: BodyStress, time: Vector) -> Stretching:
-    """At the nodes of a recovery and at times (N,) s; compression at those that are on no rigid insert's edge."""
-    assert stress.slopes is not None
+def left_out(body: str, stress: BodyStress, stretched: Stretching | None) -> Iterator[str]:
+    """What stresses do not hold, as sentences."""
+    if stretched is not None:
+        yield from stretched.sentences(body)
+    if stress.prestress:
+        yield f"stresses of {body} leave out its tension at rest, {stress.prestress:.4g} Pa"
+
+
+def stretching(stress: BodyStress, time: Vector) -> Stretching | None:
+    """At the nodes of a recovery and at times (N,) s; compression at those that are on no rigid insert's edge.
+
+    None where bending does not stretch the plate.
+    """
+    if stress.slopes is None:
+        return None
     recovery, count = stress.recovery, len(stress.recovery.nodes)
     edge = stress.plate.insert_distance()[recovery.nodes] <= AT_INSERT
     found: list[tuple[float, int, int]] = [(-np.inf, 0, 0), (-np.inf, 0, 0)]

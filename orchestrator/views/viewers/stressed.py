@@ -10,7 +10,7 @@ from components.contract.component import Vector
 from components.flexible.stress import StressRecovery
 
 from ...analysis.stress.model import body_stress
-from ...analysis.stress.stretching import stretching
+from ...analysis.stress.stretching import left_out, stretching
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
 from .motion import Rows
@@ -41,8 +41,7 @@ def plate(result: Result, name: str) -> Plate:
     stress = body_stress(result, name, lambda plate: np.arange(len(plate.positions)))
     if not np.all(np.isfinite(stress.coordinates)):
         raise ResultError(f"{result.name}: {name}: the stresses are not finite; the run was unstable")
-    remarks = [] if stress.slopes is None else [*stretching(stress, result.time).sentences(name)]
-    remarks += stress.left_out(name)
+    remarks = list(left_out(name, stress, stretching(stress, result.time)))
     used, corners = np.unique(stress.plate.faces, return_inverse=True)
     faces = corners.reshape(stress.plate.faces.shape).astype(np.int64)
     geometry = Geometry(stress.plate.positions[used], stress.shapes[used], faces)

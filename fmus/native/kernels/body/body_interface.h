@@ -57,7 +57,7 @@ static inline void observe_interface(const Body *body, const double *x, const do
     observe_port_loads(body->ports, body->origin_arms, record, u, axes, axes_before, now);
     if (!body->has_carried) return;
     leave_carried(body->carried, x + X_ANGULAR_VELOCITY, now);
-    if (tells_earlier(record)) leave_carried(body->carried, before + ORIENTATION_BEFORE, now + port_loads_told(body->ports) / 2);
+    if (tells_earlier(record)) leave_carried(body->carried, before + ORIENTATION_BEFORE, earlier_loads(body->ports, now));
 }
 
 #endif
