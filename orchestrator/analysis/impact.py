@@ -1,4 +1,4 @@
-"""Impacts of a run: every touch of every contact, how hard, how long, and what it took away.
+"""Impacts of a run: every touch of every contact and end stop, how hard, how long, and what it took away.
 
 Bagnoli (2007), sections 2.3.1 and 6.1.2: with a raised holding torque of the SADM the latching outboard panel
 throws the inboard one against the spacecraft.
@@ -16,13 +16,15 @@ from components.contract.component import Vector
 from ..results.key_figures import extremes
 from ..results.result import Result, ResultError
 
+CONTACT_FORCE, STOP_TORQUE = TOUCHING_LOADS = ("contact_force", "stop_torque")
+"""What is recorded of contacts and of end stops, both beside a penetration."""
 _SHORTEST_GAP = 1e-3
 """Touches of one contact that are less than this apart (s) are one impact that chatters."""
 
 
 @dataclass(frozen=True)
 class Impact:
-    """One touch of one contact."""
+    """One touch of one contact; of an end stop with rad for m, N.m for N."""
 
     contact: str
     start: float
@@ -41,21 +43,25 @@ class Impact:
     """penetration, m"""
     dissipated: float
     """J"""
+    angular: bool = False
+    """whether it is that of an end stop"""
 
 
 def impacts(result: Result) -> list[Impact]:
-    """All touches that a result holds, in order of time; ResultError where it has no contact."""
-    names = result.recording("contact_force")
-    if not names:
-        raise ResultError(f"{result.name}: the scene has no contact, so there is no impact to look for")
-    found = [impact for name in names for impact in _impacts_of(result, name)]
+    """All touches that a result holds, in order of time; ResultError where it has neither contact nor end stop."""
+    loads = [(name, load) for load in TOUCHING_LOADS for name in result.recording(load)]
+    if not loads:
+        raise ResultError(
+            f"{result.name}: the scene has neither a contact nor an end_stop, so there is no impact to look for"
+        )
+    found = [impact for name, load in loads for impact in _impacts_of(result, name, load)]
     return sorted(found, key=lambda impact: impact.start)
 
 
-def _impacts_of(result: Result, name: str) -> Iterator[Impact]:
+def _impacts_of(result: Result, name: str, load: str) -> Iterator[Impact]:
     time = result.time
     depth = result.signal(name, "penetration")
-    force = result.signal(name, "contact_force")
+    force = result.signal(name, load)
     heat = result.signal(name, "dissipated_energy")
     for first, last in _touches(time, depth):
         inside = slice(first, last + 1)
@@ -72,6 +78,7 @@ def _impacts_of(result: Result, name: str) -> Iterator[Impact]:
             float(np.trapezoid(np.r_[0.0, force[inside], 0.0], np.r_[start, time[inside], end])),
             deepest.value,
             float(heat[min(last + 1, time.size - 1)] - heat[max(first - 1, 0)]),
+            load == STOP_TORQUE,
         )
 
 

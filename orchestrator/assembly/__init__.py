@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Self
 if TYPE_CHECKING:
     from components import Component
 
-STOPS = ("_stop_1", "_stop_2")
-"""What the contacts of a hinge's end stop are called, behind its name."""
+STOP = "_stop"
+"""What the end stop of a hinge is called, behind its name."""
 
 
 @dataclass(frozen=True, slots=True)

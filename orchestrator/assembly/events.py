@@ -21,7 +21,7 @@ from ..scene.events.tables import Event as EventTable
 from ..scene.events.tables import When
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
-from . import Condition, Event, HingeLine, Part, Setting
+from . import STOP, Condition, Event, HingeLine, Part, Setting
 
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
@@ -80,7 +80,7 @@ class _EventReader:
         """With a part that lets go, or is cut."""
         component = part.component()
         if any(command in component.input_layout for command in RELEASES):
-            return event.also(releases=(part.name,))
+            return event.also(releases=self._with_stop(part))
         if CUT.name in component.parameter_layout:
             return event.also(settings=(Setting(part.name, CUT.name, 1.0, CUT.unit),))
         self.problems.append(
@@ -88,6 +88,10 @@ class _EventReader:
             "Set a parameter of it instead, such as a stiffness"
         )
         return event
+
+    def _with_stop(self, part: Part) -> tuple[str, ...]:
+        """Names of a part and of the end stop beside it, which goes with the hinge."""
+        return tuple(name for name in (part.name, part.name + STOP) if name in self._parts)
 
     def _condition(self, key: str, when: When) -> Condition | None:
         name = self._lines[when.component].sensor if when.component in self._lines else when.component
@@ -143,7 +147,7 @@ class _EventReader:
         if isinstance(given, bool) or given != 1:
             raise ValueError(f"is {given!r}; commands can be given, with 1, but not taken back")
         if name in RELEASES:
-            return event.also(releases=(part.name,))
+            return event.also(releases=self._with_stop(part))
         if line is None or not self._lines[line].latches:
             raise ValueError(f"{part.name} is no hinge of a line that has a latch")
         return event.also(latches=(line,))

@@ -21,7 +21,7 @@ from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .lines.latch_impulse import latch_impulse
-from .lines.straying import Overrun, bent, folded_back, is_released, overruns, pressed
+from .lines.straying import Overrun, bent, folded_back, is_released, overruns
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
@@ -66,8 +66,7 @@ class Headline:
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch or an end stop
     went furthest behind where they started. bent: how far (rad) and when lines turned furthest about other axes than
-    their own, where that is more than any hinge does. pressed: how far (rad) and when lines went deepest into their
-    end stops, where that is more than these are made for.
+    their own, where that is more than any hinge does.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -103,7 +102,6 @@ class Headline:
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
     bent: Mapping[str, Peak] = field(default_factory=dict)
-    pressed: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     hinge_force_peaks: Mapping[str, float] = field(default_factory=dict)
@@ -121,8 +119,6 @@ class Headline:
 
     def open_ends(self) -> Iterator[str]:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
-        from ..assembly.end_stops import share_of_stiffness  # results are read without the reader of scenes
-
         for line, angle in self.unlatched_angles.items():
             yield f"{line} has not latched; at {self.end_time:g} s it stands at {degrees(angle):.2f} deg"
         for line, passed in self.overruns.items():
@@ -141,12 +137,6 @@ class Headline:
                 f"the hinges of {line} bent across their line by up to {degrees(bend.value):.0f} deg, "
                 f"at {bend.time:.4g} s; no hinge does, and their springs are meant for small angles: check "
                 "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it"
-            )
-        for line, depth in self.pressed.items():
-            yield (
-                f"{line} went {degrees(depth.value):.1f} deg into its end_stop, at {depth.time:.4g} s; pads push back "
-                f"by {share_of_stiffness(depth.value):.0%} of its stiffness times the angle there, and let go at "
-                "60 deg: make it stiffer"
             )
         for line in self.peaks_at_end:
             yield (
@@ -230,7 +220,6 @@ def headline(result: Result) -> Headline:
         },
         overruns=overruns(result),
         folded_back=folded_back(result),
-        pressed=pressed(result),
         bent=bent(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import degrees, pi
+from math import degrees
 from typing import Annotated, Literal, NamedTuple, Self
 
 import numpy as np
@@ -38,8 +38,6 @@ _ROUNDED = 1.001
 _ANGLE_ROUND_OFF = 1e-9
 _SAMPLES = 16
 """Of a law between two points of its table; a curve through them errs by 0.6 % of the step between both."""
-LONGEST_TO_STOP = 4.0 * pi / 3.0
-"""rad; a pad that turns past its plane once more would meet it from behind."""
 HingeKind = Literal["revolute", "cylindrical", "spherical", "bushing"]
 
 
@@ -307,7 +305,7 @@ class Presliding(Table):
 class EndStop(Table):
     """End stop of a line, the total of its hinges: from an angle on, by default the deployed angle, it pushes back.
 
-    Each hinge has two pads at an arm from its axis that meet planes of the inboard body. A line latches before it
+    A torque beside each of its hinges, linear in the angle and with damping that never pulls. A line latches before it
     reaches a stop beyond its latch angle.
     """
 
@@ -317,8 +315,6 @@ class EndStop(Table):
     """Total of the line's hinges."""
     damping: TurningDamping = 0.0
     """Total of the line's hinges."""
-    arm: Radius = 0.05
-    """Lever of its pads' forces about the hinge line."""
 
 
 class HingeLine(Table):
@@ -433,11 +429,10 @@ class HingeLine(Table):
             raise ValueError("give a table harness and mark the hinges that carry it, or neither")
         if not self.is_pivot and not self.deployed_angle > self.stowed_angle:
             raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
-        if self.stop_angle is not None and not 0.0 < self.stop_angle - self.initial_angle < LONGEST_TO_STOP:
+        if self.stop_angle is not None and self.stop_angle <= self.initial_angle:
             stop, start = degrees(self.stop_angle), degrees(self.initial_angle)
             raise ValueError(
-                f"end_stop is at {stop:g} deg and the line starts at {start:g} deg; a stop must be beyond the start, "
-                f"by {degrees(LONGEST_TO_STOP):g} deg at most"
+                f"end_stop is at {stop:g} deg and the line starts at {start:g} deg; a stop must be beyond the start"
             )
         if self._starts_beyond_its_latch:
             start, latch = degrees(self.initial_angle), degrees(self.deployed_angle)

@@ -69,6 +69,13 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
         r"over a step, with the velocity and the rotation vector of the frame, whose accelerations change at the rates "
         r"$\mathbf j$ and $\mathbf k$ that the inputs hold.",
     ),
+    "end_stop": (
+        (
+            r"T = -\max\left(0,\; k\, p + c\, \mathrm{STEP}\!\left(\frac{p}{p_\mathrm{full}}\right) "
+            r"\dot p\right),\qquad p = \varphi - \varphi_\mathrm{stop} > 0",
+        ),
+        r"with the penetration $p$ of the hinge angle $\varphi$; $\mathrm{STEP}$ is that of a contact.",
+    ),
     "fixed_base": (
         (
             r"\mathbf F = \sum_k \mathbf F_k,\qquad "

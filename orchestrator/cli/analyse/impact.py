@@ -21,23 +21,24 @@ if TYPE_CHECKING:
 _NUMBER = 7
 
 
-def impact_table(found: list[Impact]) -> Table:
-    """For people."""
+def impact_table(found: list[Impact], angular: bool) -> Table:
+    """For people: those of contacts, or of end stops."""
     from ..tables import plain_table
 
-    table = plain_table("impacts")
-    table.add_column("contact")
+    table = plain_table("impacts in end stops" if angular else "impacts")
+    table.add_column("end stop" if angular else "contact")
+    way, load = ("mrad", "N.m") if angular else ("mm", "N")
     for heading in (
         "at, s",
         "for, ms",
-        "closing, mm/s",
-        "peak, N",
-        "impulse, N.s",
-        "deepest, mm",
+        f"closing, {way}/s",
+        f"peak, {load}",
+        f"impulse, {load}.s",
+        f"deepest, {way}",
         "lost, mJ",
     ):
         table.add_column(heading, justify="right", min_width=_NUMBER)
-    for k in found:
+    for k in (impact for impact in found if impact.angular == angular):
         values = (1e3 * k.duration, 1e3 * k.closing_speed, k.peak_force, k.impulse, 1e3 * k.deepest)
         table.add_row(
             k.contact, f"{k.start:.4f}", *(f"{value:.4g}" for value in values), f"{1e3 * k.dissipated:.3g}"
@@ -69,5 +70,6 @@ def command(result: Path, output: Path | None, as_json: bool) -> None:
         return
     from ..tables import terminal
 
-    terminal().print(impact_table(found))
+    for angular in sorted({impact.angular for impact in found}):
+        terminal().print(impact_table(found, angular))
     click.echo(picture)

@@ -8,7 +8,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assembly import STOPS, HingeLine
+from ...assembly import STOP, HingeLine
 from ..result import Result
 from ..signal import EVENT_WIDTH, Peak
 
@@ -19,9 +19,6 @@ _FOLDED_BACK = radians(5.0)
 
 _GIVES_WAY = radians(1.0)
 """Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
-
-_PRESSED = radians(3.0)
-"""Pads of an end stop push back by 5 % less there than their stiffness times the angle."""
 
 _BENT = radians(30.0)
 """Rotations across a line that are no longer small: their sine is 5 % less."""
@@ -72,30 +69,13 @@ def folded_back(result: Result) -> dict[str, Peak]:
     """How far (rad) lines with a latch or an end stop, by name, went behind their first angle, beyond play."""
     found = {}
     for line in result.hinge_lines:
-        ends = line.latches or result.has(f"{line.sensor}{STOPS[0]}", "in_contact")
+        ends = line.latches or result.has(line.sensor + STOP, "in_contact")
         if ends and result.has(line.sensor, "angle"):
             angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
             lowest = int(np.argmin(angle))
             behind = float(angle[0] - angle[lowest])
             if behind > _FOLDED_BACK:
                 found[line.name] = Peak(float(result.time[lowest]), behind)
-    return found
-
-
-def pressed(result: Result) -> dict[str, Peak]:
-    """How far (rad) lines, by name, went into their end stops, where that is more than pads are made for."""
-    found = {}
-    for line in result.hinge_lines:
-        pad = f"{line.sensor}{STOPS[0]}"
-        if not (result.has(pad, "in_contact") and result.has(line.sensor, "angle")):
-            continue
-        angle, touches = result.signal(line.sensor, "angle"), result.signal(pad, "in_contact") > 0.5
-        if not touches.any():
-            continue
-        depth = np.where(touches, angle - angle[max(0, int(np.argmax(touches)) - 1)], 0.0)
-        deepest = int(np.argmax(depth))
-        if depth[deepest] > _PRESSED:
-            found[line.name] = Peak(float(result.time[deepest]), float(depth[deepest]))
     return found
 
 

@@ -22,7 +22,7 @@ from components.contract.roles import (
 from fmus.build import component_data
 from fmus.native.compile import ASSEMBLY
 
-from ...assembly import Assembly, HingeLine
+from ...assembly import STOP, Assembly, HingeLine
 from ...assembly.signal_fmus import MEETS_RATES
 from ...cosim.network import Network
 from ...cosim.participant import InProcess
@@ -235,10 +235,10 @@ def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
             if command.name in participant.input_layout:
                 place = participant.input_layout[command.name].start
                 quantity = command.called(f"{participant.name}.{command.name}")
-                yield (
-                    Command((number, place), 0),
-                    quantity.saying(f"{participant.name}: 1: lets go at this communication point, for good"),
-                )
+                text = f"{participant.name}: 1: lets go at this communication point, for good"
+                if (stop := participant.name + STOP) in network.by_name:
+                    text += f"; {stop} has a command of its own"
+                yield Command((number, place), 0), quantity.saying(text)
 
 
 def _is_driven(assembly: Assembly) -> bool:

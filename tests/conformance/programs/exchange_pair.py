@@ -55,6 +55,7 @@ SUBJECTS = {
     "contact": lambda: endpoint("contact"),
     "drag": lambda: endpoint("drag"),
     "drive": lambda: endpoint("drive"),
+    "end_stop": lambda: endpoint("end_stop"),
     "hold_down": lambda: endpoint("hold_down"),
     "load": lambda: endpoint("load"),
     "driven_base": DrivenBase.example,
