@@ -13,7 +13,7 @@ from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized
 from .contract.ports import WRENCH_SIZE
 from .contract.roles import IMPULSE
-from .numerics.port_loads import PortLoads
+from .numerics.port_loads import PortLoads, outside_flags, outside_ports
 
 _UPRIGHT = np.eye(3)
 
@@ -22,8 +22,9 @@ class FixedBase(Component):
     """Ports that never move, whatever slopes their wrenches have, and the loads they carry.
 
     ports: one mapping per port with `name`, `position` (3, m, world axes) and optional `orientation`
-    (quaternion). Interface loads are told in sum about `reference` (3, m) and by port, see `PortLoads`. carried: fields
-    of `Carried`, of bodies joined to it, whose weight by gravity (3, m/s2) is part of the sum.
+    (quaternion), `outside` where what acts there is no interface load. Interface loads are told in sum about
+    `reference` (3, m) and by port, see `PortLoads`. carried: fields of `Carried`, of bodies joined to it, whose weight
+    by gravity (3, m/s2) is part of the sum.
     """
 
     kind = "fixed_base"
@@ -40,7 +41,8 @@ class FixedBase(Component):
     ) -> None:
         self._positions = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
         self._arms = self._positions - np.asarray(reference, dtype=float)
-        self._loads = PortLoads([port["name"] for port in ports], self._arms)
+        names = [port["name"] for port in ports]
+        self._loads = PortLoads(names, self._arms, outside=outside_ports(ports))
         structure: dict[str, Any] = {"ports": [dict(port) for port in ports], "reference": tuple(reference)}
         self.carried: Carried | None = None
         self.weight = np.zeros(WRENCH_SIZE)
@@ -88,6 +90,7 @@ class FixedBase(Component):
         loads = self._loads.observe(x, u[: self._impulse], _UPRIGHT, _UPRIGHT)
         for whole in self._loads.known_sums(loads, x):
             whole += self.weight
+        self._loads.leave_outside(loads)
         return loads
 
     def rates(self, c: None, x: Vector, u: Vector) -> Vector:
@@ -100,11 +103,13 @@ class FixedBase(Component):
             "base_positions": self._positions,
             "base_arms": self._arms,
             "base_orientations": self._orientations,
+            "base_outside": outside_flags(self.structure["ports"]),
             "base_carried_weight": self.weight,
         }
 
     @classmethod
     def example(cls) -> FixedBase:
-        """Two ports, one of them turned."""
+        """Three ports, one of them turned, and one for what acts from outside."""
         pulley = {"name": "pulley", "position": (0.0, 0.6, 0.0), "orientation": (0.6, 0.0, 0.8, 0.0)}
-        return cls([{"name": "hinge", "position": (0.0, 0.0, 0.0)}, pulley])
+        drag = {"name": "drag", "position": (0.3, -0.2, 0.1), "outside": True}
+        return cls([{"name": "hinge", "position": (0.0, 0.0, 0.0)}, pulley, drag])

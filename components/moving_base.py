@@ -15,7 +15,7 @@ from .contract.ports import WRENCH_SIZE
 from .contract.record import integrated, kept, observed
 from .contract.roles import HOLD, IMPULSE, SUPPLIED_ENERGY, TIME_TO_BREAK
 from .numerics.motion_law import NOTHING, MotionLaw, gauss_times
-from .numerics.port_loads import PortLoads
+from .numerics.port_loads import PortLoads, outside_flags, outside_ports
 from .numerics.relative_motion import unit_direction
 
 _OWN = 3
@@ -28,7 +28,8 @@ class MovingBase(Component):
     Where the laws are zero the frame is at `position` (3, m) with `orientation` (quaternion). From there it is shifted
     along `translation_axis` by the law `translation` (m) and turned about `rotation_axis`, through its own point
     `pivot`, by the law `rotation` (rad); both axes are in the world, terms of laws as in `MotionLaw`. ports: one
-    mapping per port with `name`, `position` (3, m) and optional `orientation` (quaternion), in the axes of the frame.
+    mapping per port with `name`, `position` (3, m) and optional `orientation` (quaternion), in the axes of the frame,
+    `outside` where what acts there is no interface load.
     The clock starts at zero, when the scene does, and stands still while `hold` is 1; rates are those of the laws.
     Interface loads are in the axes of the base, in sum about the pivot. The work of all loads on the moving ports, with
     its sign changed, is the energy supplied. is_base: whether it is the spacecraft, whose loads are interface loads;
@@ -63,7 +64,8 @@ class MovingBase(Component):
         )
         turns = [port.get("orientation", (1.0, 0.0, 0.0, 0.0)) for port in ports]
         self._orientations = [normalized((w, x, y, z)) for w, x, y, z in turns]
-        self._loads = PortLoads([port["name"] for port in ports], self._arms, is_base)
+        names = [port["name"] for port in ports]
+        self._loads = PortLoads(names, self._arms, is_base, outside_ports(ports))
         own = [
             integrated("s", "1", "Time since the start, without what was held", False).called("clock"),
             kept("s", "How far the clock went in the last step").called("passed"),
@@ -191,6 +193,7 @@ class MovingBase(Component):
         shift, turn = (law.value(clock) for law in self._laws)
         axes, axes_before = self._axes(turn), self._axes(self._laws[1].value(clock - passed))
         loads = self._loads.observe(x[_OWN:], u[: self._wrenches], axes, axes_before)
+        self._loads.leave_outside(loads)
         origin = self._pivot + shift * self._shift - axes @ self._own_pivot
         return np.concatenate(((shift, turn), origin, self._turned(turn), (work,), loads))
 
@@ -209,6 +212,7 @@ class MovingBase(Component):
             "base_frame": self._frame,
             "base_arms": self._arms,
             "base_orientations": np.array(self._orientations).reshape(-1, 4),
+            "base_outside": outside_flags(self.structure["ports"]),
             "base_translation_axis": self._shift,
             "base_rotation_axis": self._turn,
             **self._laws[0].native_data("translation"),
@@ -217,10 +221,11 @@ class MovingBase(Component):
 
     @classmethod
     def example(cls) -> MovingBase:
-        """Two ports, one of them turned, on a base that is shaken and spun up."""
+        """Three ports, one turned, one for what acts from outside, on a base that is shaken and spun up."""
         pulley = {"name": "pulley", "position": (0.0, 0.6, 0.0), "orientation": (0.6, 0.0, 0.8, 0.0)}
+        drag = {"name": "drag", "position": (0.3, -0.2, 0.1), "outside": True}
         return cls(
-            [{"name": "hinge", "position": (0.0, 0.0, 0.0)}, pulley],
+            [{"name": "hinge", "position": (0.0, 0.0, 0.0)}, pulley, drag],
             [{"profile": "harmonic", "amplitude": 0.02, "frequency": 2.0}],
             [{"profile": "spin_up", "duration": 0.05, "rate": 0.4}],
             (1.0, 0.0, 1.0),

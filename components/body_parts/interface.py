@@ -25,16 +25,23 @@ class Interface:
     """Declarations and functions of a base with these ports; arms (ports, 3) from its origin, body axes.
 
     Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`.
-    carried: bodies that are part of the whole, but count in the sum of the loads. shares: see `Carried`, (6, 12), or
-    empty.
+    carried: bodies that are part of the whole, but count in the sum of the loads. outside: see `PortLoads`. shares: see
+    `Carried`, (6, 12), or empty.
     """
 
     noun: ClassVar[str] = "interface"
 
-    def __init__(self, names: Sequence[str], arms: Vector, carried: Carried | None, whole: ModalData) -> None:
+    def __init__(
+        self,
+        names: Sequence[str],
+        arms: Vector,
+        carried: Carried | None,
+        whole: ModalData,
+        outside: Sequence[int] = (),
+    ) -> None:
         self._impulse = WRENCH_SIZE * len(names)
         self.shares = np.zeros(0) if carried is None else carried.shares(whole)
-        self._loads = PortLoads(names, arms)
+        self._loads = PortLoads(names, arms, outside=outside)
         before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
         self.inputs = [replace(IMPULSE, resized=True)]
         rate = replace(kept("rad/s", "Angular velocity one step earlier, body axes"), name="rate_before")
@@ -63,6 +70,7 @@ class Interface:
                 self._loads.known_sums(loads, record), (rate, rate_before), strict=False
             ):
                 whole[:] = self.shares @ np.concatenate((whole, products(turning)))
+        self._loads.leave_outside(loads)
         return np.concatenate((_attitude(orientation), rate, loads))
 
 

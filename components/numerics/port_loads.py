@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,11 +25,15 @@ class PortLoads:
     The load on a base is what its ports bring: its own inertia and weight are no part of it, which of what it carries
     rigidly its component adds. Forces and torques are in the axes of the base; torques of a port are about its origin,
     the sum's about the point that the arms, (ports, 3) in the axes of the base, start from. What moves by a law and is
-    not the spacecraft (`is_base`) tells reactions.
+    not the spacecraft (`is_base`) tells reactions. outside: numbers of ports at which something from outside acts on
+    the base itself, such as a thruster, which is no part of the sum.
     """
 
-    def __init__(self, names: Sequence[str], arms: Vector, is_base: bool = True) -> None:
+    def __init__(
+        self, names: Sequence[str], arms: Vector, is_base: bool = True, outside: Sequence[int] = ()
+    ) -> None:
         self._arms = arms
+        self._outside = tuple(outside)
         self._numbers = WRENCH_SIZE * len(names)
         self.size = _SIZES + 4 * self._numbers
         word, whole, part = ("interface", INTERFACE_LOAD, PORT_LOAD) if is_base else ("reaction", LOAD, "")
@@ -80,6 +85,14 @@ class PortLoads:
         now, earlier = loads.reshape(2, -1)[:, :WRENCH_SIZE]
         return [now, earlier] if self._tells_earlier(record) else [now]
 
+    def leave_outside(self, loads: Vector) -> None:
+        """Take off both sums that `observe` gives what acts on the base from outside."""
+        for told in loads.reshape(2, -1):
+            for k in self._outside:
+                force, torque = told[WRENCH_SIZE * (k + 1) : WRENCH_SIZE * (k + 2)].reshape(2, 3)
+                told[:3] -= force
+                told[3:WRENCH_SIZE] -= torque + np.cross(self._arms[k], force)
+
     def _tells_earlier(self, record: Vector) -> bool:
         return bool(record[:_SIZES].min() > 0.0)
 
@@ -94,6 +107,16 @@ class PortLoads:
         force, torque = table[:, :3], table[:, 3:]
         moment = torque.sum(0) + sum_of_moments(self._arms, force)
         return np.concatenate((force.sum(0), moment, table.ravel()))
+
+
+def outside_ports(ports: Sequence[Mapping[str, Any]]) -> list[int]:
+    """Numbers of ports that say that what acts there is from `outside`."""
+    return [k for k, port in enumerate(ports) if port.get("outside", False)]
+
+
+def outside_flags(ports: Sequence[Mapping[str, Any]]) -> Vector:
+    """The same as one number a port, 1 where they say so."""
+    return np.array([float(port.get("outside", False)) for port in ports])
 
 
 def _load(name: str, role: str, where: str, about: str) -> list[Quantity]:

@@ -17,7 +17,7 @@ from ..scene.bodies import StartPose, attachments, base_model, body_model, motio
 from ..scene.body_tables import Body, Motion
 from ..scene.component_connections import WrenchMode, component_values
 from ..scene.hinge_line_tables import HingeLine
-from ..scene.locked_groups import Piece, held_bodies, joined, joined_geometry, joined_model, pieces
+from ..scene.locked_groups import Piece, PortSite, held_bodies, joined, joined_geometry, joined_model, pieces
 from ..scene.loops.closing import start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
@@ -184,7 +184,8 @@ def _piece_part(
         structure["inertia_coupling"] = bodies[piece.root].inertia_coupling
         start["damping_scale"] = bodies[piece.root].damping_scale
     else:
-        structure |= {"is_base": True, **carried}
+        marked = [port | _outside(site) for port, site in zip(ports, piece.sites, strict=True)]
+        structure |= {"is_base": True, "ports": marked, **carried}
     shown = Geometry(model.display_positions, model.display_shapes, model.display_faces)
     return Part(piece.root, "body", structure, start), shown
 
@@ -244,5 +245,11 @@ def _frame_ports(scene: CheckedScene, piece: Piece) -> list[dict[str, Any]]:
     for site in piece.sites:
         body, _, point = site.point.partition(".") if piece.is_joined else (piece.root, "", site.point)
         at = piece.poses[body].place(points[body][point])
-        ports.append({"name": site.name, "position": add(at, site.offset), "orientation": site.orientation})
+        port = {"name": site.name, "position": add(at, site.offset), "orientation": site.orientation}
+        ports.append(port | _outside(site) if piece.root == scene.base.name else port)
     return ports
+
+
+def _outside(site: PortSite) -> dict[str, bool]:
+    """What a port of the base says where something acts there from outside; nothing where something is joined."""
+    return {"outside": True} if site.outside else {}

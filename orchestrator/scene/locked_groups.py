@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,13 +27,17 @@ _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class PortSite:
-    """A port of a piece: its connection and that one's port, the point, an arm (m) and axes in the piece's frame."""
+    """A port of a piece: its connection and that one's port, the point, an arm (m) and axes in the piece's frame.
+
+    outside: whether what acts there joins nothing, and acts on the root itself.
+    """
 
     name: str
     connection: tuple[str, str]
     point: str
     offset: tuple[float, float, float]
     orientation: Quaternion
+    outside: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +79,15 @@ def pieces(
     """Every piece by its root, with the ports of the connections that do not stay within it."""
     roots = joined(scene)
     acting, written = _acting(found, roots), written_poses(scene, scene_points(scene))
+    joining = Counter(port.connection for port in acting)
+    lonely = {name for name, count in joining.items() if count == 1}
     result = {}
     for root in dict.fromkeys(roots.values()):
         bodies = tuple(body for body, r in roots.items() if r == root)
         relative = {body: _relative(poses[root], poses[body]) for body in bodies}
         own = [port for port in acting if roots[port.body] == root]
-        sites = _sites(own, written[root], relative, len(bodies) > 1)
+        outside = {port.connection for port in own if port.body == root} & lonely
+        sites = _sites(own, written[root], relative, outside)
         result[root] = Piece(root, bodies, relative, sites)
     return result
 
@@ -100,10 +108,13 @@ def _relative(frame: StartPose, pose: StartPose) -> StartPose:
 
 
 def _sites(
-    ports: Iterable[Attachment], root: StartPose, poses: Mapping[str, StartPose], is_joined: bool
+    ports: Iterable[Attachment], root: StartPose, poses: Mapping[str, StartPose], outside: Collection[str]
 ) -> tuple[PortSite, ...]:
-    """Ports of a piece: `root` is where it was written, which axes go by, the other poses are in the root's frame."""
-    listed = list(ports)
+    """Ports of a piece: `root` is where it was written, which axes go by, the other poses are in the root's frame.
+
+    outside: connections that are, see `PortSite`.
+    """
+    listed, is_joined = list(ports), len(poses) > 1
     counts = [port.connection for port in listed]
     sites = []
     for port in listed:
@@ -112,7 +123,8 @@ def _sites(
         point = joined_point(port.body, port.point) if is_joined else port.point
         turn = pose.orientation if is_joined else _UPRIGHT
         axes = turn if port.axes is None else multiply(conjugate(root.orientation), port.axes)
-        sites.append(PortSite(name, (port.connection, port.port), point, rotate(turn, port.offset), axes))
+        own, arm = (port.connection, port.port), rotate(turn, port.offset)
+        sites.append(PortSite(name, own, point, arm, axes, port.connection in outside))
     return tuple(sites)
 
 

@@ -12,6 +12,7 @@ typedef struct {
     const double *positions;    /* 3 a port, world axes */
     const double *arms;         /* the same from the reference point */
     const double *orientations; /* 4 a port */
+    const double *outside;      /* 1 a port at which something from outside acts */
     const double *carried_weight; /* and its moment about the reference point */
 } FixedBase;
 
@@ -56,6 +57,8 @@ static int read_ports(FixedBase *base, const Data *data, Memory *memory, Reason 
     if (!read_base_ports(data, memory, &base->ports, &base->arms, &base->orientations, why)) return 0;
     base->positions = read_table_part(data, memory, "base", "positions", 3 * base->ports, why);
     if (!base->positions) return 0;
+    base->outside = read_table_part(data, memory, "base", "outside", base->ports, why);
+    if (!base->outside) return 0;
     base->carried_weight = read_table_part(data, memory, "base", "carried_weight", WRENCH_SIZE, why);
     return base->carried_weight != NULL;
 }
@@ -98,6 +101,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
         z[i] += base->carried_weight[i];
         if (tells_earlier(x)) earlier[i] += base->carried_weight[i];
     }
+    leave_outside(base->ports, base->outside, base->arms, z);
 }
 
 static size_t no_continuous_states(const void *self, size_t *places) {

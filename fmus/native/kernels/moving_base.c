@@ -12,7 +12,7 @@ typedef struct {
     size_t ports;
     double pivot[3], own_pivot[3], shift_axis[3], turn_axis[3]; /* the pivot in the world and in the frame */
     double frame[4];                                            /* orientation where the laws are zero */
-    const double *arms, *orientations;                          /* 3 and 4 a port, in the frame */
+    const double *arms, *orientations, *outside; /* 3, 4 and 1 a port, in the frame; from outside acts what has a flag */
     MotionLaw translation, rotation;
 } MovingBase;
 
@@ -160,6 +160,7 @@ static int read_part(const Data *data, const char *part, size_t count, double *n
 
 static int read_base(MovingBase *base, const Data *data, Memory *memory, Reason *why) {
     return read_base_ports(data, memory, &base->ports, &base->arms, &base->orientations, why) &&
+           (base->outside = read_table_part(data, memory, "base", "outside", base->ports, why)) &&
            read_part(data, "pivot", 3, base->pivot, memory, why) &&
            read_part(data, "own_pivot", 3, base->own_pivot, memory, why) &&
            read_part(data, "frame", 4, base->frame, memory, why) &&
@@ -211,6 +212,7 @@ static void observe(void *self, const double *x, const double *u, double *z) {
     rotation_matrix(frame, axes);
     rotation_matrix(turned_by(base, x[X_CLOCK] - x[X_PASSED]), axes_before);
     observe_port_loads(base->ports, base->arms, x + STATES, u, axes, axes_before, z + OBSERVATIONS);
+    leave_outside(base->ports, base->outside, base->arms, z + OBSERVATIONS);
 }
 
 static size_t continuous(const void *self, size_t *places) {

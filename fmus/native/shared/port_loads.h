@@ -108,6 +108,21 @@ static inline void observe_port_loads(size_t ports, const double *arms, const do
     }
 }
 
+/* Takes off both sums what acts on the base itself from outside, at ports whose flag is set. */
+static inline void leave_outside(size_t ports, const double *outside, const double *arms, double *z) {
+    for (size_t k = 0; k < 2 * ports; k++) {
+        if (outside[k % ports] == 0.0) continue;
+        double *sum = k < ports ? z : earlier_loads(ports, z);
+        const double *own = sum + WRENCH_SIZE * (1 + k % ports);
+        double lever[3];
+        vector_store(vector_cross(vector_of(arms + 3 * (k % ports)), vector_of(own)), lever);
+        for (size_t i = 0; i < 3; i++) {
+            sum[i] -= own[i];
+            sum[3 + i] -= own[3 + i] + lever[i];
+        }
+    }
+}
+
 #endif
 
 #endif

@@ -13,7 +13,7 @@ GRAVITY = (0.5, -9.0, 2.0)
 def wing(base, held, gravity=(0.0, 0.0, 0.0)):
     """A yoke at 35 deg, held on a base or by its line, and a panel whose motor opens it."""
     scene = fanfold.Scene("held", until=1.0, tolerance=1e-5, gravity=gravity)
-    ground = scene.base("sc", points={"root": (0.6, 0.1, 0.2)}, **base)
+    ground = scene.base("sc", **{"points": {"root": (0.6, 0.1, 0.2)}, **base})
     bodies = []
     for name, mass in (("yoke", YOKE), ("panel", PANEL)):
         rigid = {

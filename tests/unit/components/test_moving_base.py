@@ -109,9 +109,8 @@ def test_ports_follow_the_laws():
     turning, along = np.array((0.0, 0.6, 0.8)), np.array((1.0, 0.0, 1.0)) / np.sqrt(2)
     frame = Rotation.from_quat((0.5, 0.5, -0.5, 0.5), scalar_first=True)
     origin = np.array((0.3, -0.2, 0.5))
-    places = {
-        name: origin + frame.apply(arm) for name, arm in (("hinge", (0, 0, 0)), ("pulley", (0, 0.6, 0)))
-    }
+    arms = {"hinge": (0, 0, 0), "pulley": (0, 0.6, 0), "drag": (0.3, -0.2, 0.1)}
+    places = {name: origin + frame.apply(arm) for name, arm in arms.items()}
     pivot, rate, duration = origin + frame.apply((0.1, 0.2, -0.1)), 0.4, 0.05
 
     def angle(time):

@@ -97,13 +97,14 @@ static int allocate_all(Body *body, Memory *memory, Reason *why) {
     body->order = allocate(memory, (n + 1) * sizeof *body->order);
     body->arms = allocate(memory, (l + 1) * sizeof(double));
     body->origin_arms = allocate(memory, (l + 1) * sizeof(double));
+    body->outside = allocate(memory, (body->ports + 1) * sizeof(double));
     body->port_orientation = allocate(memory, (4 * body->ports + 1) * sizeof(double));
     body->shapes = allocate(memory, 2 * l * mode);
     body->second_place = allocate(memory, (n + 1) * sizeof *body->second_place);
     body->pairs = allocate(memory, (2 * l * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
     body->tension_forms = allocate(memory, (body->forms * padded(body->second_order) * padded(body->second_order) + 1) * sizeof(double));
     body->coupling.slope = allocate(memory, 6 * mode);
-    if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms ||
+    if (!body->damping_ratio || !body->start_modal || !body->order || !body->arms || !body->origin_arms || !body->outside ||
         !body->port_orientation || !body->shapes || !body->second_place || !body->pairs ||
         !body->tension_forms || !body->coupling.slope || !allocate_work(body, memory) ||
         !oscillators_allocate(&body->oscillators, n, memory) ||
@@ -130,6 +131,7 @@ static int read_carried(Body *body, const Data *data, Reason *why) {
         return refuse(why, "the body's data have %lu numbers of carried; it takes %lu", (unsigned long)numbers,
                       (unsigned long)expected);
     body->has_carried = numbers != 0;
+    if (!copy_array(data, "base_outside", body->ports, body->outside, why)) return 0;
     return !numbers || copy_array(data, "carried", expected, body->carried, why);
 }
 

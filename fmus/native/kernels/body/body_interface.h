@@ -55,9 +55,12 @@ static inline void observe_interface(const Body *body, const double *x, const do
     const double *record = before + MOTION_BEFORE;
     double *now = z + ATTITUDE_AND_RATE;
     observe_port_loads(body->ports, body->origin_arms, record, u, axes, axes_before, now);
-    if (!body->has_carried) return;
-    leave_carried(body->carried, x + X_ANGULAR_VELOCITY, now);
-    if (tells_earlier(record)) leave_carried(body->carried, before + ORIENTATION_BEFORE, earlier_loads(body->ports, now));
+    if (body->has_carried) {
+        leave_carried(body->carried, x + X_ANGULAR_VELOCITY, now);
+        if (tells_earlier(record))
+            leave_carried(body->carried, before + ORIENTATION_BEFORE, earlier_loads(body->ports, now));
+    }
+    leave_outside(body->ports, body->outside, body->origin_arms, now);
 }
 
 #endif

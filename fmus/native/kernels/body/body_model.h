@@ -42,6 +42,7 @@ typedef struct {
     double gravity[3], damping_scale;
     int quasi_static;
     int is_base;         /* 1: it has the input impulse, and tells of the loads at its ports */
+    double *outside;     /* of a base 1 a port at which something from outside acts */
     double *origin_arms; /* 3 a port, from the construction frame's origin */
     int has_carried;     /* 1: `carried` tells loads without what accelerates bodies that a base carries */
     double carried[WRENCH_SIZE * CARRIED_COLUMNS];
