@@ -66,6 +66,10 @@ def tune_wing(
         raise SceneError([f"{scene.file}: hinge_line.{name}: it has no latch whose spring could be tuned"])
     given = line.latch.stiffness
     first = _modes(_with_spring(scene, line, given), ("all",), ())
+    if first.turns:
+        raise SceneError(
+            [f"{scene.file}: on a base that turns modes have no effective mass by which the rigid one could be found"]
+        )
     direction = _direction(first, first.listed[0])
 
     def of_rigid(stiffness: float) -> float:

@@ -53,7 +53,7 @@ class Mode(NamedTuple):
     """Hz; negative: the growth rate of an unstable motion over 2 pi"""
     damping_ratio: float
     effective_mass_fractions: tuple[float, ...]
-    """in `DIRECTIONS` of the base, rotations about its reference point"""
+    """in `DIRECTIONS` of the base, rotations about its reference point; not a number on a base that turns"""
     body: str
     """with the largest share in the kinetic energy"""
     share: float
@@ -70,7 +70,10 @@ class Mode(NamedTuple):
             "damping_ratio": None if isnan(self.damping_ratio) else self.damping_ratio,
             "damping_share": dict(self.damping_shares),
             "coupled_by_damping": self.coupled_by_damping,
-            "effective_mass_fraction": dict(zip(DIRECTIONS, self.effective_mass_fractions, strict=True)),
+            "effective_mass_fraction": {
+                direction: None if isnan(fraction) else fraction
+                for direction, fraction in zip(DIRECTIONS, self.effective_mass_fractions, strict=True)
+            },
             "body": self.body,
             "kinetic_energy_share": self.share,
         }
@@ -99,6 +102,11 @@ class Modes:
     def frequencies(self) -> Vector:
         """Frequencies (Hz) of the listed modes, shape (M,); negative where the motion is unstable, see `Mode`."""
         return np.array([mode.frequency for mode in self.listed])
+
+    @property
+    def turns(self) -> bool:
+        """Whether they are those of a steady spin, where modes have no effective masses."""
+        return self.model.mechanism.spin is not None
 
     @property
     def damping_ratios(self) -> Vector:

@@ -235,11 +235,11 @@ def effective_masses(model: LinearModel, modes: NormalModes) -> tuple[Vector, Ve
     """Effective masses (6, k) under motions of the base, and the rigid masses (6,) of what it carries.
 
     Three translations (kg) and three rotations about the origin (kg m2), world axes. Modes of a free base have none, as
-    the whole has no momentum, and in axes that turn there are none.
+    the whole has no momentum; in axes that turn they are not defined, and not a number.
     """
     rigid = model.mechanism.rigid_motion(model.origin)
     spins = model.mechanism.spin is not None
-    participation = rigid.T @ model.mass @ (0.0 * modes.shapes.real if spins else modes.shapes)
+    participation = rigid.T @ model.mass @ (np.nan * modes.shapes.real if spins else modes.shapes)
     return participation**2, np.diag(rigid.T @ model.mass_on_base @ rigid)
 
 

@@ -79,7 +79,7 @@ def command(
 def _print(found: Modes) -> None:
     from ..tables import plain_table, terminal
 
-    masses_told = found.base != "free"
+    masses_told = found.base != "free" and not found.turns
     told = "; effective masses in % of the rigid ones" if masses_told else ""
     table = plain_table(f"normal modes, {_BASES[found.base]}{told}")
     table.add_column("mode", justify="right", no_wrap=True)
@@ -96,7 +96,9 @@ def _print(found: Modes) -> None:
     console = terminal()
     console.print(table)
     console.print(str(found.configuration))
-    if not masses_told:
+    if found.turns:
+        console.print("modes of a steady spin: none has an effective mass, as their axes turn")
+    elif not masses_told:
         console.print(
             "the whole has no momentum in any of these modes, so none has an effective mass; "
             "--base held tells those of the wing on a spacecraft that does not move"

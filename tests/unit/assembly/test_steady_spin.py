@@ -102,6 +102,13 @@ def test_a_rotor_whirls():
     assert [mode.share for mode in found.listed] == pytest.approx([1.0] * 6, rel=1e-12)
 
 
+def test_modes_of_a_spin_have_no_effective_masses():
+    """Definition: they belong to motions of a base that does not turn; zeros stood in their place."""
+    found = fanfold.modes(rotor(3.0))
+    assert found.turns
+    assert set(found.as_dict()["modes"][0]["effective_mass_fraction"].values()) == {None}
+
+
 def test_other_analyses_say_that_they_leave_it_out():
     """Sentence: what is no mode takes the base as at rest."""
     with pytest.warns(fanfold.FanfoldWarning, match="take base as at rest, though it turns"):
