@@ -28,7 +28,7 @@ from .body_parts.carried import Carried
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
 from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
-from .body_parts.interface import Interface
+from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
@@ -55,7 +55,6 @@ from .contract.frames import (
 )
 from .flexible.modal import ModalData
 from .numerics.oscillators import Propagator, propagator
-from .numerics.port_loads import outside_flags, outside_ports
 
 _AT = Layout(states(np.zeros(0), 0))
 _R, _Q, _P, _L, _W, _D = (
@@ -113,9 +112,8 @@ class Body(Component):
     data), optional `offset` (3, m, body axes, a rigid arm) and `orientation` (quaternion of the port in the
     body's construction axes). inertia_coupling: which invariants vary with deformation; "rigid" and
     "constant" keep the undeformed inertia (they coincide for mean axes), "partial" drops I5 and I9. is_base: a rigid
-    body that is the spacecraft, which tells its attitude and the loads at its ports as well, in sum but for ports that
-    are `outside`. carried: fields of `Carried`, of that part of its mass that its interface loads include, as it is no
-    part of the spacecraft.
+    body that is the spacecraft, which tells its attitude and, see `Interface`, the loads at its ports. carried: fields
+    of `Carried`, of that part of its mass that its loads include, as it is none of it.
     """
 
     kind = "body"
@@ -156,8 +154,7 @@ class Body(Component):
             if carried is not None:
                 structure["carried"] = dict(carried)
                 self.carried = Carried.of(carried)
-            names, arms = [p["name"] for p in ports], self.arms + data.center_of_mass
-            self._interface = Interface(names, arms, self.carried, data, outside_ports(ports))
+            self._interface = Interface(ports, self.arms + data.center_of_mass, self.carried, data)
             self.noun = Interface.noun
         own = self._interface
         self._declare(
@@ -475,9 +472,7 @@ class Body(Component):
             "second_order_modes": self.data.second_order_modes,
             "second_order": self._placed.second_order,
             "tension_forms": self.data.tension_forms,
-            "is_base": self._interface is not None,
-            "carried": np.zeros(0) if self._interface is None else self._interface.shares,
-            "base_outside": outside_flags(self.structure["ports"]),
+            **interface_data(self._interface, self.structure["ports"]),
             **self.inertia.native_data(),
         }
 
@@ -496,12 +491,9 @@ class Body(Component):
     @classmethod
     def other_examples(cls) -> dict[str, Body]:
         """The free spacecraft."""
-        points = {"port": (0.0,) * 3, "nozzle": (0.2, -0.3, 0.1)}
+        points = {"hinge": (0.0,) * 3, "jet": (0.2, -0.3, 0.1)}
         rigid = ModalData.rigid(1.0, (0.0,) * 3, tuple(np.eye(3).tolist()), points)
-        ports = [
-            {"name": "hinge", "point": "port"},
-            {"name": "thruster", "point": "nozzle", "outside": True},
-        ]
+        ports = [{"name": name, "point": name, "outside": name == "jet"} for name in points]
         base: dict[str, Any] = {"modal": rigid.to_arrays(), "ports": ports, "is_base": True}
         yoke = {"mass": 0.2, "center_of_mass": (0.5, 0.1, 0.0), "inertia": np.diag((0.01, 0.03, 0.02))}
         return {"a free spacecraft": cls(**base), "one that carries a yoke": cls(**base, carried=yoke)}

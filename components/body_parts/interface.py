@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import atan2
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..contract.component import Quantity, Vector
 from ..contract.frames import normalized, rotation_matrix
@@ -15,33 +16,28 @@ from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
 from ..contract.roles import ATTITUDE, IMPULSE
 from ..flexible.modal import ModalData
-from ..numerics.port_loads import PortLoads
+from ..numerics.port_loads import PortLoads, outside_flags, outside_ports
 from .carried import Carried, products
 
 _TURN, _MOTION = 4, 7
 
 
 class Interface:
-    """Declarations and functions of a base with these ports; arms (ports, 3) from its origin, body axes.
+    """Declarations and functions of a base with ports, see `PortLoads`; arms (ports, 3) from its origin, body axes.
 
     Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`.
-    carried: bodies that are part of the whole, but count in the sum of the loads. outside: see `PortLoads`. shares: see
-    `Carried`, (6, 12), or empty.
+    carried: bodies that are part of the whole, but count in the sum of the loads. shares: see `Carried`, (6, 12), or
+    empty.
     """
 
     noun: ClassVar[str] = "interface"
 
     def __init__(
-        self,
-        names: Sequence[str],
-        arms: Vector,
-        carried: Carried | None,
-        whole: ModalData,
-        outside: Sequence[int] = (),
+        self, ports: Sequence[Mapping[str, Any]], arms: Vector, carried: Carried | None, whole: ModalData
     ) -> None:
-        self._impulse = WRENCH_SIZE * len(names)
+        self._impulse = WRENCH_SIZE * len(ports)
         self.shares = np.zeros(0) if carried is None else carried.shares(whole)
-        self._loads = PortLoads(names, arms, outside=outside)
+        self._loads = PortLoads([port["name"] for port in ports], arms, outside=outside_ports(ports))
         before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
         self.inputs = [replace(IMPULSE, resized=True)]
         rate = replace(kept("rad/s", "Angular velocity one step earlier, body axes"), name="rate_before")
@@ -72,6 +68,15 @@ class Interface:
                 whole[:] = self.shares @ np.concatenate((whole, products(turning)))
         self._loads.leave_outside(loads)
         return np.concatenate((_attitude(orientation), rate, loads))
+
+
+def interface_data(interface: Interface | None, ports: Sequence[Mapping[str, Any]]) -> dict[str, ArrayLike]:
+    """What `fmus/native/kernels/body` reads of it; of a body that is no base, that there is none."""
+    return {
+        "is_base": interface is not None,
+        "carried": np.zeros(0) if interface is None else interface.shares,
+        "base_outside": outside_flags(ports),
+    }
 
 
 def _motion() -> list[Quantity]:

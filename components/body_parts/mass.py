@@ -7,6 +7,9 @@ import numpy as np
 from ..contract.component import ComponentError
 from ..flexible.modal import ModalData
 
+_ROUNDED = 1e-3
+"""Of the largest principal moment: flat bodies have it equal to the sum of the others, in data of four digits."""
+
 
 def check_mass(data: ModalData) -> None:
     """Refuse mass, inertia and frequencies that no body has, or that leave rigid motion among the modes."""
@@ -15,7 +18,7 @@ def check_mass(data: ModalData) -> None:
     principal = np.linalg.eigvalsh(data.inertia)
     if not principal[0] > 0.0:
         raise ComponentError(f"a principal moment of inertia is {principal[0]:g} kg.m2; it must be positive")
-    if principal[2] > principal[0] + principal[1] + 1e-9 * principal[2]:
+    if principal[2] > principal[0] + principal[1] + _ROUNDED * principal[2]:
         a, b, c = (f"{v:g}" for v in principal)
         raise ComponentError(
             f"principal moments of inertia {a}, {b}, {c} kg.m2 violate the triangle inequality {a} + {b} >= {c}"

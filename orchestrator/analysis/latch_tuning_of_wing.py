@@ -68,7 +68,9 @@ def tune_wing(
     first = _modes(_with_spring(scene, line, given), ("all",), ())
     if first.turns:
         raise SceneError(
-            [f"{scene.file}: on a base that turns modes have no effective mass by which the rigid one could be found"]
+            [
+                f"{scene.file}: on a base that turns modes have no effective mass by which the rigid one could be found"
+            ]
         )
     direction = _direction(first, first.listed[0])
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from components.contract.frames import (
@@ -21,6 +22,7 @@ from components.contract.frames import (
 )
 from components.flexible.modal import ModalData
 from components.flexible.point_shapes import span
+from components.imported.files import NAMES
 
 from .body_tables import Base, Body, Motion
 from .connection_tables import Ccl, Connection, Damper
@@ -95,15 +97,34 @@ def body_definition(body: Body) -> BodyDefinition:
 
 
 def _written(body: Body) -> str:
-    """What the scene says of how a body is built, as a text to find it by."""
-    return json.dumps([body.catalogue, body.definition_tables])
+    """What the scene says of how a body is built, and of what time its files are, as a text to find it by."""
+    return json.dumps([body.catalogue, body.definition_tables, [_stamp(path) for path in body_files(body)]])
+
+
+def body_files(body: Body) -> list[Path]:
+    """Files of finite elements that a body is read from, also those that are read with one that it names."""
+    if body.imported is None:
+        return []
+    from components.imported.reading import beside  # takes its time
+
+    given = [path for name in NAMES if isinstance(path := body.imported.get(name), str)]
+    return [part for path in given for part in beside(Path(path))]
+
+
+def _stamp(path: Path) -> tuple[int, int] | None:
+    """When a file was written, and its size; None where it cannot be seen."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 @lru_cache(maxsize=32)
 def _definition(written: str) -> BodyDefinition:
     from components import catalogue  # takes its time, which no command needs that builds nothing
 
-    entry, tables = json.loads(written)
+    entry, tables, _ = json.loads(written)
     if not tables:
         return catalogue.entry(entry)
     below = {} if entry is None else catalogue.entry_table(entry)

@@ -1,9 +1,9 @@
 """Layers of a scene: a file, what it extends, its variants and single settings, merged into one tree of tables.
 
-Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that
-name away; a motor's spring takes the place of its table, and a table that of a spring. Everything else replaces what
-was there. A merge that cannot be is a SceneError. In the end, bodies that are
-`like` others are laid over these.
+Tables merge key by key, arrays of named tables by name; an entry with `remove = true` takes the one of that name away,
+and an empty array all of them; a motor's spring takes the place of its table, and a table that of a spring. Everything
+else replaces what was there. A merge that cannot be is a SceneError. In the end, bodies that are `like` others are laid
+over these.
 """
 
 from __future__ import annotations
@@ -178,7 +178,7 @@ def merged(below: Tree, above: Tree, added: set[str], within: str = "") -> Tree:
         old, place = tree.get(key), f"{within}{key}"
         if isinstance(old, dict) and isinstance(value, dict):
             tree[key] = merged(old, value, added, f"{place}.")
-        elif _is_named(old) and _is_named(value):
+        elif value and _is_named(old) and _is_named(value):
             tree[key] = _merged_entries(place, old, value, added)
         else:
             tree[key] = deepcopy(value)

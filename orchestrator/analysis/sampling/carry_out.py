@@ -13,6 +13,7 @@ from ...scene.builder import Scene
 from .distributions import StudyError
 from .journal import Asked, Journal
 from .plan import Plan
+from .same_files import digests, refuse_changed
 from .sample import Sample, Task, run_sample
 from .study import Study, plan_of
 from .varied import Settings
@@ -48,6 +49,7 @@ def go_on(output: Path, workers: int, cluster: str | None, progress: StudyProgre
     journal, asked, samples = Journal.resume(output)
     with journal:
         task = _task_of(asked)
+        refuse_changed(output, task.scene, asked.get("files", {}))
         found = _carried_out(task, asked, samples, journal, workers, cluster, progress)
         return _saved(output, journal, found)
 
@@ -116,6 +118,7 @@ def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
         "runs": plan.runs,
         "levels": plan.levels,
         "seed": plan.seed,
+        "files": digests(task.scene),
     }
 
 

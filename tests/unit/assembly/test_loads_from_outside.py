@@ -6,7 +6,11 @@ import pytest
 import orchestrator as fanfold
 from tests.unit.assembly.test_held_on_base import FREE, wing
 
-PUSH = {"direction": (0.3, 0.2, 1.0), "frame": "body", "force": [{"profile": "ramp", "change": 40.0, "duration": 1.0}]}
+PUSH = {
+    "direction": (0.3, 0.2, 1.0),
+    "frame": "body",
+    "force": [{"profile": "ramp", "change": 40.0, "duration": 1.0}],
+}
 SHAKEN = {"motion": {"translation": [{"profile": "harmonic", "amplitude": 0.01, "frequency": 2.0}]}}
 LOADS = ("interface_force", "interface_torque", "root.interface_force", "root.interface_torque")
 

@@ -58,6 +58,14 @@ def test_entries_are_added_and_removed_by_name(tmp_path):
     assert [(damper.name, damper.damping_coefficient) for damper in scene.dampers] == [("e", 2.0)]
 
 
+def test_an_empty_array_takes_all_entries_away(tmp_path):
+    """Regression: it was taken for nothing said, so a wing without its dampers kept them."""
+    damper = '[[damper]]\nname = "d"\nhinge = "root"\ndamping_coefficient = 1.0\n'
+    path = written(tmp_path, "wing.toml", TWO_PANELS + damper + "[variant.bare]\ndamper = []\n")
+    assert len(load_scene(path).dampers) == 1
+    assert load_scene(path, ("bare",)).dampers == load_scene(path, (), ("damper=[]",)).dampers == ()
+
+
 def test_variants_lie_over_the_scene_in_order_and_settings_over_them(tmp_path):
     path = written(tmp_path, "wing.toml", TWO_PANELS + VARIANTS)
     assert scene_variants(path) == ("heavy", "fast")
