@@ -12,7 +12,7 @@ from components import ComponentError, Instance, Layout, rotation_matrix
 from components.body import Body
 from components.contract.component import Vector
 from components.contract.frames import Quaternion, Vector3, exponential, multiply, normalized, rotate, skew
-from components.contract.ports import MOTION_SIZE
+from components.contract.ports import MOTION_SIZE, WRENCH_SIZE
 from components.fixed_base import FixedBase
 from components.moving_base import MovingBase
 
@@ -90,10 +90,11 @@ class PlacedBody:
                 state[at[name]] = 0.0
 
     def motions(self) -> Vector:
-        """Poses of the ports with zero rates, (ports, 13)."""
+        """Poses of the ports with zero rates, (ports, 13), also of what follows a law: all is at rest in its axes."""
         self._rest()
         size = MOTION_SIZE * len(self.ports)
-        result: Vector = self._instance.outputs()[:size].reshape(-1, MOTION_SIZE)
+        result: Vector = self._instance.outputs()[:size].reshape(-1, MOTION_SIZE).copy()
+        result[:, MOTION_SIZE - WRENCH_SIZE :] = 0.0
         return result
 
     def forces(self, wrenches: Vector) -> Vector:

@@ -139,3 +139,41 @@ def test_spin_that_a_run_reaches_is_told(turns, second_order, told):
         warnings.simplefilter("always")
         fanfold.simulate(scene, estimate=False, tolerance=1e-3)
     assert any("body.boom: it spins at a mean of" in str(one.message) for one in heard) == told
+
+
+def hung(motion, damping=20.0):
+    """A link on a spring and a damped cord above it, on a base that moves."""
+    scene = fanfold.Scene("hung", until=1.0, gravity=(0.0, 0.0, -2.0))
+    base = scene.base(
+        points={"root": (0, 0, 0), "top": (1.0, 0.2, 1.0)}, **({"motion": motion} if motion else {})
+    )
+    rigid = {
+        "mass": 3.0, "center_of_mass": (0.5, 0, 0), "inertia": (0.1, 0.3, 0.3),
+        "points": {"root": (0, 0, 0), "tip": (1.0, 0.1, 0.0)},
+    }  # fmt: skip
+    link = scene.body("link", rigid=rigid)
+    scene.hinge_line(
+        "H", base, link, axis="+y", aligned_angle="90 deg", hinges={"h": "root"},
+        latch={"kind": "spring", "stiffness": 60.0},
+    )  # fmt: skip
+    scene.connection(
+        "cord", "suspension", ports={"upper": (base, "top"), "lower": (link, "tip")},
+        parameters={"stiffness": 40.0, "preload": 5.0, "preload_length": 0.9, "damping": damping},
+    )  # fmt: skip
+    return scene
+
+
+def test_a_base_that_moves_on_evenly_is_as_one_at_rest():
+    """Galilean invariance. Regression: dampers between base and bodies pulled at the base's rate, 53 N for 34."""
+    still, moving = hung({}), hung({"translation": [{"profile": "ramp", "duration": 100, "change": 200}]})
+    found = [fanfold.modes(scene, "deployed").frequencies for scene in (still, moving)]
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    loads = [fanfold.equilibrium(scene, "deployed").loads["cord"]["tension"][0] for scene in (still, moving)]
+    assert loads[1] == pytest.approx(loads[0], rel=1e-9)
+
+
+def test_damping_is_no_stiffness_in_a_spin():
+    """Definition: undamped modes. Regression: joints with damping gave instabilities that there are none of."""
+    turns = {"rotation": [{"profile": "ramp", "duration": 100, "change": 200}]}
+    damped, free = (fanfold.modes(hung(turns, damping), "deployed").frequencies for damping in (20.0, 0.0))
+    assert damped == pytest.approx(free, rel=1e-9)
