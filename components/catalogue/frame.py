@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from math import isclose, sqrt
 
 import numpy as np
@@ -65,6 +65,42 @@ class Frame:
     members: tuple[Path, ...]
     spread: SpreadMass | None = None
 
+    def problems(self, arms: Mapping[str, Position]) -> Iterator[str]:
+        """What cannot be of members and joints, as sentences; arms: ends (m) of those of a panel, by name."""
+        places = {name: np.array(position) for name, position in self.joints}
+        for path in self.members:
+            for a, b in pairwise(path.joints):
+                if _at_one_place(places[a], places[b]):
+                    yield f"members.{path.name}: its joints {a} and {b} are at one place; a beam has a length"
+        met = dict.fromkeys(name for path in self.members for name in path.joints)
+        for a, b in combinations(met, 2):
+            beside = any({a, b} <= set(path.joints) for path in self.members)
+            if not beside and _at_one_place(places[a], places[b]):
+                yield f"joints {a} and {b} are at one place, and not joined; give the members that meet there one joint"
+        for arm, end in arms.items():
+            for name in met:
+                if name != arm and arm not in met and _at_one_place(places[name], np.array(end)):
+                    yield f"joint {name} is where the panel's arm {arm} ends, and not joined to it; give it that name"
+        yield from self._loose([name for name in arms if name in met])
+
+    def _loose(self, welded: Sequence[str]) -> Iterator[str]:
+        """Members that no way leads to from the first, over joints, and over a panel between those welded to it."""
+        reached, left = set(self.members[0].joints), list(self.members[1:])
+        while True:
+            if reached & set(welded):
+                reached |= set(welded)
+            found = [path for path in left if reached & set(path.joints)]
+            if not found:
+                break
+            reached |= {name for path in found for name in path.joints}
+            left = [path for path in left if path not in found]
+        if left:
+            names = ", ".join(path.name for path in left)
+            yield (
+                f"members {names}: they are not joined to member {self.members[0].name}; beams meet in joints that "
+                "both name, and those that cross elsewhere pass one another"
+            )
+
     def model(self, points: Sequence[str]) -> FiniteElementModel:
         """Finite elements, with these joints as points."""
         places = {name: np.array(position) for name, position in self.joints}
@@ -83,6 +119,10 @@ class Frame:
                 extra = line_mass if loaded and low < middle < high else 0.0
                 members.append(Member(start, end, section, path.elements, extra))
         return beam_frame({name: tuple(at) for name, at in joints.items()}, members, points=points)
+
+
+def _at_one_place(one: Vector, other: Vector) -> bool:
+    return float(np.linalg.norm(one - other)) <= _ROUNDING
 
 
 def _length(path: Path, places: Mapping[str, Vector]) -> float:

@@ -62,6 +62,8 @@ def read_body(raw: Mapping[str, Any], convert: Convert = stated) -> BodyDefiniti
     if not problems:
         problems += [f"panel: {problem}" for problem in (panel.problems() if panel else ())]
         problems += [f"beam.{problem}" for problem in (beam.problems() if beam else ())]
+        tips = {} if panel is None else {arm.name: (panel.ends(arm)[1], arm.y, arm.z) for arm in panel.arms}
+        problems += [f"frame.{problem}" for problem in (frame.problems(tips) if frame else ())]
         problems += _lost(ends, nodes)
     if problems:
         raise TableError(problems)
