@@ -15,7 +15,7 @@ from scipy import linalg, sparse
 
 from ..contract.component import ComponentError, Vector
 from ..flexible.finite_elements import FiniteElementModel, SparseMatrix
-from ..flexible.modal import ModalData
+from ..flexible.modal import ModalData, rigid_motion
 from ..flexible.reduction import fixed_interface_frequencies, free_frequencies
 from .data import FiniteElementData
 
@@ -27,6 +27,8 @@ _UNEQUAL = 1e-3
 """Of the mass, between the three directions: text files are right to far less, forgotten nodes are not."""
 _STATED = 0.01
 """Of mass, size or inertia, between what is stated and what is found."""
+_SAMPLED = 0.1
+"""Of mass and inertia, in samples: point masses lack the inertia of coarse elements about themselves."""
 _FREE = 1e-10
 """Of the largest stiffness of its kind: what is left of zero in numbers with ten digits."""
 _STRESSED = 1e-3
@@ -113,7 +115,7 @@ def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stat
     if isnan(first):
         return (Finding("stiffness", "", _INDEFINITE),)
     found = [*_rigid(model, mass, first), *_mass(model, mass, stated), *_units(data, model, first)]
-    return (*found, *_soft_points(model), *_outputs(model))
+    return (*found, *_soft_points(model), *_outputs(model), *_samples(data, mass), *_recovered(data))
 
 
 def _moves_with_energy(model: FiniteElementModel) -> bool:
@@ -162,7 +164,8 @@ def _rigid(model: FiniteElementModel, mass: Vector, first: float) -> Iterator[Fi
     if share > _GROUNDED:
         problem = (
             f"rigid motions cost energy: they would swing at {highest:.3g} Hz beside a first elastic mode at "
-            f"{first:.3g} Hz; the model is held somewhere, a node has wrong coordinates, or a unit is wrong"
+            f"{first:.3g} Hz; the model is held somewhere, a node has wrong coordinates, a unit is wrong, or its "
+            "numbers have too few digits (seven, or single precision; write eleven)"
         )
     yield Finding("rigid motions", f"up to {highest:.2g} Hz", problem)
     yield Finding("first elastic mode, free", f"{first:.6g} Hz" if first < inf else "none")
@@ -278,6 +281,44 @@ def _outputs(model: FiniteElementModel) -> Iterator[Finding]:
             "these degrees of freedom"
         )
     yield Finding("stresses and forces", f"{len(rows)} rows, {most:.1e} of them in rigid motions", problem)
+
+
+def _samples(data: FiniteElementData, mass: Vector) -> Iterator[Finding]:
+    """Mass samples: under rigid motions they have the mass (6, 6) of the model, where they are and as they move."""
+    if data.samples is None:
+        return
+    weights = np.repeat(data.samples.masses, 3)[:, None]
+    placed = np.vstack([rigid_motion(at)[:3] for at in data.samples.positions])
+    size = np.sqrt(np.repeat(np.diag(mass).reshape(2, 3).max(axis=1), 3))
+    off = []
+    for moved in (placed, np.asarray(data.samples.displacement @ data.rigid_motions())):
+        own = moved.T @ (weights * moved)
+        off.append(float(np.max(np.abs(own - mass) / np.outer(size, size))))
+    problem = ""
+    if max(off) > _SAMPLED:
+        problem = (
+            f"under rigid motions they differ from the mass matrix by {off[0]:.2g} where they are and by {off[1]:.2g} "
+            "as they move; sample_masses, sample_positions or sample_displacement do not belong to it"
+        )
+    yield Finding("mass samples", f"{len(data.samples.masses)}, off by {max(off):.1e}", problem)
+
+
+def _recovered(data: FiniteElementData) -> Iterator[Finding]:
+    """Recovered nodes: under rigid motions they are displaced as their places say; some have no rotations."""
+    if data.recovery is None or not len(data.recovery.nodes):
+        return
+    moved = np.asarray(data.recovery.motion @ data.rigid_motions()).reshape(-1, 6, 6)[:, :3]
+    expected = np.array([rigid_motion(at)[:3] for at in data.recovery.coordinates])
+    size = max(1.0, float(np.abs(expected).max()))
+    off = np.abs(moved - expected).max(axis=(1, 2)) / size
+    worst = int(np.argmax(off))
+    problem = ""
+    if off[worst] > _STRESSED:
+        problem = (
+            f"node {data.recovery.nodes[worst]} does not move with rigid motions as its place says, by "
+            f"{off[worst]:.2g} of them; its coordinates or its rows are those of another"
+        )
+    yield Finding("recovered nodes", f"{len(off)}, off by {off.max():.1e}", problem)
 
 
 def compare_frequencies(

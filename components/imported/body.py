@@ -10,7 +10,7 @@ from ..flexible.finite_elements import FiniteElementModel
 from ..flexible.modal import ModalData
 from . import agreement
 from .agreement import NOTHING_STATED, Finding, Stated
-from .data import FiniteElementData, checked, in_si
+from .data import FiniteElementData, checked, in_si, without_empty
 from .massless import with_mass_everywhere
 from .model import finite_element_model
 from .points import JoinedPoint, with_means, with_rigid_elements
@@ -69,8 +69,9 @@ def _loaded(body: ImportedBody) -> tuple[FiniteElementData, FiniteElementModel, 
     data = replace(data, stiffness=agreement.symmetric(data.stiffness), mass=agreement.symmetric(data.mass))
     data, rigid = with_rigid_elements(data, body.rigid_elements)
     data, means = with_means(data, body.means)
-    data = with_mass_everywhere(data)
-    model = finite_element_model(data, {**dict(body.attachment_points), **rigid, **means}, dict(body.nodes))
+    points = {**dict(body.attachment_points), **rigid, **means}
+    data = with_mass_everywhere(without_empty(data, points.values()))
+    model = finite_element_model(data, points, dict(body.nodes))
     findings = (*symmetry, *agreement.check_model(data, model, body.stated))
     agreement.refuse(findings)
     return data, model, findings

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -140,7 +140,7 @@ def checked(data: FiniteElementData) -> FiniteElementData:
     _finite("coordinates", data.coordinates)
     _once(data)
     _parts_fit(data, count)
-    return _without_empty_amplitudes(replace(_in_basic_axes(data), axes=np.zeros((0, 3, 3))))
+    return replace(_in_basic_axes(data), axes=np.zeros((0, 3, 3)))
 
 
 def _size(shape: Sequence[int]) -> str:
@@ -199,10 +199,14 @@ def _parts_fit(data: FiniteElementData, count: int) -> None:
         _finite("rows of stresses and forces", outputs.rows)
 
 
-def _without_empty_amplitudes(data: FiniteElementData) -> FiniteElementData:
-    """The data without amplitudes that no mode was found for, which have neither stiffness nor mass."""
-    empty = (data.stiffness.diagonal() == 0.0) & (data.mass.diagonal() == 0.0)
-    kept = np.flatnonzero(~(empty & (data.dofs[:, 1] == AMPLITUDE)))
+def without_empty(data: FiniteElementData, points: Collection[int]) -> FiniteElementData:
+    """The data without degrees of freedom that have neither stiffness nor mass, but for those of points (nodes).
+
+    Amplitudes that no mode was found for, rotations about the normal of flat shells, nodes that nothing meets.
+    """
+    size = abs(data.stiffness).sum(axis=1) + abs(data.mass).sum(axis=1)
+    of_point = np.isin(data.dofs[:, 0], list(points)) & (data.dofs[:, 1] != AMPLITUDE)
+    kept = np.flatnonzero((size > 0.0) | of_point)
     if len(kept) == len(data.dofs):
         return data
     return transformed(data, sparse.eye_array(len(data.dofs), format="csr")[:, kept], data.dofs[kept])

@@ -9,6 +9,7 @@ from scipy import sparse
 from components.contract.component import ComponentError
 from components.flexible.finite_elements import OutputRows
 from components.imported.matrices import to_matrices
+from components.imported.reading import read
 from tests.references.imports import matrix_writers as write
 from tests.references.imports.frame_model import bar_frame, frame_data, imported
 
@@ -94,5 +95,5 @@ def test_entries_of_tables_are_as_wide_as_these(tmp_path):
     stored["sample_positions_entries"] = np.array([[1, 1, 0.5], [2, 3, 0.25]])
     np.savez(tmp_path / "frame.npz", **stored)
     np.testing.assert_array_equal(
-        imported(tmp_path / "frame.npz").data().samples.positions, [[0.5, 0, 0], [0, 0, 0.25]]
+        read({"file": tmp_path / "frame.npz"}).samples.positions, [[0.5, 0, 0], [0, 0, 0.25]]
     )
