@@ -204,7 +204,7 @@ def without_empty(data: FiniteElementData, points: Collection[int]) -> FiniteEle
 
     Amplitudes that no mode was found for, rotations about the normal of flat shells, nodes that nothing meets.
     """
-    size = abs(data.stiffness).sum(axis=1) + abs(data.mass).sum(axis=1)
+    size: Vector = abs(data.stiffness).sum(axis=1) + abs(data.mass).sum(axis=1)
     of_point = np.isin(data.dofs[:, 0], list(points)) & (data.dofs[:, 1] != AMPLITUDE)
     kept = np.flatnonzero((size > 0.0) | of_point)
     if len(kept) == len(data.dofs):

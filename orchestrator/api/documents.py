@@ -82,4 +82,6 @@ def opened(result: ResultLike) -> Result:
     """A result, read where a file is named."""
     if isinstance(result, Result):
         return result
+    if not isinstance(result, Record | str | Path):
+        raise ResultError(f"{result!r} is no result; give one, or the name of its file")
     return Result.of(result) if isinstance(result, Record) else Result.open(result)

@@ -10,6 +10,7 @@ from typing import Self
 
 from ..analysis.sampling.carry_out import StudyProgress, Watch, begin, go_on
 from ..analysis.sampling.influence import Influence, influence
+from ..analysis.sampling.journal import journal_file
 from ..analysis.sampling.plan import Plan
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
@@ -87,7 +88,12 @@ def study(
 def resume_study(
     path: str | Path, *, workers: int = 1, cluster: str | None = None, progress: StudyProgress | None = None
 ) -> Study:
-    """Go on with the interrupted study that was to be saved in a file; StudyError where there is none."""
+    """Go on with the interrupted study that was to be saved in a file, or open the one that is whole there.
+
+    StudyError where there is neither, or where files that its bodies are read from have changed.
+    """
+    if Path(path).is_file() and not journal_file(Path(path)).is_file():
+        return Study.open(path)
     return Study.of_record(go_on(Path(path), workers, cluster, progress or _silent))
 
 

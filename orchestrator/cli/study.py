@@ -18,6 +18,7 @@ from .types import Number, OutputFile
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from ..analysis.sampling.influence import Influence
     from ..api.study import Study
 
 _METHODS = ("latin-hypercube", "random", "sobol", "sobol-indices", "grid", "one-at-a-time", "corners")
@@ -77,7 +78,8 @@ def command(
 ) -> None:
     """Run SCENE many times with values drawn from distributions: Monte Carlo, designs, grids, worst cases.
 
-    Every sample is written down as soon as it is finished; SCENE may be the file of an interrupted study to go on with.
+    Every sample is written down as soon as it is finished; SCENE may be the file of an interrupted study to go on with,
+    or of a finished one to see again.
     """
     refuse_idle("--points", "--signals")
     refuse_idle("--levels", "--method")
@@ -143,9 +145,23 @@ def _content(study: Study) -> dict[str, object]:
             for name in study.numbers
         },
         "units": {name: study.units.get(name, "") for name in study.numbers},
+        "influence": {
+            name: _influence(moved) for name in study.numbers if (moved := study.influence(name)) is not None
+        },
         "not_latching": {line: share._asdict() for line, share in study.not_latching().items()},
         "output": str(study.path),
     }
+
+
+def _influence(moved: Influence) -> dict[str, object]:
+    """Changes by parameter and, where samples tell, shares of variance and what straight lines explain."""
+    found: dict[str, object] = {"changes": moved.changes}
+    if moved.shares is not None:
+        found["variance_shares"] = {
+            name: {"alone": alone, "with_interactions": total}
+            for name, (alone, total) in moved.shares.items()
+        }
+    return found if moved.explained is None else found | {"explained_by_lines": moved.explained}
 
 
 def _report(study: Study, pictures: list[Path]) -> None:
@@ -153,6 +169,9 @@ def _report(study: Study, pictures: list[Path]) -> None:
 
     console = terminal()
     console.print(_table(study))
+    if (shares := _shares(study)) is not None:
+        console.print(shares)
+        console.print(f"estimated from {study.plan.runs} base samples; more --runs make these shares surer")
     for line, share in study.not_latching().items():
         told = f"{line} does not latch in {share.samples} of {share.among} samples"
         if study.plan.is_random:
@@ -167,6 +186,24 @@ def _report(study: Study, pictures: list[Path]) -> None:
     console.print(f"study in {study.path}, table of samples in {study.path.with_suffix('.csv')}")
     if pictures:
         console.print(f"figures: {', '.join(str(one) for one in pictures)}")
+
+
+def _shares(study: Study) -> Table | None:
+    """Shares of variance, where the samples tell them."""
+    from rich.table import Table
+
+    table = Table(
+        title="share of the variance that a parameter explains, in %: alone / with its interactions"
+    )
+    table.add_column("number")
+    for name in study.parameters:
+        table.add_column(name, justify="right")
+    for number in study.main_numbers:
+        moved = study.influence(number)
+        if moved is not None and moved.shares is not None:
+            pairs = (moved.shares[name] for name in study.parameters)
+            table.add_row(number, *(f"{100 * alone:.1f} / {100 * total:.1f}" for alone, total in pairs))
+    return table if table.row_count else None
 
 
 def _table(study: Study) -> Table:

@@ -334,6 +334,10 @@ def _ends(ends: str | tuple[str, str] | Mapping[str, object]) -> dict[str, objec
 def _plain_setting(file: str, setting: Setting) -> Any:  # noqa: ANN401 - a setting
     if isinstance(setting, str):
         return setting
+    if not (isinstance(setting, Sequence) and len(setting) == 2 and isinstance(setting[0], str)):
+        raise SceneError(
+            [f'{file}: the setting {setting!r} is neither "table.key=value" nor a key and its value']
+        )
     return setting[0], _plain(f"{file}: {setting[0]}", setting[1])
 
 

@@ -33,6 +33,7 @@ def begin(
     output: its HDF5 file, beside which stand a table of the samples (.csv) and, until it is whole, its journal; None
     for memory alone. workers: processes. cluster: address of a Dask scheduler, whose workers take the place of those.
     """
+    _refuse_overruled(task, plan)
     asked = asked_of(task, plan)
     nominal = [one.distribution.nominal for one in plan.varied]
     task.scene.with_settings(_settings(task, plan, nominal)).check_one_run()
@@ -42,6 +43,17 @@ def begin(
         Study.open(output)  # replaces a study, and nothing else
     with Journal.begin(output, asked) as journal:
         return _saved(output, journal, _carried_out(task, asked, [], journal, workers, cluster, progress))
+
+
+def _refuse_overruled(task: Task, plan: Plan) -> None:
+    """StudyError where something is varied that every run is given besides, and would do nothing."""
+    given = {"scene.until": task.options.until, "scene.tolerance": task.options.tolerance}
+    for key in (key for one in plan.varied for key in one.keys):
+        if given.get(key) is not None:
+            option = key.rpartition(".")[2]
+            raise StudyError(
+                f"{key} is varied, and {option} = {given[key]:g} is given for every run; leave one out"
+            )
 
 
 def go_on(output: Path, workers: int, cluster: str | None, progress: StudyProgress) -> Study:

@@ -67,6 +67,11 @@ class Plan:
         sizes = {"corners": 1 + (1 << d), "one-at-a-time": 1 + 2 * d, "sobol-indices": self.runs * (d + 2)}
         return sizes.get(self.method, self.runs)
 
+    @property
+    def independent(self) -> int:
+        """Number of samples, the first ones, that repeat no value of others."""
+        return 2 * self.runs if self.method == "sobol-indices" else self.count
+
     def samples(self) -> Vector:
         """Values (samples, D), the same for the same plan on every machine."""
         return METHODS[self.method](self)

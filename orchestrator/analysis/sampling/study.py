@@ -123,11 +123,15 @@ class Study:
     def not_latching(self) -> dict[str, Share]:
         """By line with a latch, how many samples do not latch, and the bounds of its probability.
 
-        Bounds are those of Clopper and Pearson (1934), which hold for samples drawn at random.
+        Bounds are those of Clopper and Pearson (1934), which hold for samples drawn at random; of "sobol-indices" the
+        first 2 N samples are, and all others repeat their values.
         """
         found = {}
         for line, values in self.latched.items():
-            known = values[np.isfinite(values)]
+            known = values[: self.plan.independent]
+            known = known[np.isfinite(known)]
+            if not known.size:
+                continue
             missed, count = int((known == 0.0).sum()), len(known)
             bounds = binomtest(missed, count).proportion_ci(_CONFIDENCE)
             found[line] = Share(missed / count, float(bounds.low), float(bounds.high), missed, count)

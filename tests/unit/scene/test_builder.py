@@ -244,3 +244,11 @@ def test_a_result_is_no_scene_and_points_are_one_or_two(tmp_path):
         scene.hinge_line(
             "line", "base", "body", axis="+y", aligned_angle="0 rad", hinges={"hinge": ("a", "b", "c")}
         )
+
+
+def test_settings_and_results_that_are_none():
+    """Messages. Regression: Python's own errors."""
+    with pytest.raises(fanfold.FanfoldError, match="the setting 1 is neither"):
+        fanfold.load("workbench", settings=[1])
+    with pytest.raises(fanfold.FanfoldError, match="3 is no result; give one, or the name of its file"):
+        fanfold.compare(3, 3)

@@ -167,6 +167,47 @@ def test_an_interrupted_run_is_no_failed_sample(here, tmp_path, monkeypatch):
     same(fanfold.resume_study(path), here)
 
 
+def test_a_finished_study_is_shown_again(here, tmp_path):
+    """Regression: "there is no journal of an interrupted study", and no command showed the table again."""
+    here.save(tmp_path / "whole.h5")
+    same(fanfold.resume_study(tmp_path / "whole.h5"), here)
+
+
+def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
+    """Output; bounds are of the 2 N samples that repeat no value of others. Regression: 4 N counted."""
+    file = tmp_path / "s.h5"
+    command = [
+        "study",
+        str(WING),
+        "--rigid",
+        "all",
+        "--until",
+        "0.2",
+        "--tolerance",
+        "1e-2",
+        "--method",
+        "sobol-indices",
+    ]
+    drawn = ["--runs", "2", *(word for key, text in VARY.items() for word in ("--vary", f"{key}={text}"))]
+    told = CliRunner().invoke(main, [*command, *drawn, "--output", str(file)], catch_exceptions=False)
+    assert told.exit_code == 0
+    assert "share of the variance that a parameter explains" in " ".join(told.output.split())
+    again = CliRunner().invoke(main, ["study", str(file), "--json"], catch_exceptions=False)
+    moved = json.loads(again.stdout)["influence"]["interface force peak z"]
+    assert moved["variance_shares"].keys() == moved["changes"].keys() == set(VARY)
+    study = fanfold.Study.open(file)
+    assert len(study.messages) == 8
+    assert all(share.among == 4 for share in study.not_latching().values())
+
+
+def test_what_every_run_is_given_is_not_varied():
+    """Message. Regression: the option won in all samples, and the table listed what was drawn."""
+    with pytest.raises(
+        StudyError, match=r"scene.until is varied, and until = 0.3 is given for every run; leave one"
+    ):
+        fanfold.study(WING, {"scene.until": "uniform(1, 2)"}, **ASKED)
+
+
 def test_failed_samples_are_named_and_stop_nothing(tmp_path):
     """A value that no scene can have, among others that it can."""
     vary = {"friction.coefficient": "values(-1, 0.05, 0.1)"}
@@ -264,7 +305,8 @@ def test_command(tmp_path, monkeypatch):
     assert shown.exit_code == 1
     assert "it is written uniform(LOW, HIGH)" in shown.stderr
     again = CliRunner().invoke(main, ["study", told["output"]])
-    assert "there is no journal" in again.stderr
+    assert again.exit_code == 0, again.stderr
+    assert "moved most by" in again.stdout
 
 
 def test_figures_are_drawn(here, tmp_path):
