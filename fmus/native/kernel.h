@@ -90,6 +90,8 @@ typedef struct {
                          double complex *rates, Reason *why);
     /* Number of event indicators and, where wanted, their values; NULL for none. */
     size_t (*indicators)(void *self, const double *x, const double *u, double *indicators);
+    /* Time until a law changes its form, INFINITY where none does any more; NULL for components without such laws. */
+    double (*time_to_break)(void *self, const double *x, const double *u);
     /* What the state remembers of an accepted step of the solver and, at an event, what happens; NULL for nothing. */
     void (*update)(void *self, const double *x, const double *u, int at_event, double *x_next);
     /* Both NULL for components that keep nothing outside of their state. What follows a state that was saved or put back

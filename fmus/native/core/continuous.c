@@ -182,6 +182,14 @@ Status continuous_update_discrete_states(Instance *instance) {
     return status == STATUS_OK ? update(instance, 1) : status;
 }
 
+double continuous_time_to_break(Instance *instance) {
+    Reason why = {""};
+    if (!instance->kernel->time_to_break || !evaluate_ready(instance, &why))
+        return INFINITY;
+    return instance->kernel->time_to_break(instance->self, evaluate_state(instance),
+                                           instance->values + instance->ends[0]);
+}
+
 Status continuous_complete_step(Instance *instance, int *event) {
     double indicators[8];
     size_t count = instance->continuous.indicators;

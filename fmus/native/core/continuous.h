@@ -29,6 +29,8 @@ Status continuous_get_indicators(Instance *instance, double *indicators, size_t 
 Status continuous_enter_event_mode(Instance *instance);
 Status continuous_enter_continuous_time_mode(Instance *instance);
 Status continuous_update_discrete_states(Instance *instance);
+/* Time until a law of the component changes its form, INFINITY for never. */
+double continuous_time_to_break(Instance *instance);
 /* Ends a step of the solver; `event` tells whether an event was stepped over. STATUS_ERROR, and nothing changes, for
    a step that ends after the stop time. */
 Status continuous_complete_step(Instance *instance, int *event);

@@ -1,5 +1,7 @@
 /* FMI 2.0 for model exchange: the standard's functions that co-simulation does not have. */
 
+#include <math.h>
+
 #include "continuous.h"
 #include "fmi2.h"
 #include "fmi2_instance.h"
@@ -14,10 +16,18 @@ FMI2_EXPORT fmi2Status fmi2EnterContinuousTimeMode(fmi2Component component) {
     CALLED(continuous_enter_continuous_time_mode(instance));
 }
 
-/* One update is enough, and none moves a continuous state. */
+/* One update is enough, and none moves a continuous state; the next event that is known is the next break of a law. */
 FMI2_EXPORT fmi2Status fmi2NewDiscreteStates(fmi2Component component, fmi2EventInfo *info) {
+    Instance *instance = fmi2_instance_of(component);
     *info = (fmi2EventInfo){0, 0, 0, 0, 0, 0.0};
-    CALLED(continuous_update_discrete_states(instance));
+    if (!instance) return fmi2Error;
+    const Status status = continuous_update_discrete_states(instance);
+    const double left = status == STATUS_OK ? continuous_time_to_break(instance) : INFINITY;
+    if (isfinite(left)) {
+        info->nextEventTimeDefined = 1;
+        info->nextEventTime = instance->time + left;
+    }
+    return (fmi2Status)status;
 }
 
 FMI2_EXPORT fmi2Status fmi2CompletedIntegratorStep(fmi2Component component, fmi2Boolean no_return,

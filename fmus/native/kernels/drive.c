@@ -3,6 +3,7 @@
 
 #include "drive_layout.h"
 #include "axial.h"
+#include "motion_law.h"
 
 typedef struct Drive {
     Axial axial;
@@ -221,6 +222,20 @@ static void drive_update(void *self, const double *x, const double *u, int at_ev
     x_next[X_ANGLE] = drive_instant(&law, u, x[X_CLOCK], x[X_ANGLE]).turn.angle;
 }
 
-const Kernel drive_kernel = {CONNECTION_FUNCTIONS(drive, drive), .update = drive_update};
+/* Time until the motion starts or ends. */
+static double drive_break(void *self, const double *x, const double *u) {
+    const Drive *drive = self;
+    const double *p = drive->axial.base.p;
+    const double ends[2] = {p[P_START_TIME], p[P_START_TIME] + p[P_DURATION]};
+    for (int i = 0; i < 2 && drive->profile != COMMANDED_PROFILE && !commanded(u, U_HOLD); i++)
+        if (ends[i] > x[X_CLOCK] + LAW_REACHED) return ends[i] - x[X_CLOCK];
+    return INFINITY;
+}
+
+const Kernel drive_kernel = {
+    CONNECTION_FUNCTIONS(drive, drive),
+    .update = drive_update,
+    .time_to_break = drive_break,
+};
 
 #endif

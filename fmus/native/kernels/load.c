@@ -137,6 +137,12 @@ static void load_observe(void *self, const double *x, const double *u, double *z
     z[Z_SUPPLIED_ENERGY] = x[X_WORK];
 }
 
-const Kernel load_kernel = {CONNECTION_FUNCTIONS(load, load)};
+static double load_break(void *self, const double *x, const double *u) {
+    const Load *load = self;
+    const int stands = commanded(u, U_HOLD);
+    return fmin(motion_break(&load->force, x[X_CLOCK], stands), motion_break(&load->torque, x[X_CLOCK], stands));
+}
+
+const Kernel load_kernel = {CONNECTION_FUNCTIONS(load, load), .time_to_break = load_break};
 
 #endif

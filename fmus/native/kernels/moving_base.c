@@ -222,6 +222,12 @@ static size_t continuous(const void *self, size_t *places) {
     return CONTINUOUS;
 }
 
+static double time_to_break(void *self, const double *x, const double *u) {
+    const MovingBase *base = self;
+    const int stands = own_inputs(base, u)[U_HOLD] > 0.5;
+    return fmin(motion_break(&base->translation, x[X_CLOCK], stands), motion_break(&base->rotation, x[X_CLOCK], stands));
+}
+
 const Kernel moving_base_kernel = {
     .kind = KIND,
     .create = create,
@@ -233,6 +239,7 @@ const Kernel moving_base_kernel = {
     .step_complex = moving_base_step_complex,
     .outputs_complex = moving_base_outputs_complex,
     .continuous = continuous,
+    .time_to_break = time_to_break,
     .rates = moving_base_rates_real,
     .rates_complex = moving_base_rates_complex,
     .layout = LAYOUT_DIGEST,

@@ -156,6 +156,14 @@ static void point_motion_observe(void *self, const double *x, const double *u, d
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
 }
 
-const Kernel point_motion_kernel = {CONNECTION_FUNCTIONS(point_motion, point_motion)};
+static double point_motion_break(void *self, const double *x, const double *u) {
+    const PointMotion *motion = self;
+    return motion_break(&motion->law, x[X_CLOCK], commanded(u, U_HOLD));
+}
+
+const Kernel point_motion_kernel = {
+    CONNECTION_FUNCTIONS(point_motion, point_motion),
+    .time_to_break = point_motion_break,
+};
 
 #endif

@@ -100,6 +100,12 @@ static inline real motion_time_to_break(const MotionLaw *law, real time) {
 
 #ifndef FANFOLD_COMPLEX
 
+/* The same as kernels tell it; a clock that stands still comes to none. */
+static inline double motion_break(const MotionLaw *law, double clock, int stands) {
+    const double left = motion_time_to_break(law, clock);
+    return stands || left >= NEVER ? INFINITY : left;
+}
+
 /* The tables `<name>_breaks`, `<name>_coefficients` and `<name>_sines`. */
 static inline int read_motion_law(const Data *data, Memory *memory, const char *name, MotionLaw *law, Reason *why) {
     char key[64];

@@ -9,15 +9,21 @@ from __future__ import annotations
 
 import json
 import sys
+from ctypes import byref, c_double
 from math import tan
 
 import numpy as np
 from fmpy import simulate_fmu
+from fmpy.fmi2 import fmi2EventInfo
 from scipy.spatial.transform import Rotation
 
 from components.body import Body
+from components.drive import Drive
 from components.flexible.modal import ModalData
 from components.hinge import Hinge
+from components.load import Load
+from components.moving_base import MovingBase
+from components.point_motion import PointMotion
 from fmus import build_fmu
 from tests.conformance.programs.driver import OK, Fmu
 from tests.conformance.programs.exchange import Model
@@ -157,6 +163,52 @@ def run_turns(folder):
         assert abs(turn(0.1 * k - 3.0) - (0.1 * k - 3.0)) < 1e-12
         turn(0.1 * k)
         assert fmu.call("completedIntegratorStep") == OK
+
+
+def run_short_pulse(folder):
+    """A load of 100 N for 20 ms, far apart from all else, on a port that moves evenly: its work is in closed form.
+
+    Regression: breaks of laws were no events, and solvers stepped over it.
+    """
+    rise = [
+        {"profile": "ramp", "start": at, "duration": 1e-3, "change": change}
+        for at, change in ((3.003, 100.0), (3.023, -100.0))
+    ]
+    load = Load(force=rise, wrench_mode="endpoint")
+    path = build_fmu(load, "pulse", folder, start={"body.velocity": (0.0, 0.0, 0.1)})
+    settings = {"stop_time": 8.0, "output_interval": 8.0, "relative_tolerance": 1e-9}
+    found = integrated(path, output=["supplied_energy"], **settings)
+    work = found["supplied_energy"][-1]
+    assert abs(work - 100.0 * 0.02 * 0.1) < 1e-6, f"the work is {work:g} J"
+
+
+def run_breaks_are_events(folder):
+    """Next event times of laws in order; none where they have come to their ends."""
+    ramp = {"profile": "ramp", "start": 0.5, "duration": 0.25, "change": 1.0}
+    shift, turn = [ramp], [{**ramp, "start": 1.5}]
+    base = MovingBase([{"name": "hinge", "position": (0.0, 0.0, 0.0)}], shift, turn)
+    drive = Drive(profile="step", wrench_mode="endpoint")
+    motion = PointMotion(law=shift, wrench_mode="endpoint")
+    for name, component, start, expected in (
+        ("moved", base, {}, [0.5, 0.75, 1.5, 1.75]),
+        ("driven", drive, {"start_time": 0.5, "duration": 0.75}, [0.5, 1.25]),
+        ("pulled", motion, {}, [0.5, 0.75]),
+    ):
+        fmu = Model(str(build_fmu(component, name, folder, start=start)), component)
+        fmu.start()
+        clock, times = component.state_layout["clock"].start, []
+        place = list(component.continuous.places).index(clock)
+        info = fmi2EventInfo()
+        for _ in range(len(expected) + 1):
+            assert fmu.slave.fmi2NewDiscreteStates(fmu.slave.component, byref(info)) == OK
+            times += [info.nextEventTime] if info.nextEventTimeDefined else []
+            assert fmu.call("enterContinuousTimeMode") == OK
+            assert fmu.call("setTime", info.nextEventTime) == OK
+            states = fmu.states()
+            states[place] = info.nextEventTime
+            assert fmu.call("setContinuousStates", (c_double * fmu.nx)(*states), fmu.nx) == OK
+            assert fmu.call("enterEventMode") == OK
+        assert np.allclose(times, expected, atol=1e-12), f"{name}: events at {times}"
 
 
 RUNS = {
