@@ -285,7 +285,7 @@ def _run(
                 f"{assembly.name}: a run with FMUs that have signals ({names}) has no checkpoints, as their state "
                 "is not kept; leave checkpoint out"
             )
-        return _follow(assembly, network, output, settings, end, master, asked or {}, start, insist)
+        return _follow(assembly, network, output, settings, end, master, warn, asked or {}, start, insist)
 
 
 def _follow(
@@ -295,6 +295,7 @@ def _follow(
     settings: Settings,
     end: float,
     kind: MasterKind,
+    warn: Callable[[str], None],
     asked: Mapping[str, Any],
     resumed: Checkpoint | None,
     insist: bool,
@@ -311,7 +312,7 @@ def _follow(
     recorder = _recorder(assembly, output, groups, provenance, resumed)
     with recorder as writer, ExitStack() as stack:
         clocks = [stack.enter_context(_timed(p)) for p in participants]
-        signals = _signal_processes(assembly, settings.tolerance, stack)
+        signals = _signal_processes(assembly, settings.tolerance, stack, warn)
         runner = _runner(assembly, network, writer, settings, kind, signals)
 
         def keep(snapshot: Snapshot) -> None:
@@ -363,12 +364,21 @@ def _runner(
     return master(network, lines, writer, settings, events, signals)
 
 
-def _signal_processes(assembly: Assembly, tolerance: float, stack: ExitStack) -> list[SignalProcess]:
-    """A process for each FMU that has signals; RunError where one cannot be started."""
+def _signal_processes(
+    assembly: Assembly, tolerance: float, stack: ExitStack, warn: Callable[[str], None]
+) -> list[SignalProcess]:
+    """A process for each FMU that has signals; RunError where one cannot be started. At its end tells its warnings."""
     try:
-        return [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
+        found = [stack.enter_context(SignalProcess(fmu, tolerance)) for fmu in assembly.signal_fmus]
     except ParticipantError as error:
         raise RunError(f"{assembly.name}: {error}") from None
+
+    def tell() -> None:
+        for sentence in (sentence for one in found for sentence in one.warned()):
+            warn(f"{assembly.name}: {sentence}")
+
+    stack.callback(tell)
+    return found
 
 
 def _recorder(

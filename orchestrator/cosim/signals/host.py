@@ -1,7 +1,8 @@
 """The process of an FMU that has signals: `python -m orchestrator.cosim.signals.host END`, the number of a pipe's end.
 
-It answers requests, a name and arguments, by (True, what was asked for) or (False, (why not, whether a smaller step may
-do)). Signals of the system are for the process that asks: this one ends with it.
+It answers requests, a name and arguments, by (True, what was asked for, what the FMU warned of) or (False, (why not,
+whether a smaller step may do), what it warned of). Signals of the system are for the process that asks: this one ends
+with it.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from fmpy.simulation import instantiate_fmu
 from orchestrator.assembly.array_elements import element, length
 
 Value = float | int | bool | str
+_OK, _WARNING = 0, 1
 _DISCARD = 2
 """Status of a step that may be tried again with a smaller size, and of no other."""
 _FMI2_KINDS = {"Enumeration": "Integer"}
@@ -33,6 +35,9 @@ class Host:
 
     def __init__(self) -> None:
         self.said: deque[str] = deque(maxlen=1)
+        """last message of a call: the last that tells more than that all is well, where there is one"""
+        self.warned: list[str] = []
+        self._worst = _OK
         self._fmu: Any = None
         self._kept: Any = None
 
@@ -55,7 +60,8 @@ class Host:
         self._variables = {v.name: v for v in description.modelVariables}
         self._inputs, self._outputs = tuple(inputs), tuple(outputs)
         self._found = {name: self._variable(name) for name in (*start, *inputs, *outputs)}
-        self._fmu = instantiate_fmu(folder, description, "CoSimulation", logger=self._log)
+        # without logging many FMUs do not even say why they fail
+        self._fmu = instantiate_fmu(folder, description, "CoSimulation", debug_logging=True, logger=self._log)
         if self._fmi2:
             self._fmu.setupExperiment(tolerance=tolerance, startTime=0.0)
         for name, value in start.items():
@@ -71,13 +77,17 @@ class Host:
     def sample(self, time: float, h: float, values: Sequence[float]) -> list[float]:
         """Step from a time (s) over h with the inputs of the end, and give the outputs."""
         self._hand_over(values)
-        answer = self._fmu.doStep(currentCommunicationPoint=time, communicationStepSize=h)
-        if answer is not None:
-            _, terminates, early, reached = answer
-            if terminates:
-                raise RuntimeError("it asks for the end of the simulation")
-            if early:
-                raise RuntimeError(f"it returned early, at t = {reached:.6g} s, which was not allowed to it")
+        if self._fmi2:
+            if self._fmu.fmi2DoStep(self._fmu.component, time, h, 1) == _WARNING and not self.warned:
+                self.warned.append(" ".join(self.said) or "a warning without a word")
+            return self._given()
+        _, terminates, early, reached = self._fmu.doStep(
+            currentCommunicationPoint=time, communicationStepSize=h
+        )
+        if terminates:
+            raise RuntimeError("it asks for the end of the simulation")
+        if early:
+            raise RuntimeError(f"it returned early, at t = {reached:.6g} s, which was not allowed to it")
         return self._given()
 
     def tried(self, time: float, h: float, values: Sequence[float]) -> list[float]:
@@ -95,8 +105,19 @@ class Host:
             (self._fmu.freeFMUstate if self._fmi2 else self._fmu.freeFMUState)(state)
 
     def _log(self, *arguments: Any) -> None:  # noqa: ANN401 - FMI 2.0 and 3.0 differ
-        text = arguments[-1]
-        self.said.append(text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text))
+        status, _, text = arguments[-3:]
+        message = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+        if status == _WARNING:
+            self.warned.append(message)
+        if status >= self._worst:
+            self._worst = status
+            self.said.append(message)
+
+    def forget_messages(self) -> None:
+        """Before the next call."""
+        self.said.clear()
+        self.warned.clear()
+        self._worst = _OK
 
     def _variable(self, name: str) -> tuple[Any, int, int]:
         """A variable, how many elements it has, and the place of the one that a name means."""
@@ -152,11 +173,11 @@ def serve(connection: Connection) -> None:
         except (EOFError, OSError):
             return
         try:
-            answer = True, getattr(host, name)(*arguments)
+            answer = True, getattr(host, name)(*arguments), list(host.warned)
         except Exception as error:
-            why = " ".join(host.said).strip() or f"{error}" or type(error).__name__
-            answer = False, (why, getattr(error, "status", None) == _DISCARD)
-        host.said.clear()
+            why = " ".join(" ".join(host.said).split()) or f"{error}" or type(error).__name__
+            answer = False, (why, getattr(error, "status", None) == _DISCARD), list(host.warned)
+        host.forget_messages()
         connection.send(answer)
 
 

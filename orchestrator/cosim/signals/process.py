@@ -7,7 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing import Pipe
 from pathlib import Path
@@ -21,6 +21,8 @@ from ..isolation.process import LONGEST_CALL
 from ..native.shared_library import unpack
 from ..participant import ParticipantError
 
+_MOST_WARNINGS = 5
+"""Different warnings of one FMU that are told."""
 _LAST_MOMENT = 2.0
 """Time (s) that a process has to end by itself."""
 
@@ -39,6 +41,7 @@ class SignalProcess:
     def __init__(self, fmu: SignalFmu, tolerance: float, longest_call: float = LONGEST_CALL) -> None:
         self.fmu, self._tolerance = fmu, tolerance
         self._longest_call = longest_call
+        self._warnings: dict[str, float] = {}  # and when (s) first
         self._inputs = tuple(signal.variable for signal in fmu.inputs)
         # one output may set several parameters
         self.outputs = tuple(dict.fromkeys(signal.variable for signal in (*fmu.outputs, *fmu.told)))
@@ -85,6 +88,11 @@ class SignalProcess:
         """The state that it has come to, at a time (s), is the one to try from."""
         self._ask("keep", time, "save its state")
 
+    def warned(self) -> Iterator[str]:
+        """Sentences on what it warned of."""
+        for text, time in self._warnings.items():
+            yield f"{self.fmu.name}: at t = {time:.6g} s it warned: {text}"
+
     def _ask(self, name: str, time: float, action: str, *arguments: object) -> Any:  # noqa: ANN401
         try:
             self._connection.send((name, arguments))
@@ -94,10 +102,12 @@ class SignalProcess:
                     f"{self.fmu.name}: at t = {time:.6g} s it did not answer within {self._longest_call:g} s, and "
                     "was ended"
                 )
-            answered, what = self._connection.recv()
+            answered, what, warned = self._connection.recv()
         except (EOFError, OSError):
             self._kill()
             raise ParticipantError(f"{self.fmu.name}: at t = {time:.6g} s {self._end()}") from None
+        for text in warned[: _MOST_WARNINGS - len(self._warnings)]:
+            self._warnings.setdefault(" ".join(text.split()), time)
         if not answered:
             why, discarded = what
             sentence = f"{self.fmu.name}: cannot {action} at t = {time:.6g} s: {why}"

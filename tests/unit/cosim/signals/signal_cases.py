@@ -13,6 +13,7 @@ INERTIA = 20.0
 _SLAVE = """
 import os, time
 from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Integer, Real, String
+from pythonfmu.enums import Fmi2Status
 
 
 class {name}(Fmi2Slave):

@@ -190,7 +190,7 @@ def test_files_that_are_no_such_fmus(tmp_path):
 
 
 FAULTS = {
-    "raise ValueError('the gyroscope is blind')": "cannot do a step",
+    "raise ValueError('the gyroscope is blind')": "ValueError('the gyroscope is blind')",
     "os.abort()": "SIGABRT, so the FMU crashed",
     "os._exit(3)": "ended with code 3",
     "self.torque = float('nan')": "its output torque is nan",
@@ -206,6 +206,15 @@ def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
         fanfold.simulate(controlled(broken), save=path, estimate=False)
     assert FAULTS[fault] in str(caught.value)
     assert 0.1 < fanfold.Result.open(path).time[-1] < 0.15 + 1e-9
+
+
+def test_what_an_fmu_warns_of_is_told_once(tmp_path):
+    """Message of every step from the third on. Regression: FMUs were not logged, and warnings went nowhere."""
+    file = slave(tmp_path, fault="if self.count > 2: self.log('near its limit', Fmi2Status.warning)")
+    with pytest.warns(fanfold.FanfoldWarning) as heard:
+        fanfold.simulate(controlled(file), estimate=False)
+    told = [str(one.message) for one in heard if "warned" in str(one.message)]
+    assert told == ["craft: controller: at t = 0.15 s it warned: near its limit"]
 
 
 def test_an_fmu_that_hangs_is_ended(tmp_path):
