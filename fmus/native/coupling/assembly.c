@@ -156,16 +156,22 @@ static int take_snapshot(Assembly *a, size_t number) {
     return 1;
 }
 
-/* What a peak is the largest of, in a row of the ring. */
-static double load_of(const Assembly *a, const Peak *peak, size_t row) {
-    const double *values = a->ring + row * a->row_size + 2;
+/* What a peak is the largest of, in a sum of weighted rows of a ring that follow one another. */
+static double weighted_load(const Assembly *a, const Peak *peak, const double *rows, const double *weights, size_t count) {
     double square = 0.0, sum = 0.0;
     for (size_t k = 0; k < peak->count; k++) {
-        const double value = values[peak->place[k]];
+        double value = 0.0;
+        for (size_t i = 0; i < count; i++) value += weights[i] * rows[i * a->row_size + 2 + peak->place[k]];
         square += value * value;
         sum += value;
     }
     return peak->is_sum ? fabs(sum) : sqrt(square);
+}
+
+/* The same in one row of the ring. */
+static double load_of(const Assembly *a, const Peak *peak, size_t row) {
+    static const double whole = 1.0;
+    return weighted_load(a, peak, a->ring + row * a->row_size, &whole, 1);
 }
 
 /* By how much a cubic, s (slope + s (bend + s third)) from v[1] on, misses a sample beside its four, over the product of
@@ -793,8 +799,9 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
     const double *peaks = ring_of(a, x) - a->peak_count, *standing = newest_of(a, x) + 2;
     (void)u;
     memset(y, 0, TOLD * sizeof(double));
-    for (size_t i = 0; i < count; i++, first += a->row_size)
-        for (size_t k = STORED_ENERGY; k <= ENERGY_RESIDUAL; k++) y[k] += weights[i] * first[channels + k];
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = STORED_ENERGY; k <= ENERGY_RESIDUAL; k++)
+            y[k] += weights[i] * first[i * a->row_size + channels + k];
     y[STEPS] = x[AT_STEPS];
     y[REJECTED_STEPS] = x[AT_REJECTED];
     y += TOLD;
@@ -804,7 +811,9 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
         *y++ = is_latched ? latch_time : -1.0;
         *y++ = is_latched;
     }
-    memcpy(y, peaks, a->peak_count * sizeof(double));
+    /* what stands at the communication point itself is between two rows */
+    for (size_t i = 0; i < a->peak_count; i++)
+        y[i] = fmax(peaks[i], weighted_load(a, a->peak + i, first, weights, count));
 }
 
 /* What follows depends on the state alone: those who saved it come to the same as those who go on from it. */

@@ -42,6 +42,14 @@ def test_it_latches_when_the_scene_does_and_as_hard(path, result):
     assert host["steps"] == pytest.approx(result.costs["steps"], abs=3)
 
 
+def test_no_value_is_above_its_peak_so_far(path, result):
+    """Definition, at points between rows of the rising torque. Regression: up to 5 % above it."""
+    host = Host(path).start()
+    for time in result.latch_times["HL"] + np.arange(0.0, 0.1, 0.0013):
+        host.to(time, 0.1)
+        assert host["HL.latch_torque_peak"] >= abs(host["root.latch_torque"])
+
+
 def test_what_is_observed_lies_between_the_rows_of_the_run(path, result):
     """The angle turns smoothly: rows are so near to each other that a straight line is off by 1e-4 of it."""
     host = Host(path).start()
