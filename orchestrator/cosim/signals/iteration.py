@@ -58,7 +58,9 @@ class Iteration:
         names = ", ".join(one.fmu.name for one in self._fmus)
         error = ParticipantError(
             f"{names}: its loads and the motion that they lead to do not agree in the step of {h:.3g} s from "
-            f"t = {time:.6g} s, where they stay {self._worst(apart):.3g} of their size apart; give it a smaller step"
+            f"t = {time:.6g} s, where they stay {self._worst(apart):.3g} of their size apart; a smaller "
+            "tolerance, and so smaller steps, may bring them together; one that switches at once with its inputs "
+            "has to be held over a step: leave iterated out"
         )
         return solution._replace(converged=False, correction=np.inf, failure=error)
 

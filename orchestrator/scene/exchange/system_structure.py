@@ -20,7 +20,7 @@ from ..table import SceneError
 MEMBER = "resources/scene.json"
 _LARGEST = 2_000_000_000
 """Bytes of a member; no wing needs more."""
-_SCENE, _SYSTEM = "scene", "system"
+_SCENE, _SYSTEM, _OF_SCENE = "scene", "system", "digest"
 
 
 def carried(tree: Mapping[str, Any], fidelities: Mapping[str, Fidelity], system: Mapping[str, bytes]) -> str:
@@ -33,7 +33,8 @@ def carried(tree: Mapping[str, Any], fidelities: Mapping[str, Fidelity], system:
         for body in tree.get("body", ())
     ]
     scene = tomli_w.dumps({**tree, **({"body": bodies} if bodies else {})})
-    return json.dumps({_SCENE: scene, _SYSTEM: {name: _digest(content) for name, content in system.items()}})
+    digests = {name: _digest(content) for name, content in system.items()}
+    return json.dumps({_SCENE: scene, _OF_SCENE: _digest(scene.encode()), _SYSTEM: digests})
 
 
 def scene_of(path: Path) -> str:
@@ -52,12 +53,12 @@ def scene_of(path: Path) -> str:
                 raise SceneError([f"{path.name}: its files are too large to be those of a wing"])
             found = json.loads(archive.read(MEMBER))
             scene, system = found[_SCENE], found[_SYSTEM]
-            changed = [
-                name
-                for name, digest in system.items()
-                if name not in sizes or _digest(archive.read(name)) != digest
-            ]
+            lost = sorted(system.keys() - sizes.keys())
+            there = system.items() if not lost else ()
+            changed = [name for name, digest in there if _digest(archive.read(name)) != digest]
             changed += sorted(sizes.keys() - system.keys() - {MEMBER})
+            if found.get(_OF_SCENE, _digest(scene.encode())) != _digest(scene.encode()):
+                changed.append(MEMBER)
     except (
         BadZipFile,
         OSError,
@@ -68,6 +69,8 @@ def scene_of(path: Path) -> str:
         NotImplementedError,
     ) as error:
         raise SceneError([f"{path.name}: is damaged, or no SSP file: {error}"]) from None
+    if lost:
+        raise SceneError([f"{path.name}: {', '.join(lost)} of the file that was exported is missing"])
     if changed:
         names = ", ".join(changed)
         raise SceneError(

@@ -125,11 +125,16 @@ def test_it_runs_as_the_scene_that_it_was_exported_from(written):
 def test_a_system_that_was_changed_is_no_longer_the_scene(written, tmp_path):
     """Bad input: another connection, another FMU, no scene, no archive at all; each is told of with its name."""
     with zipfile.ZipFile(written) as archive:
-        structure = archive.read("SystemStructure.ssd")
+        structure, scene = archive.read("SystemStructure.ssd"), archive.read("resources/scene.json")
+    heavier = {"resources/scene.json": scene.replace(b"until = ", b"until = 1", 1)}
+    assert heavier["resources/scene.json"] != scene
     other = {"SystemStructure.ssd": structure.replace(b"panel", b"table", 1)}
     cases = {
         "in place of SystemStructure.ssd; lay changes": without(written, "", tmp_path / "a.ssp", **other),
-        "in place of resources/panel.fmu; lay": without(written, "resources/panel.fmu", tmp_path / "b.ssp"),
+        "resources/panel.fmu of the file that was exported is missing": without(
+            written, "resources/panel.fmu", tmp_path / "b.ssp"
+        ),
+        "in place of resources/scene.json; lay": without(written, "", tmp_path / "g.ssp", **heavier),
         "in place of more.ssv; lay": without(written, "", tmp_path / "c.ssp", **{"more.ssv": b""}),
         "holds no scene": without(written, "resources/scene.json", tmp_path / "d.ssp"),
         "is damaged": without(written, "", tmp_path / "e.ssp", **{"resources/scene.json": b"[]"}),
