@@ -76,7 +76,8 @@ class Headline:
     attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
     attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
-    motor_energy: released by motors, and put in by drives and loads, up to the last latch-up. energy_exchanged,
+    motor_energy: released by motors and put in by drives, supplied_energy: put in by loads and by what moves by a law,
+    both up to the last latch-up. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
     `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
@@ -95,6 +96,7 @@ class Headline:
     torque_peaks: Mapping[str, Mapping[str, float]]
     force_extremes: Mapping[str, Mapping[str, tuple[float, float]]]
     motor_energy: float
+    supplied_energy: float
     energy_exchanged: float
     numerical_dissipation: float
     energy_residual: float | None
@@ -155,6 +157,8 @@ class Headline:
         yield from self._numbers_of_base()
         yield from self._numbers_of_loads()
         yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
+        if self.supplied_energy:
+            yield Number("energy put in", "but by motors", self.supplied_energy, "J")
         if self.energy_residual is not None:
             yield Number("energy exchanged", "", self.energy_exchanged, "J")
             yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
@@ -206,7 +210,7 @@ def headline(result: Result) -> Headline:
         for line in result.hinge_lines
         if line.name in times
     }
-    released = _motor_energy(result, max(times.values(), default=float(result.time[-1])))
+    last = max(times.values(), default=float(result.time[-1]))
     ledger, errors = energy_ledger(result), estimated_errors(result)
     found = Headline(
         complete=result.complete,
@@ -246,7 +250,8 @@ def headline(result: Result) -> Headline:
             (name, label, (float(force.min()), float(force.max())))
             for name, label, force in _loads(result, "N")
         ),
-        motor_energy=released,
+        motor_energy=_motor_energy(result, last),
+        supplied_energy=_supplied_energy(result, last),
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
@@ -423,11 +428,19 @@ def _by_component(found: Iterable[tuple[str, str, T]]) -> dict[str, dict[str, T]
 
 
 def _motor_energy(result: Result, until: float) -> float:
-    """Energy that all motorisation springs released and all other components supplied up to a time (J)."""
-    springs = result.recording("motor_energy")
-    others = [name for name in result.recording(SUPPLIED_ENERGY.name) if name not in (*springs, "scene")]
-    given = [(name, "motor_energy") for name in springs] + [(name, SUPPLIED_ENERGY.name) for name in others]
+    """Energy that all motors of hinges released and all drives supplied up to a time (J)."""
+    given = [(name, "motor_energy") for name in result.recording("motor_energy")]
+    given += [(name, SUPPLIED_ENERGY.name) for name in result.recording("drive_torque")]
     return float(sum(_given(result.time, result.signal(*one), until) for one in given))
+
+
+def _supplied_energy(result: Result, until: float) -> float:
+    """Energy that all else supplied up to a time (J): loads, and bodies and points that follow laws."""
+    motors = {*result.recording("motor_energy"), *result.recording("drive_torque"), "scene"}
+    others = [name for name in result.recording(SUPPLIED_ENERGY.name) if name not in motors]
+    return float(
+        sum(_given(result.time, result.signal(name, SUPPLIED_ENERGY.name), until) for name in others)
+    )
 
 
 def _given(time: Vector, energy: Vector, until: float) -> float:

@@ -53,3 +53,15 @@ def test_thrust_on_what_does_not_give_way_changes_no_load(base):
     for name in ("interface_force_peaks", "interface_torque_peaks"):
         assert getattr(found.headline, name) == pytest.approx(getattr(without.headline, name), rel=1e-4)
     assert np.abs(found.signal("sc", "thruster.interface_force")).max() > 30.0
+
+
+@pytest.mark.filterwarnings("ignore:.*nothing keeps it at 180 deg")
+def test_what_a_thruster_puts_in_is_no_energy_of_motors():
+    """Balance: motors give what they do, and the thruster its own work. Regression: one number told both as motors'."""
+    result = simulated(pushed(FREE, held=False))
+    told = result.headline
+    assert told.motor_energy == pytest.approx(
+        sum(np.ptp(result.signal(name, "motor_energy")) for name in ("h1", "h2")), rel=1e-6
+    )
+    assert told.supplied_energy == pytest.approx(result.signal("thruster", "supplied_energy")[-1], rel=1e-9)
+    assert any(number.quantity == "energy put in" for number in told.numbers())
