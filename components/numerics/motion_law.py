@@ -21,7 +21,8 @@ from .scheme import NEVER
 DEGREE = 5
 MEANING = """A motion law is a list of terms, which add up, in SI units and Hz: `change` is reached `duration` seconds
 after `start` along a straight line (`ramp`), a cubic (`step`), a polynomial of degree five (`step5`) or half a cosine
-(`havsin`)."""
+(`havsin`). A `table` goes through points (`times`, `values`) by monotone cubics (PCHIP), a `polyline` straight from one
+to the next; both are constant before and after."""
 _REACHED = 1e-9  # distance (s) from a break that sums of step sizes may leave
 _SAME = 1e-12  # distance (s) of breaks that are one
 _GAUSS = 0.6**0.5
@@ -241,11 +242,27 @@ def _harmonic(start: float, amplitude: float, frequency: float, phase: float) ->
     return _Term((start,), (Polynomial([amplitude * sin(phase)]), Polynomial([0.0])), (wave,))
 
 
-def _table(times: Sequence[float], values: Sequence[float]) -> _Term:
-    """Monotone cubics through points, constant outside."""
+def _check_points(times: Sequence[float], values: Sequence[float]) -> None:
+    """ValueError where they are no points in order."""
     lists = isinstance(times, tuple) and isinstance(values, tuple)
     if not lists or len(times) != len(values) or len(times) < 2 or np.any(np.diff(times) <= 0.0):
         raise ValueError("give as many values as times, at least two, and the times rising")
+
+
+def _polyline(times: Sequence[float], values: Sequence[float]) -> _Term:
+    """Straight from point to point, constant outside."""
+    _check_points(times, values)
+    slopes = np.diff(values) / np.diff(times)
+    own = [
+        Polynomial([value - slope * time, slope])
+        for time, value, slope in zip(times[:-1], values[:-1], slopes.tolist(), strict=True)
+    ]
+    return _Term(tuple(times), (Polynomial([values[0]]), *own, Polynomial([values[-1]])))
+
+
+def _table(times: Sequence[float], values: Sequence[float]) -> _Term:
+    """Monotone cubics through points, constant outside."""
+    _check_points(times, values)
     from scipy.interpolate import PchipInterpolator  # takes its time, which most laws need not
 
     cubics = PchipInterpolator(times, values)
@@ -269,6 +286,7 @@ PROFILES: Mapping[str, _Profile] = {
     "spin_up": _Profile(_spin_up, ("duration", "rate"), _FROM_ZERO),
     "harmonic": _Profile(_harmonic, ("amplitude", "frequency"), {"start": 0.0, "phase": 0.0}),
     "table": _Profile(_table, ("times", "values"), {}),
+    "polyline": _Profile(_polyline, ("times", "values"), {}),
 }
 """Kinds of terms, with the numbers that each needs and may have. STEP is s^2 (3 - 2 s), STEP5
 s^3 (10 - 15 s + 6 s^2)."""

@@ -17,6 +17,7 @@ TERMS = {
     "spin_up": {"start": 0.5, "duration": 1.5, "rate": 6.0},
     "harmonic": {"start": 0.3, "amplitude": 0.2, "frequency": 1.3, "phase": 0.4},
     "table": {"times": [0.1, 0.5, 1.7, 2.0], "values": [0.0, 1.0, 0.5, 0.9]},
+    "polyline": {"times": [0.1, 0.5, 1.7, 2.0], "values": [0.0, 1.0, 0.5, 0.9]},
 }
 TIMES = np.linspace(-1.0, 4.0, 201) + 1e-3
 
@@ -34,6 +35,8 @@ def closed_form(name, t):
         return term["amplitude"] * np.sin(
             2 * np.pi * term["frequency"] * np.maximum(t - term["start"], 0.0) + term["phase"]
         )
+    if name == "polyline":
+        return np.interp(t, term["times"], term["values"])
     s = np.clip((t - term["start"]) / term["duration"], 0.0, 1.0)
     if name == "spin_up":
         T, after = term["duration"], np.maximum(t - term["start"] - term["duration"], 0.0)
