@@ -32,11 +32,12 @@ def gradients(
     factor of what it has, keys with commas between change together. One run tells them all, through its latch-ups and
     other events: for every key a neighbour with a slightly different value makes the same steps beside it. central: two
     neighbours a key, for loads that bend much with it; twice the cost. verify: `errors` hold those of the steps as
-    well, by a run at a tenth of the tolerance with a neighbour in all keys, for the cost of a few runs; without it they
-    know nothing of those, by which loads may be far off, even in sign. rigid ... progress: as for `simulate`.
+    well, by a run at a tenth of the tolerance with its neighbours, for twice the cost again; without it they know
+    nothing of those, by which loads may be far off, even in sign. rigid ... progress: as for `simulate`.
 
     `derivatives` (numbers, keys) are in the unit of the number over that of the key; `relative` is percent by percent.
-    `errors` (numbers) tell how far the gradient of each can be trusted, `doubtful` names those that mean nothing.
+    `errors` (numbers) tell how far the gradient of each can be trusted, `single_errors` (numbers, keys) how far every
+    derivative, also where it is small beside others; `doubtful` names those that mean nothing.
     FanfoldError where there is no derivative: for whole numbers, and where a small change makes another event happen.
     """
     options = options_of(rigid, flexible, large_deformation, until, tolerance)

@@ -5,7 +5,8 @@ numbers over it. Both make the same steps with the same factors, so the errors o
 internal numerical differentiation (Bock 1981). Latch-ups come earlier or later in a neighbour, and are met there.
 One neighbour more differs in all keys at once, to the other side: what its numbers miss of what the derivatives say
 tells how far these can be trusted, which is nothing where peaks are those of chaotic ringing. It knows nothing of the
-errors that all steps share: a run at a smaller tolerance with such a neighbour of its own does.
+errors that all steps share, nor of those of single keys that are small beside others: a run at a smaller tolerance with
+neighbours of its own does.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ class Gradients:
 
     keys: as they were given. values, units (P): of the keys, a factor being 1. numbers (N): those of the run.
     derivatives (N, P): in the unit of the number over that of the key. errors (N): of each number's gradient, estimated
-    over the gradient as a whole; not a number where nothing moves it.
+    over the gradient as a whole; not a number where nothing moves it. single_errors (N, P): of the derivatives one by
+    one, in their units; not a number where they were not verified.
     """
 
     scene: str
@@ -66,6 +68,7 @@ class Gradients:
     numbers: tuple[Number, ...]
     derivatives: Vector
     errors: Vector
+    single_errors: Vector
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -97,7 +100,12 @@ class Gradients:
 
     def plain(self) -> dict[str, object]:
         """For JSON, which has no word for what is not a number: None."""
-        arrays = {"derivatives": self.derivatives, "relative": self.relative, "errors": self.errors}
+        arrays = {
+            "derivatives": self.derivatives,
+            "relative": self.relative,
+            "errors": self.errors,
+            "single_errors": self.single_errors,
+        }
         return {**asdict(self), **{name: _listed(array) for name, array in arrays.items()}}
 
     def of(self, number: str, key: str) -> float:
@@ -179,7 +187,7 @@ def gradients(
     """Deploy a scene and its neighbours; FanfoldError where one of them cannot, or where there is no derivative.
 
     central: two neighbours a key, with differences whose error goes with the square of the part. verify: a run at a
-    tenth of the tolerance, with one neighbour in all keys, for errors that those of the steps are part of.
+    tenth of the tolerance, with one neighbour a key and one in all, for errors that those of the steps are part of.
     """
     _refuse(keys, options)
     assembly = options.assemble(scene.check_one_run())
@@ -191,7 +199,7 @@ def gradients(
         together = _together(scene, options, parameters, beside, central=central)
         try:
             followed = _follow(assembly, options, parameters, beside, together, watch)
-            finer = _follow_finer(assembly, options, together, watch) if verify else None
+            finer = _follow_finer(assembly, options, parameters, beside, together, watch) if verify else None
         except AstrayError as error:
             astray = str(error)
         else:
@@ -207,24 +215,32 @@ def _follow(
     together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
-    others = {
+    others = _named(parameters, beside)
+    others |= {f"all of them {way}": one.assembly for one, way in zip(together, "-+", strict=False)}
+    return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
+
+
+def _named(parameters: Sequence[Parameter], beside: Sequence[Sequence[Beside]]) -> dict[str, Assembly]:
+    """Neighbours by what they are called, in order."""
+    return {
         f"{one.name} {'+' if side.value > one.value else '-'}": side.assembly
         for one, sides in zip(parameters, beside, strict=True)
         for side in sides
     }
-    others |= {f"all of them {way}": one.assembly for one, way in zip(together, "-+", strict=False)}
-    return run_beside(assembly, others, options.settings(assembly), options.until or assembly.until, watch)
 
 
 def _follow_finer(
     assembly: Assembly,
     options: Options,
+    parameters: Sequence[Parameter],
+    beside: Sequence[Sequence[Beside]],
     together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
+    """A run at a smaller tolerance, with the first neighbour of every key and that in all of them."""
     settings = options.settings(assembly)
     settings = replace(settings, tolerance=max(_FINER * settings.tolerance, TOLERANCES[0]))
-    others = {"all of them": together[0].assembly}
+    others = _named(parameters, [sides[:1] for sides in beside]) | {"all of them": together[0].assembly}
     return run_beside(assembly, others, settings, options.until or assembly.until, watch)
 
 
@@ -245,10 +261,14 @@ def _told(
     steps, change = together[0].steps, next(others) - here
     for one in together[1:]:
         steps, change = 0.5 * (steps - one.steps), 0.5 * (change - (next(others) - here))
-    off = np.abs(change - slopes @ steps)
+    off, single = np.abs(change - slopes @ steps), np.full(slopes.shape, nan)
     if finer is not None:
-        there, neighbour = (_values(numbers, result) for result in (finer.result, *finer.neighbours))
+        there, *apart, neighbour = (_values(numbers, result) for result in (finer.result, *finer.neighbours))
         off = np.fmax(off, np.abs(neighbour - there - slopes @ together[0].steps))
+        finer_slopes = np.column_stack(
+            [(value - there) / sides[0][0] for value, sides in zip(apart, ends, strict=True)]
+        )
+        single = np.abs(slopes - finer_slopes)
     return Gradients(
         assembly.name,
         tuple(one.name for one in parameters),
@@ -257,6 +277,7 @@ def _told(
         tuple(numbers),
         slopes,
         _beside_locks(assembly, numbers, _shares(numbers, off, np.linalg.norm(slopes * steps, axis=1))),
+        single,
     )
 
 

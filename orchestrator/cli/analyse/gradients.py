@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from ...analysis.sampling.gradients import Gradients
 
 
+_SURE, _MOST = 0.01, 10.0
+"""Of a derivative: errors beyond the first are told beside it, and beyond the second not even as a part of it."""
+
+
 @click.command("gradients")
 @scene_choice
 @large_deformation_option
@@ -31,7 +36,8 @@ if TYPE_CHECKING:
     "--verify/--no-verify",
     default=True,
     show_default=True,
-    help="Errors hold those of the steps, which may be far larger: one more run at a tenth of the tolerance.",
+    help="Errors hold those of the steps, which may be far larger: one more run at a tenth of the tolerance, with "
+    "its neighbours.",
 )
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time of the run in seconds.")
@@ -87,12 +93,21 @@ def _report(found: Gradients, verified: bool) -> None:
             [f"{error:.0e}" if error > 0.0 else "" for error in found.errors.tolist()],
         ),
     ]
+    singles = zip(found.derivatives.T.tolist(), found.single_errors.T.tolist(), strict=True)
     columns = [
-        Column(_heading(key, unit), [f"{value:.5g}" for value in column])
-        for key, unit, column in zip(found.keys, found.units, found.derivatives.T.tolist(), strict=True)
+        Column(_heading(key, unit), [_sure(*pair) for pair in zip(values, errors, strict=True)])
+        for key, unit, (values, errors) in zip(found.keys, found.units, singles, strict=True)
     ]
     for table in tables_that_fit(f"{found.scene}: derivatives", fixed, columns, console.width):
         console.print(table)
+
+
+def _sure(value: float, error: float) -> str:
+    """A derivative, and by what part of it it may be off where that is more than a hundredth."""
+    if not error > _SURE * abs(value):
+        return f"{value:.5g}"
+    share = error / abs(value) if value else inf
+    return f"{value:.3g} ±{share:.0%}" if share < _MOST else f"{value:.3g} ±all"
 
 
 def _heading(key: str, unit: str) -> str:

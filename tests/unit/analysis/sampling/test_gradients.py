@@ -97,6 +97,19 @@ def test_errors_of_the_steps_are_verified(tolerance):
     assert error / 4.0 < verified.errors[peak] < 4.0 * error
 
 
+def test_a_small_derivative_beside_large_ones_has_an_error_of_its_own():
+    """Closed form as above, by a key that moves little. Regression: errors were those of all keys together."""
+    keys = [MOTOR, "hinge_line.line.latch.stiffness"]
+    found = fanfold.gradients(flap(damping_ratio=0.0), keys, tolerance=1e-3)
+    peak = found.names.index("latch torque peak line")
+    slope = (undamped_peak(1.0 + 1e-5) - undamped_peak(1.0 - 1e-5)) / 2e-5
+    exact = np.array([slope, ANGLE / (undamped_peak() - 1.0)])
+    off = np.abs(found.derivatives[peak] - exact)
+    # the run at a tenth of the tolerance errs as well, by a part of it
+    assert np.all((off / 4.0 < found.single_errors[peak]) & (found.single_errors[peak] < 4.0 * off))
+    assert np.isnan(fanfold.gradients(flap(), keys, verify=False).single_errors).all()
+
+
 def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
     """A latch time with noise of a part of 1e-5, as large as what the keys do to it: named, and crossed out."""
     dice = np.random.default_rng(0)
