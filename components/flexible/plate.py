@@ -29,11 +29,11 @@ def sandwich_stiffness(
     """Bending (N m) and membrane (N/m) stiffness of two equal skins on a core that only spaces them.
 
     skin, core: thickness (m) of one skin and of the core; moduli (Pa) of the skin, equal along x and y.
-    Thin skins (Allen 1969): A = 2 E t / (1 - nu²), D = A d² / 4 with d = core + skin.
+    Skins (Allen 1969): A = 2 E t / (1 - nu²), D = A (d² / 4 + t² / 12) with d = core + skin.
     """
     plane = 2.0 * skin * youngs_modulus / (1.0 - poisson_ratio**2)
     membrane = (plane, plane, poisson_ratio * plane, 2.0 * skin * shear_modulus)
-    lever = (core + skin) ** 2 / 4.0
+    lever = (core + skin) ** 2 / 4.0 + skin**2 / 12.0
     a11, a22, a12, a66 = membrane
     return (a11 * lever, a22 * lever, a12 * lever, a66 * lever), membrane
 

@@ -281,11 +281,12 @@ def test_tubes_of_frames_follow_from_poissons_ratio():
 def test_skins_of_another_thickness_are_another_body(tmp_path, monkeypatch):
     """The cache is keyed by content: what was told to stay at 18.48 Hz with twice the skin now follows (issue 11).
 
-    Closed form: bending stiffness is that of skins times their distance squared, masses are as stated, arms rigid.
+    Closed form: bending stiffness is that of skins t at a distance d, t (d^2 / 4 + t^2 / 12), masses are as stated, arms
+    rigid.
     """
     monkeypatch.setenv("FANFOLD_CACHE", str(tmp_path))
     thin, thick = panel().flexible(2), panel("sandwich.skin", 0.4e-3).flexible(2)
-    ratio = np.sqrt(2.0) * 20.4 / 20.2
+    ratio = np.sqrt(2.0 * (20.4**2 / 4 + 0.4**2 / 12) / (20.2**2 / 4 + 0.2**2 / 12))
     found = [
         fixed_interface_frequencies(body.finite_elements(), ("root_left", "root_right"), 1)[0]
         for body in (panel(), panel("sandwich.skin", 0.4e-3))
