@@ -11,6 +11,7 @@ tolerance leaves at most twice as much of the energy exchanged, or of that in mo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -37,29 +38,41 @@ _ALLOWED = 2.0
 """Relative error of an energy over that of the velocities."""
 _NOTHING = 1e-12
 """J: what rounding leaves of the energies of what rests."""
+_AT_REST, _ROUNDED = 1e-7, 1e-8
+"""Of the energies that stand there: below the first nothing moves, and the second is what iterations leave of them."""
 _SCENE = "scene"
 
 
 class EnergyLedger(NamedTuple):
-    """Energies (J) of a run: largest exchanged or in motion, end of numerical dissipation, largest residual."""
+    """Energies (J) of a run: largest exchanged or in motion, end of numerical dissipation, largest residual.
+
+    standing: sum of the largest sizes of all accounts of energy that is there, whether or not anything moves.
+    """
 
     exchanged: float
     numerical: float
     residual: float
     tolerance: float | None
     """what the run was asked for, where its result tells"""
+    standing: float = 0.0
 
     @property
     def relative_residual(self) -> float | None:
         """Residual over the energy exchanged; None where nothing moved."""
         return self.residual / self.exchanged if self.exchanged > 0.0 else None
 
+    @property
+    def _is_rounding(self) -> bool:
+        """Whether nothing moves but for what iterations leave of energies that stand there."""
+        rests = self.exchanged <= _AT_REST * self.standing
+        return rests and self.residual <= _ROUNDED * self.standing
+
     def warnings(self) -> tuple[str, ...]:
         """A sentence where the balance is off by more than the tolerance allows."""
         relative = self.relative_residual
         if self.tolerance is None or relative is None or self.residual <= _NOTHING:
             return ()
-        if relative <= _ALLOWED * self.tolerance:
+        if relative <= _ALLOWED * self.tolerance or self._is_rounding:
             return ()
         return (
             f"the energy balance is off by {self.residual:.3g} J, {relative:.2g} of the {self.exchanged:.3g} J "
@@ -81,7 +94,16 @@ def energy_ledger(result: Result) -> EnergyLedger | None:
         numerical=numerical,
         residual=float(np.max(np.abs(result.signal(_SCENE, "energy_residual")))),
         tolerance=tolerance_asked(result),
+        standing=sum(_standing(result)),
     )
+
+
+def _standing(result: Result) -> Iterator[float]:
+    """Largest size (J) of every account of energy that is there."""
+    for variable in (KINETIC_ENERGY.name, POTENTIAL_ENERGY.name):
+        for name in result.recording(variable):
+            if name != _SCENE:
+                yield float(np.abs(result.signal(name, variable)).max())
 
 
 def rows_of_exchange(result: Result) -> list[int]:
