@@ -25,6 +25,8 @@ from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 from .numerics.workless_pair import gauss_rates, remembered_path, viscous_load, workless_law
 
+OF_HINGE = "_stop"
+"""What scenes call the end stop of a hinge, behind its name."""
 _GAUSS = sqrt(1.0 / 3.0)
 
 
@@ -183,7 +185,7 @@ class EndStop(AxialConnection[_Parameters, _State, _Commands]):
         stored = 0.0 if now.failed else c.spring.potential(penetration)
         heat = s.heat + now.failure_heat
         touches = float(penetration >= 0.0 and not now.failed)
-        return _Observations(penetration, rate, -torque, stored, heat, s.numerical, touches)
+        return _Observations(penetration, rate, 0.0 - torque, stored, heat, s.numerical, touches)
 
     def powers(self, c: _Constants, s: _State, u: Inputs[_Commands]) -> Sequence[float]:
         """Heat (W) of the braking share."""

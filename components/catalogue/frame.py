@@ -74,9 +74,12 @@ class Frame:
                     yield f"members.{path.name}: its joints {a} and {b} are at one place; a beam has a length"
         met = dict.fromkeys(name for path in self.members for name in path.joints)
         for a, b in combinations(met, 2):
-            beside = any({a, b} <= set(path.joints) for path in self.members)
-            if not beside and _at_one_place(places[a], places[b]):
-                yield f"joints {a} and {b} are at one place, and not joined; give the members that meet there one joint"
+            joined = any({a, b} == {*ends} for path in self.members for ends in pairwise(path.joints))
+            if not joined and _at_one_place(places[a], places[b]):
+                yield (
+                    f"joints {a} and {b} are at one place, and not joined; give the members that meet there one joint "
+                    "(a ring takes two members), or set one of them apart"
+                )
         for arm, end in arms.items():
             for name in met:
                 if name != arm and arm not in met and _at_one_place(places[name], np.array(end)):

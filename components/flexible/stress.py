@@ -41,8 +41,12 @@ class FaceSheets:
 
     @classmethod
     def sandwich(cls, skin: float, distance: float) -> Self:
-        """Two sheets of thickness `skin` (m) with their mid-planes `distance` (m) apart."""
-        return cls(0.5 / _positive(skin, "skin"), 1.0 / (skin * _positive(distance, "distance")))
+        """Two sheets of thickness `skin` (m) with their mid-planes `distance` (m) apart; stresses are those there.
+
+        The sheets' own bending carries its share of the moment, see `plate.sandwich_stiffness`.
+        """
+        square = _positive(distance, "distance") ** 2 + _positive(skin, "skin") ** 2 / 3.0
+        return cls(0.5 / skin, distance / (skin * square))
 
     @classmethod
     def solid(cls, thickness: float) -> Self:

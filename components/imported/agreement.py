@@ -27,8 +27,6 @@ _UNEQUAL = 1e-3
 """Of the mass, between the three directions: text files are right to far less, forgotten nodes are not."""
 _STATED = 0.01
 """Of mass, size or inertia, between what is stated and what is found."""
-_SAMPLED = 0.1
-"""Of mass and inertia, in samples: point masses lack the inertia of coarse elements about themselves."""
 _FREE = 1e-10
 """Of the largest stiffness of its kind: what is left of zero in numbers with ten digits."""
 _STRESSED = 1e-3
@@ -105,6 +103,12 @@ def symmetric(matrix: SparseMatrix) -> SparseMatrix:
 
 def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stated) -> tuple[Finding, ...]:
     """Rigid motions, mass, units, stiffness at the points."""
+    if unmet := _unmet(model):
+        return (
+            Finding(
+                "stiffness of points", "", f"moves without stiffness: {unmet}; join the point to more nodes"
+            ),
+        )
     rigid = model.rigid_motions
     mass = rigid.T @ np.asarray(model.mass_matrix @ rigid)
     if not np.linalg.eigvalsh(mass)[0] > 0.0:
@@ -116,6 +120,17 @@ def check_model(data: FiniteElementData, model: FiniteElementModel, stated: Stat
         return (Finding("stiffness", "", _INDEFINITE),)
     found = [*_rigid(model, mass, first), *_mass(model, mass, stated), *_units(data, model, first)]
     return (*found, *_soft_points(model), *_outputs(model), *_samples(data, mass), *_recovered(data))
+
+
+def _unmet(model: FiniteElementModel) -> str:
+    """Degrees of freedom of attachment points that nothing meets, such as the rotation about a flat shell's normal."""
+    stiff = np.asarray(abs(model.stiffness).sum(axis=1)) > 0.0
+    return ", ".join(
+        f"{name} {('along', 'about')[k // 3]} {'xyz'[k % 3]}"
+        for name, rows in model.attachment_dofs.items()
+        for k, row in enumerate(rows)
+        if not stiff[row]
+    )
 
 
 def _moves_with_energy(model: FiniteElementModel) -> bool:
@@ -284,33 +299,46 @@ def _outputs(model: FiniteElementModel) -> Iterator[Finding]:
 
 
 def _samples(data: FiniteElementData, mass: Vector) -> Iterator[Finding]:
-    """Mass samples: under rigid motions they have the mass (6, 6) of the model, where they are and as they move."""
+    """Mass samples: they have the model's mass (6, 6) and its centre, where they are and as they move rigidly.
+
+    Not its inertia: point masses lack that of elements about themselves, which may be most of it.
+    """
     if data.samples is None:
         return
     weights = np.repeat(data.samples.masses, 3)[:, None]
     placed = np.vstack([rigid_motion(at)[:3] for at in data.samples.positions])
-    size = np.sqrt(np.repeat(np.diag(mass).reshape(2, 3).max(axis=1), 3))
-    off = []
-    for moved in (placed, np.asarray(data.samples.displacement @ data.rigid_motions())):
-        own = moved.T @ (weights * moved)
-        off.append(float(np.max(np.abs(own - mass) / np.outer(size, size))))
+    moved = np.asarray(data.samples.displacement @ data.rigid_motions())
+    off = [_apart(motion.T @ (weights * motion), mass, data) for motion in (placed, moved)]
     problem = ""
-    if max(off) > _SAMPLED:
+    if max(map(max, off)) > _STATED:
+        (lighter, here), (_, there) = off
         problem = (
-            f"under rigid motions they differ from the mass matrix by {off[0]:.2g} where they are and by {off[1]:.2g} "
-            "as they move; sample_masses, sample_positions or sample_displacement do not belong to it"
+            f"their mass differs from that of the mass matrix by {lighter:.2g} of it, and their centre by {here:.2g} "
+            f"of the model's size where they are and by {there:.2g} as they move; sample_masses, sample_positions or "
+            "sample_displacement do not belong to it"
         )
-    yield Finding("mass samples", f"{len(data.samples.masses)}, off by {max(off):.1e}", problem)
+    yield Finding("mass samples", f"{len(data.samples.masses)}, off by {max(map(max, off)):.1e}", problem)
+
+
+def _apart(one: Vector, other: Vector, data: FiniteElementData) -> tuple[float, float]:
+    """How far the masses (6, 6) of rigid motions are from each other, and their centres over the model's size."""
+    size = max(float(np.linalg.norm(np.ptp(data.coordinates, axis=0))), np.finfo(float).tiny)
+    masses = [np.diag(matrix)[:3] for matrix in (one, other)]
+    centres = [matrix[:3, 3:] / matrix[0, 0] for matrix in (one, other)]
+    lighter = float(np.abs(masses[0] / masses[1] - 1.0).max())
+    return lighter, float(np.abs(centres[0] - centres[1]).max()) / size
 
 
 def _recovered(data: FiniteElementData) -> Iterator[Finding]:
-    """Recovered nodes: under rigid motions they are displaced as their places say; some have no rotations."""
+    """Recovered nodes that move: with rigid motions they do as their places say; some have no rotations."""
     if data.recovery is None or not len(data.recovery.nodes):
         return
     moved = np.asarray(data.recovery.motion @ data.rigid_motions()).reshape(-1, 6, 6)[:, :3]
     expected = np.array([rigid_motion(at)[:3] for at in data.recovery.coordinates])
-    size = max(1.0, float(np.abs(expected).max()))
-    off = np.abs(moved - expected).max(axis=(1, 2)) / size
+    reach = np.vstack([data.coordinates, data.recovery.coordinates])
+    size = max(float(np.linalg.norm(np.ptp(reach, axis=0))), np.finfo(float).tiny)
+    off = np.abs(moved - expected) / np.where(np.arange(6) < 3, 1.0, size)
+    off = np.where(np.abs(moved).max(axis=(1, 2)) > 0.0, off.max(axis=(1, 2)), 0.0)  # others are held
     worst = int(np.argmax(off))
     problem = ""
     if off[worst] > _STRESSED:

@@ -97,7 +97,7 @@ class PortLoads:
         return bool(record[:_SIZES].min() > 0.0)
 
     def sums(self, wrenches: Vector, axes: Vector) -> Vector:
-        """Force and torque (6,) of all ports, as `observe` tells their sum, of wrenches in world axes."""
+        """Force and torque (6,) of all ports, those from outside too, of wrenches in world axes."""
         found: Vector = self._loads(wrenches, axes)[:WRENCH_SIZE]
         return found
 

@@ -60,7 +60,8 @@ def impacts(result: Result) -> list[Impact]:
 
 def _impacts_of(result: Result, name: str, load: str) -> Iterator[Impact]:
     time = result.time
-    depth = result.signal(name, "penetration")
+    touches = result.signal(name, "in_contact") > 0.5
+    depth = np.minimum(result.signal(name, "penetration"), np.where(touches, np.inf, 0.0))
     force = result.signal(name, load)
     heat = result.signal(name, "dissipated_energy")
     for first, last in _touches(time, depth):

@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Any, Self
 if TYPE_CHECKING:
     from components import Component
 
-STOP = "_stop"
-"""What the end stop of a hinge is called, behind its name."""
-
 
 @dataclass(frozen=True, slots=True)
 class Part:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from components.end_stop import OF_HINGE, EndStop
+
 from ..scene.bodies import Attachment
 from ..scene.component_connections import WrenchMode
 from ..scene.hinge_line_tables import HingeLine
-from . import STOP, Part
+from . import Part
 
 
 def stop_attachments(line: HingeLine) -> Iterator[Attachment]:
@@ -16,7 +18,7 @@ def stop_attachments(line: HingeLine) -> Iterator[Attachment]:
         return
     key = f"hinge_line.{line.name}.end_stop"
     for hinge in line.hinges:
-        name, nowhere = hinge.name + STOP, (0.0, 0.0, 0.0)
+        name, nowhere = hinge.name + OF_HINGE, (0.0, 0.0, 0.0)
         yield Attachment(f"{key}.inboard", name, "inboard", line.inboard, hinge.inboard, nowhere)
         yield Attachment(f"{key}.outboard", name, "outboard", line.outboard, hinge.outboard, nowhere)
 
@@ -34,4 +36,4 @@ def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
         "stowed_angle": line.initial_angle,
     }
     for hinge in line.hinges:
-        yield Part(hinge.name + STOP, "end_stop", {"axis": line.axis, "wrench_mode": mode}, start)
+        yield Part(hinge.name + OF_HINGE, EndStop.kind, {"axis": line.axis, "wrench_mode": mode}, start)

@@ -15,13 +15,14 @@ from components.contract.roles import (
     OF_THE_MASTER,
     RELEASE_COMMAND,
 )
+from components.end_stop import OF_HINGE, EndStop
 
 from ..scene.component_connections import in_range, number_of, value_of
 from ..scene.events.tables import Event as EventTable
 from ..scene.events.tables import When
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
-from . import STOP, Condition, Event, HingeLine, Part, Setting
+from . import Condition, Event, HingeLine, Part, Setting
 
 RELEASES = (RELEASE_COMMAND.name, FAILURE_COMMAND.name)
 """Inputs by which a component lets go."""
@@ -91,7 +92,8 @@ class _EventReader:
 
     def _with_stop(self, part: Part) -> tuple[str, ...]:
         """Names of a part and of the end stop beside it, which goes with the hinge."""
-        return tuple(name for name in (part.name, part.name + STOP) if name in self._parts)
+        stop = self._parts.get(part.name + OF_HINGE)
+        return (part.name, stop.name) if stop is not None and stop.kind == EndStop.kind else (part.name,)
 
     def _condition(self, key: str, when: When) -> Condition | None:
         name = self._lines[when.component].sensor if when.component in self._lines else when.component

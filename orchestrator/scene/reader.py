@@ -11,6 +11,7 @@ from pathlib import Path
 from components import ComponentError
 from components.contract.errors import unknown
 from components.contract.frames import Vector3
+from components.end_stop import OF_HINGE
 
 from . import consistency
 from .bodies import attachments, body_points, scene_points
@@ -249,6 +250,9 @@ class _References:
         for line in self.lines.saying("hinges"):
             for hinge in line.hinges:
                 yield f"hinge_line.{line.name}.hinges.{hinge.name}", hinge.name
+        for line in self.lines.saying("hinges", "end_stop"):
+            for hinge in line.hinges if line.end_stop is not None else ():
+                yield f"hinge_line.{line.name}.end_stop of {hinge.name}", hinge.name + OF_HINGE
 
     def _hinges(self) -> list[str]:
         """Names of all hinges, those of unsound lines too."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -66,10 +67,19 @@ def included(path: Path) -> list[Path]:
         if part in found:
             continue
         found.append(part)
-        if part.is_file():
-            lines = part.read_text(encoding="latin-1").splitlines()
-            left += [other for line in lines if (other := _included(part, line)) is not None]
+        try:
+            written = part.stat()
+            left += _includes(part, written.st_mtime_ns, written.st_size)
+        except OSError:
+            continue
     return found
+
+
+@lru_cache(maxsize=64)
+def _includes(path: Path, _time: int, _size: int) -> tuple[Path, ...]:
+    """What a deck that was written at a time includes; decks may be long, and are asked for often."""
+    lines = path.read_text(encoding="latin-1").splitlines()
+    return tuple(other for line in lines if (other := _included(path, line)) is not None)
 
 
 def _included(path: Path, line: str) -> Path | None:

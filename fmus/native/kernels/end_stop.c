@@ -147,7 +147,7 @@ static void end_stop_observe(void *self, const double *x, const double *u, doubl
     if (base->paired && torque < 0.0) torque = fmin(load_now(x + X_LOAD, torque, x[X_MEMORY + ROUGHNESS]), 0.0);
     z[Z_PENETRATION] = penetration;
     z[Z_ANGULAR_RATE] = turn.rate;
-    z[Z_STOP_TORQUE] = -torque;
+    z[Z_STOP_TORQUE] = 0.0 - torque;
     z[Z_POTENTIAL_ENERGY] = failed ? 0.0 : law_potential(&stop->spring, penetration);
     z[Z_DISSIPATED_ENERGY] = x[X_HEAT] + now[X_FAILURE_HEAT];
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];

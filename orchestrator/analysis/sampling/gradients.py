@@ -58,7 +58,7 @@ class Gradients:
     keys: as they were given. values, units (P): of the keys, a factor being 1. numbers (N): those of the run.
     derivatives (N, P): in the unit of the number over that of the key. errors (N): of each number's gradient, estimated
     over the gradient as a whole; not a number where nothing moves it. single_errors (N, P): of the derivatives one by
-    one, in their units; not a number where they were not verified.
+    one, in their units; not a number where they were not verified. unverified: why they could not be, if so.
     """
 
     scene: str
@@ -69,6 +69,7 @@ class Gradients:
     derivatives: Vector
     errors: Vector
     single_errors: Vector
+    unverified: str = ""
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -89,10 +90,16 @@ class Gradients:
 
     @property
     def warning(self) -> str:
-        """What to say of these; empty where there are none."""
+        """What to say of these, and of errors that are not known; empty where there is nothing."""
+        missed = ""
+        if self.unverified:
+            missed = (
+                f"{self.scene}: the errors know nothing of those of the steps, as no neighbour could follow a run at a "
+                f"tenth of the tolerance: {self.unverified}"
+            )
         if not (doubtful := ", ".join(self.doubtful)):
-            return ""
-        return (
+            return missed
+        return (missed + "; " if missed else "") + (
             f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
             "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
             "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
@@ -199,11 +206,16 @@ def gradients(
         together = _together(scene, options, parameters, beside, central=central)
         try:
             followed = _follow(assembly, options, parameters, beside, together, watch)
-            finer = _follow_finer(assembly, options, parameters, beside, together, watch) if verify else None
         except AstrayError as error:
             astray = str(error)
-        else:
-            return _told(assembly, parameters, beside, together, followed, finer)
+            continue
+        finer, unverified = None, ""
+        try:
+            finer = _follow_finer(assembly, options, parameters, beside, together, watch) if verify else None
+        except AstrayError as error:
+            unverified = str(error)
+        found = _told(assembly, parameters, beside, together, followed, finer)
+        return replace(found, unverified=unverified)
     raise StudyError(f"{assembly.name}: {astray}; its numbers have no derivative that can be told")
 
 

@@ -18,6 +18,7 @@ from time import sleep
 from typing import Any
 
 from fmpy import read_model_description
+from fmpy.fmi1 import FMICallException
 from fmpy.simulation import instantiate_fmu
 
 from orchestrator.assembly.array_elements import element, length
@@ -113,6 +114,12 @@ class Host:
             self._worst = status
             self.said.append(message)
 
+    def reason_of(self, error: Exception) -> str:
+        """Why a call failed: what this process says of it, else what the FMU said that is no good news."""
+        if not isinstance(error, FMICallException):
+            return f"{error}" or type(error).__name__
+        return (" ".join(" ".join(self.said).split()) if self._worst > _OK else "") or f"{error}"
+
     def forget_messages(self) -> None:
         """Before the next call."""
         self.said.clear()
@@ -175,7 +182,7 @@ def serve(connection: Connection) -> None:
         try:
             answer = True, getattr(host, name)(*arguments), list(host.warned)
         except Exception as error:
-            why = " ".join(" ".join(host.said).split()) or f"{error}" or type(error).__name__
+            why = host.reason_of(error)
             answer = False, (why, getattr(error, "status", None) == _DISCARD), list(host.warned)
         host.forget_messages()
         connection.send(answer)

@@ -8,7 +8,9 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from ...assembly import STOP, HingeLine
+from components.end_stop import OF_HINGE
+
+from ...assembly import HingeLine
 from ..result import Result
 from ..signal import EVENT_WIDTH, Peak
 
@@ -69,7 +71,7 @@ def folded_back(result: Result) -> dict[str, Peak]:
     """How far (rad) lines with a latch or an end stop, by name, went behind their first angle, beyond play."""
     found = {}
     for line in result.hinge_lines:
-        ends = line.latches or result.has(line.sensor + STOP, "in_contact")
+        ends = line.latches or result.has(line.sensor + OF_HINGE, "stop_torque")
         if ends and result.has(line.sensor, "angle"):
             angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
             lowest = int(np.argmin(angle))

@@ -19,10 +19,11 @@ from components.contract.roles import (
     OF_THE_MASTER,
     RELEASE_COMMAND,
 )
+from components.end_stop import OF_HINGE
 from fmus.build import component_data
 from fmus.native.compile import ASSEMBLY
 
-from ...assembly import STOP, Assembly, HingeLine
+from ...assembly import Assembly, HingeLine
 from ...assembly.signal_fmus import MEETS_RATES
 from ...cosim.network import Network
 from ...cosim.participant import InProcess
@@ -236,7 +237,7 @@ def _release_commands(network: Network) -> Iterator[tuple[Command, Quantity]]:
                 place = participant.input_layout[command.name].start
                 quantity = command.called(f"{participant.name}.{command.name}")
                 text = f"{participant.name}: 1: lets go at this communication point, for good"
-                if (stop := participant.name + STOP) in network.by_name:
+                if (stop := participant.name + OF_HINGE) in network.by_name:
                     text += f"; {stop} has a command of its own"
                 yield Command((number, place), 0), quantity.saying(text)
 

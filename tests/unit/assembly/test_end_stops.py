@@ -106,6 +106,21 @@ def test_a_line_goes_as_far_into_its_stop_as_its_motor_presses():
     assert all(impact.angular for impact in found)
 
 
+def test_names_of_stops_are_taken():
+    """Message. Regression: a bolt of that name went with the hinge, or a variable was "declared twice"."""
+    scene, base, panel = one_panel("taken", until=1.0)
+    scene.hinge_line(
+        "HL", base, panel, axis="+y", aligned_angle="90 deg", hinges={"hinge": "root"},
+        end_stop={"stiffness": 2e4},
+    )  # fmt: skip
+    ports = {"inboard": (base, "root"), "outboard": (panel, "root")}
+    scene.connection("hinge_stop", "hold_down", ports=ports)
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"HL.end_stop of hinge: two components are named 'hinge_stop'"
+    ):
+        scene.check()
+
+
 def test_a_stop_goes_with_its_hinge():
     """Release of a line: nothing turns its bodies any more, so the panel keeps its rate for good."""
     scene, base, panel = one_panel("lost", until=6.0)
@@ -117,4 +132,5 @@ def test_a_stop_goes_with_its_hinge():
     result = fanfold.simulate(scene, estimate=False)
     rate = result.signal("hinge", "angular_rate")[result.time > 0.51]
     assert result.signal("hinge_stop", "penetration")[-1] > 0.1
+    assert fanfold.impacts(result) == []
     assert np.ptp(rate) < 1e-9 * abs(rate).max()

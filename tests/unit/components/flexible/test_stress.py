@@ -131,7 +131,7 @@ def static(stiffness, held, load):
 
 @pytest.mark.parametrize("kind", ["sandwich", "solid"])
 def test_cantilever_strip(kind):
-    """Statically determinate: faces carry -+ F L / (b t d), or 6 F L / (b h²), and +N / A when pulled."""
+    """Statically determinate: faces carry -+ F L d / (b t (d² + t²/3)), or 6 F L / (b h²), and +N / A when pulled."""
     plate = Plate(1.0, 0.1, 1.0, (50.0, 50.0, 0.0, 25.0), (8e6, 8e6, 0.0, 4e6))
     model = panel_model(Panel(plate, plate_start=0.0, element_size=0.05))
     elements = PlateElements(plate, [0.0, 1.0], [-0.05, 0.0, 0.05], 0.05)
@@ -142,7 +142,8 @@ def test_cantilever_strip(kind):
     motions = sum(w * elements.motion(1.0, y) for y, w in zip(edge, weights, strict=True))
     load = motions.T @ np.array([pull, 0.0, force, 0.0, 0.0, 0.0])
     sheets = SHEETS if kind == "sandwich" else FaceSheets.solid(2e-3)
-    per_moment = 1.0 / (0.1 * SKIN * DISTANCE) if kind == "sandwich" else 6.0 / (0.1 * 2e-3**2)
+    of_sandwich = DISTANCE / (0.1 * SKIN * (DISTANCE**2 + SKIN**2 / 3.0))
+    per_moment = of_sandwich if kind == "sandwich" else 6.0 / (0.1 * 2e-3**2)
     area = 0.1 * (2.0 * SKIN if kind == "sandwich" else 2e-3)
     motion = static(model.stiffness, held, load)
     recovery = stress_recovery(model, sheets, motion[:, None])

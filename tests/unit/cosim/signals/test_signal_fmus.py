@@ -208,6 +208,13 @@ def test_an_fmu_that_fails_is_named_and_rows_are_kept(tmp_path, fault):
     assert 0.1 < fanfold.Result.open(path).time[-1] < 0.15 + 1e-9
 
 
+def test_good_news_is_no_reason_of_a_failure(tmp_path):
+    """Message. Regression: what was said last stood for why, also where all was well then."""
+    file = slave(tmp_path, fault="self.log('all is well'); return self.count < 3")
+    with pytest.raises(fanfold.FanfoldError, match=r"do a step of 0\.05 s at t = 0\.15 s: fmi2DoStep failed"):
+        fanfold.simulate(controlled(file), estimate=False)
+
+
 def test_what_an_fmu_warns_of_is_told_once(tmp_path):
     """Message of every step from the third on. Regression: FMUs were not logged, and warnings went nowhere."""
     file = slave(tmp_path, fault="if self.count > 2: self.log('near its limit', Fmi2Status.warning)")
