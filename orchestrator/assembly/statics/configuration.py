@@ -105,6 +105,19 @@ def free_lines(scene: CheckedScene, target: Configuration, held: Collection[str]
     return [line.name for line in scene.hinge_lines if not line.held and line.name not in bound]
 
 
+def pressed_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
+    """Lines that are not latched, at an end stop into which their motors press them."""
+    return frozenset(
+        line.name
+        for line in scene.hinge_lines
+        if line.name not in target.latched
+        and not line.held
+        and line.stop_angle is not None
+        and abs(target.angles[line.name] - line.stop_angle) < _AT_START
+        and line.motor_law.value(line.stop_angle) > 0.0
+    )
+
+
 def kept_lines(scene: CheckedScene, target: Configuration) -> frozenset[str]:
     """Lines that hold-downs or drives keep, where a run begins, so that nothing else need hold them, as in runs."""
     at_start = all(
@@ -169,12 +182,23 @@ def loaded(
     target: Configuration,
     spin: Spin | None = None,
 ) -> Mechanism:
-    """The same in static equilibrium, lines that are not latched being held for it and free again afterwards."""
-    mechanism = placed(scene, rigid, flexible, target, spin)
-    hinges = hinges_of(scene, free_lines(scene, target, kept_lines(scene, target)))
-    mechanism.command(HOLD.name, 1.0, hinges)
-    settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
-    mechanism.command(HOLD.name, 0.0, hinges)
+    """The same in static equilibrium, lines that are not latched being held for it and free again afterwards.
+
+    A line at its end stop that its motor presses into it rests there, where nothing else takes it away.
+    """
+    kept = kept_lines(scene, target)
+    for pressed in dict.fromkeys((pressed_lines(scene, target), frozenset())):
+        mechanism = placed(scene, rigid, flexible, target, spin)
+        hinges = hinges_of(scene, free_lines(scene, target, kept | pressed))
+        mechanism.command(HOLD.name, 1.0, hinges)
+        try:
+            settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
+        except SceneError:
+            if not pressed:
+                raise
+            continue
+        mechanism.command(HOLD.name, 0.0, hinges)
+        break
     return mechanism
 
 

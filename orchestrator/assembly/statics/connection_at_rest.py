@@ -24,6 +24,8 @@ _STEP = 1e-5
 """m, rad, m/s and rad/s; central differences, whose errors of truncation and of round-off are then both 1e-11."""
 _BENT, _FINE_STEP = 1e-3, 1e-8
 """Of the largest derivative, by which both sides of a step differ that is taken for too long, and one that is not."""
+_KINKED = 0.5
+"""Of the larger of both sides' derivatives, by which they differ between contact and none."""
 _RIGID_MOTION = (0.31, -0.42, 0.27, 0.3, 0.5, -0.2)
 """m and rad; any motion on which the wrenches of a connection between bodies do not depend."""
 _SAME = 1e-6
@@ -162,7 +164,8 @@ class Connection:
         """Minus the derivatives by the motions (or rates) of the ports from `first` on; other columns are zero.
 
         Where one side differs from the other, as at a contact that touches or a rope that goes slack within the step,
-        by a step so small that it hardly leaves the side it is on.
+        by a step so small that it hardly leaves the side it is on; just between both, that of the stiffer side, as what
+        touches there stays in touch.
         """
         result = np.zeros((6 * len(motions), 6 * len(motions)))
         bent = np.zeros(result.shape[1])
@@ -173,7 +176,10 @@ class Connection:
             bent[column] = np.abs(low + high - 2.0 * here).max() / (2.0 * _STEP)
         for column in np.flatnonzero(bent > _BENT * np.abs(result).max(initial=0.0)).tolist():
             low, high = self._beside(motions, of_rates, column, _FINE_STEP)
-            result[:, column] = (low - high) / (2.0 * _FINE_STEP)
+            sides = (low - here) / _FINE_STEP, (here - high) / _FINE_STEP
+            between = np.abs(sides[0] - sides[1]).max() > _KINKED * max(np.abs(side).max() for side in sides)
+            stiffer = max(sides, key=lambda side: float(np.abs(side).max()))
+            result[:, column] = stiffer if between else 0.5 * (sides[0] + sides[1])
         return result
 
     def _beside(self, motions: Vector, of_rates: bool, column: int, size: float) -> tuple[Vector, Vector]:

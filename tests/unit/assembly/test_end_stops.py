@@ -134,3 +134,21 @@ def test_a_stop_goes_with_its_hinge():
     assert result.signal("hinge_stop", "penetration")[-1] > 0.1
     assert fanfold.impacts(result) == []
     assert np.ptp(rate) < 1e-9 * abs(rate).max()
+
+
+@pytest.mark.parametrize(("deployed", "as_posed"), [("1.0 N.m", False), ("0 N.m", False), ("1.0 N.m", True)])
+def test_a_line_at_its_stop_swings_on_its_whole_stiffness(deployed, as_posed):
+    """Closed form sqrt(k / J), pressed or just touching. Regression: half of it, a difference across the touch."""
+    scene, base, panel = one_panel("rests", until=1.0)
+    scene.joint(axial_stiffness=1e9, radial_stiffness=1e9, cross_stiffness=1e9)
+    scene.hinge_line(
+        "HL", base, panel, axis="+y", aligned_angle="90 deg", hinges={"hinge": "root"},
+        motor={"stowed": "1.6 N.m", "deployed": deployed}, end_stop={"stiffness": 2e4, "damping": 50},
+    )  # fmt: skip
+    found = fanfold.modes(scene, "deployed", as_posed=as_posed)
+    exact = np.sqrt(2e4 / (1.8 + 8 * 0.8**2)) / (2 * pi)
+    assert found.frequencies[0] == pytest.approx(exact, rel=1e-4)
+    if deployed != "0 N.m" and not as_posed:
+        depth = 1.0 / 2e4 / 1e-3  # over the depth of full damping
+        damping = 50 * depth**2 * (3 - 2 * depth)
+        assert found.damping_ratios[0] == pytest.approx(damping / (2 * 2e4) * 2 * pi * exact, rel=1e-2)
