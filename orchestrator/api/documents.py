@@ -63,7 +63,7 @@ def report(
     text = html(first, others, frames)
     part = target.with_name(f"{target.name}.part")
     try:
-        part.write_text(text, encoding="utf-8")
+        part.write_text(text, encoding="utf-8", errors="replace")  # names of files may be no text
         part.replace(target)
     except OSError as error:
         with suppress(OSError):

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from components.contract.frames import Vector3, cross, dot, norm, subtract
+from components.end_stop import EndStop
 from components.flexible.plate import Panel
 
 from ..scene.bodies import body_definition, scene_points
@@ -86,9 +87,13 @@ def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collectio
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:
-    """Lines that a motor opens and nothing ends."""
+    """Lines that a motor opens and nothing ends, nor a stop that is a connection between their bodies."""
+    stopped = [
+        {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
+    ]
     for line in scene.hinge_lines:
-        if line.motor is not None and line.latch is None and line.end_stop is None and not line.held:
+        ends = line.latch is not None or line.end_stop is not None or line.held
+        if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:
             yield (
                 f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
                 f"keeps it at {degrees(line.deployed_angle):g} deg"

@@ -11,7 +11,6 @@ import orchestrator as fanfold
 
 from .options import (
     SceneChoice,
-    all_ordered_names,
     backend_option,
     large_deformation_option,
     layered_scene,
@@ -57,7 +56,7 @@ def _times(_: click.Context, __: click.Parameter, value: str | None) -> tuple[fl
 )  # fmt: skip
 @click.option("--sources", is_flag=True, help="Add the C sources, to be compiled on other platforms.")
 @click.option(
-    "--platforms", default="", callback=ordered_names, metavar="NAMES",
+    "--platforms", multiple=True, callback=ordered_names, metavar="NAMES",
     help="Libraries for linux64, aarch64-linux, win64, darwin64, aarch64-darwin, wasm32, or all; by default for here.",
 )  # fmt: skip
 @click.option(
@@ -147,7 +146,7 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     "--no-stress", is_flag=True, help="vtu: leave out von Mises stress, whose recovery takes its time."
 )
 @click.option(
-    "--signals", multiple=True, callback=all_ordered_names, metavar="PATTERNS",
+    "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
     help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip
 @click.option(

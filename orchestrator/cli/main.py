@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from io import TextIOWrapper
 from pkgutil import iter_modules
 from typing import Any
 
@@ -67,6 +69,9 @@ def _warnings_as_sentences() -> Iterator[None]:
 @click.version_option(package_name="fanfold")
 def main() -> None:
     """Deployable space structures as co-simulations of FMI components."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # tables have signs that not every terminal knows
 
 
 class _Analyses(click.Group):

@@ -50,21 +50,14 @@ class SceneChoice:
         return fanfold.load(self.scene, self.variants, self.settings)
 
 
-def ordered_names(_: click.Context, __: click.Parameter, value: str) -> tuple[str, ...]:
-    """Names with commas between, in their order."""
-    return tuple(name.strip() for name in value.split(",") if name.strip())
+def ordered_names(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
+    """Names with commas between, in their order, of an option that may be given several times."""
+    return tuple(name.strip() for value in values for name in value.split(",") if name.strip())
 
 
-def all_ordered_names(
-    context: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> tuple[str, ...]:
-    """The same of an option that may be given several times."""
-    return tuple(name for value in values for name in ordered_names(context, param, value))
-
-
-def names(context: click.Context, param: click.Parameter, value: str) -> frozenset[str]:
-    """Names with commas between, as a set."""
-    return frozenset(ordered_names(context, param, value))
+def names(context: click.Context, param: click.Parameter, values: tuple[str, ...]) -> frozenset[str]:
+    """The same as a set."""
+    return frozenset(ordered_names(context, param, values))
 
 
 def layered_scene(command: Callable[Concatenate[SceneChoice, Others], None]) -> Callable[..., None]:
@@ -103,21 +96,21 @@ def _layer_options(command: Command) -> Command:
     )(command)  # fmt: skip
     text = "Variants of the scene, with commas between, in order."
     return click.option(
-        "--variant", "variants", default="", callback=ordered_names, metavar="NAMES", help=text
+        "--variant", "variants", multiple=True, callback=ordered_names, metavar="NAMES", help=text
     )(command)
 
 
 def _fidelity_options(command: Command) -> Command:
     for option, other in (("--flexible", "modal"), ("--rigid", "rigid")):
         text = f"Bodies to be {other}, by name with commas between, or all."
-        command = click.option(option, default="", callback=names, metavar="NAMES", help=text)(command)
+        command = click.option(option, multiple=True, callback=names, metavar="NAMES", help=text)(command)
     return command
 
 
 def large_deformation_option(command: Command) -> Command:
     """The third fidelity, for commands that are no linear analyses."""
     return click.option(
-        "--large-deformation", default="", callback=names, metavar="NAMES",
+        "--large-deformation", multiple=True, callback=names, metavar="NAMES",
         help="Bodies to be geometrically exact beams, by name with commas between, or all that have a beam.",
     )(command)  # fmt: skip
 

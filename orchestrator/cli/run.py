@@ -10,7 +10,7 @@ import click
 
 import orchestrator as fanfold
 
-from .options import SceneChoice, all_ordered_names, backend_option, large_deformation_option, scene_choice
+from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, scene_choice
 from .progress import progress
 from .types import Number, OutputFile, Spacing
 
@@ -65,7 +65,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     help="Rows that the result keeps: all, or one in so many seconds beside those of events and peaks.",
 )  # fmt: skip
 @click.option(
-    "--signals", multiple=True, callback=all_ordered_names, metavar="PATTERNS",
+    "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
     help="Signals that the result keeps beside those of headline numbers, with commas between, such as "
     "'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip

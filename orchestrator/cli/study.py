@@ -48,7 +48,7 @@ _LINES = 12
 @click.option("--until", type=Number(min=0.0, min_open=True), help="End time of every run in seconds.")
 @click.option("--estimate", is_flag=True, help="Estimate the errors of headline numbers in every run.")
 @click.option(
-    "--signals", default="", callback=ordered_names, metavar="PATTERNS",
+    "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",
     help="Signals to keep of every run, with commas between, such as 'hl1_*,panel1.frame_*'.",
 )  # fmt: skip
 @click.option(

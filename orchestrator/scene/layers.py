@@ -106,7 +106,7 @@ def _with_extended(
 
 def _read(path: Path) -> Tree:
     try:
-        text = scene_of(path) if path.suffix == ".ssp" else path.read_text(encoding="utf-8")
+        text = scene_of(path) if path.suffix == ".ssp" else path.read_text(encoding="utf-8-sig")
         return with_absolute_files(tomllib.loads(text), path.parent)
     except UnicodeDecodeError as error:
         if error.object.startswith(_HDF5):

@@ -44,10 +44,10 @@ class ConfigurationChoice:
         return {"configuration": self.named, "angles": angles, "latched": self.latched}
 
 
-def angles_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, float]:
+def angles_given(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
     """Angles (rad) by hinge line from HL1=45deg,HL2=0.5rad; every angle has its unit."""
     result: dict[str, float] = {}
-    for entry in ordered_names(_, __, value):
+    for entry in ordered_names(_, __, values):
         name, equals, text = (part.strip() for part in entry.partition("="))
         if not equals or not name:
             raise click.BadParameter(f"{entry!r} is not of the form HL1=45deg")
@@ -65,11 +65,13 @@ def angle_of(line: str, text: str) -> float:
     return angle
 
 
-def lines_given(context: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+def lines_given(
+    context: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> tuple[str, ...] | None:
     """Names of lines, for an option where leaving it out is not the same as naming none."""
-    if value is None:
+    if not values:
         return None
-    lines = ordered_names(context, param, value)
+    lines = ordered_names(context, param, values)
     if not lines:
         raise click.BadParameter("name hinge lines with commas between, or say all or none", param=param)
     return lines
@@ -96,11 +98,11 @@ def configuration_choice(
 
 def _configuration_options(command: Command) -> Command:
     command = click.option(
-        "--latched", metavar="LINES", callback=lines_given,
+        "--latched", multiple=True, metavar="LINES", callback=lines_given,
         help="Latched lines, with commas between, or all, or none; by default all if deployed, else none.",
     )(command)  # fmt: skip
     command = click.option(
-        "--angle", "--angles", "angles", default="", callback=angles_given, metavar="LINE=ANGLE,...",
+        "--angle", "--angles", "angles", multiple=True, callback=angles_given, metavar="LINE=ANGLE,...",
         help="Angles of single lines, each with deg or rad, such as HL1=45deg.",
     )(command)  # fmt: skip
     return click.option(

@@ -32,11 +32,11 @@ Examples:
 @configuration_choice
 @as_posed_option
 @click.option(
-    "--hold", default="none", show_default=True, metavar="LINES", callback=lines_given,
+    "--hold", multiple=True, default=("none",), show_default=True, metavar="LINES", callback=lines_given,
     help="Lines kept at their angles without being latched, with commas between, or all, or none.",
 )  # fmt: skip
 @click.option(
-    "--points", default="", callback=ordered_names, metavar="NAMES",
+    "--points", multiple=True, callback=ordered_names, metavar="NAMES",
     help="Points of the base, a model about each; by default the one that the base turns about.",
 )  # fmt: skip
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Cantilever modes to keep.")

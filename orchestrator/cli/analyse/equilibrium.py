@@ -20,10 +20,12 @@ Examples:
 """
 
 
-def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> dict[str, tuple[float, float]]:
+def sweeps_given(
+    _: click.Context, __: click.Parameter, values: tuple[str, ...]
+) -> dict[str, tuple[float, float]]:
     """First and last angle (rad) by line, of HL1=0deg:90deg,HL2=0deg:180deg."""
     found: dict[str, tuple[float, float]] = {}
-    for entry in ordered_names(_, __, value):
+    for entry in ordered_names(_, __, values):
         name, equals, angles = entry.partition("=")
         start, colon, end = angles.partition(":")
         line = name.strip()
@@ -42,12 +44,12 @@ def sweeps_given(_: click.Context, __: click.Parameter, value: str) -> dict[str,
 @scene_choice
 @configuration_choice
 @click.option(
-    "--hold", metavar="LINES", callback=lines_given,
+    "--hold", multiple=True, metavar="LINES", callback=lines_given,
     help="Held lines, with commas between, or all, or none; by default all that are not latched, in a sweep none.",
 )  # fmt: skip
 @click.option("--preload", is_flag=True, help="Cable loops have exactly their preload, as when a run begins.")
 @click.option(
-    "--sweep", "sweeps", default="", callback=sweeps_given, metavar="LINE=FROM:TO,...",
+    "--sweep", "sweeps", multiple=True, callback=sweeps_given, metavar="LINE=FROM:TO,...",
     help="Turn lines together through angles, each with deg or rad, such as HL1=0deg:90deg; other lines follow.",
 )  # fmt: skip
 @click.option(

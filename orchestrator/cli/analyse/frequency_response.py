@@ -32,7 +32,7 @@ _FREQUENCY = Number(min=ZERO_FREQUENCY, max=1e6)
 )  # fmt: skip
 @click.option("--along", type=click.Choice(DIRECTIONS), help="What is read; as excited by default.")
 @click.option(
-    "--points", default=INTERFACE, show_default=True, callback=ordered_names, metavar="NAMES",
+    "--points", multiple=True, default=(INTERFACE,), show_default=True, callback=ordered_names, metavar="NAMES",
     help="Points as BODY.POINT with commas between, whose acceleration is wanted; interface is the load on the base.",
 )  # fmt: skip
 @click.option(

@@ -45,7 +45,7 @@ def _extra_torques(
 @click.command("torque-margin")
 @layered_scene
 @click.option(
-    "--case", "names", default="", callback=ordered_names, metavar="NAMES",
+    "--case", "names", multiple=True, callback=ordered_names, metavar="NAMES",
     help="Variants to analyse beside each other, base for none; by default base and cold, if there is a cold one.",
 )  # fmt: skip
 @click.option(
@@ -66,7 +66,7 @@ def _extra_torques(
     help="Positions of the travel, its ends included.",
 )  # fmt: skip
 @click.option(
-    "--restart", "restarts", default="", callback=ordered_names, metavar="POSITIONS",
+    "--restart", "restarts", multiple=True, callback=ordered_names, metavar="POSITIONS",
     help="Run from rest at these, such as 25%,50% of the travel, or 45deg of the first line with a motor.",
 )  # fmt: skip
 @click.option(

@@ -63,6 +63,21 @@ def test_layers_are_laid_in_their_order():
     assert both.with_settings({"scene.largest_step": 0.125}).check().header.largest_step == 0.125
 
 
+def test_options_given_twice_add_up(tmp_path):
+    """Regression: the last one won without a word, which was another scene."""
+    chosen = []
+
+    @click.command()
+    @scene_choice
+    def command(choice):
+        chosen.append(choice)
+
+    arguments = ["amos3", "--variant", "a", "--variant", "b,c", "--rigid", "x", "--rigid", "y"]
+    assert CliRunner().invoke(command, arguments, catch_exceptions=False).exit_code == 0
+    assert chosen[0].variants == ("a", "b", "c")
+    assert chosen[0].rigid == {"x", "y"}
+
+
 def test_one_run_of_a_scene_in_phases_is_one_of_them():
     with pytest.raises(SceneError, match="choose one of its variants phase1, phase2"):
         SceneChoice("arabsat").load().check_one_run()

@@ -58,6 +58,13 @@ def test_entries_are_added_and_removed_by_name(tmp_path):
     assert [(damper.name, damper.damping_coefficient) for damper in scene.dampers] == [("e", 2.0)]
 
 
+def test_a_mark_of_the_byte_order_is_no_text(tmp_path):
+    """As editors of Windows write it. Regression: "invalid statement" in a line that looks right."""
+    path = tmp_path / "wing.toml"
+    path.write_text(TWO_PANELS, encoding="utf-8-sig")
+    assert load_scene(path).header.name == "two_panels"
+
+
 def test_an_empty_array_takes_all_entries_away(tmp_path):
     """Regression: it was taken for nothing said, so a wing without its dampers kept them."""
     damper = '[[damper]]\nname = "d"\nhinge = "root"\ndamping_coefficient = 1.0\n'
