@@ -6,9 +6,11 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from errno import ENOSPC
 from importlib import import_module
 from io import TextIOWrapper
 from pkgutil import iter_modules
+from tempfile import gettempdir
 from typing import Any
 
 import click
@@ -36,7 +38,7 @@ class _Group(click.Group):
         ):  # nobody reads on, which click ends quietly; or its own refusals
             raise
         except OSError as error:
-            problem = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
+            problem = _told_of_files(error)
         except KeyboardInterrupt:  # outside of a run, which says itself how far it came
             problem = f"{ctx.invoked_subcommand}: {_INTERRUPTED}"
         except Exception as error:
@@ -46,6 +48,15 @@ class _Group(click.Group):
         for line in problem.splitlines():
             click.echo(f"fanfold: {line}", err=True)
         ctx.exit(1)
+
+
+def _told_of_files(error: OSError) -> str:
+    """Which file, or where it may have been, and what was wrong with it."""
+    if error.filename is not None:
+        return f"{error.filename}: {error.strerror}"
+    if error.errno == ENOSPC:
+        return f"{error.strerror}: where the command writes, or where files of a run are ({gettempdir()}; see TMPDIR)"
+    return str(error)
 
 
 @contextmanager
