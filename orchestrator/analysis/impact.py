@@ -60,8 +60,9 @@ def impacts(result: Result) -> list[Impact]:
 
 def _impacts_of(result: Result, name: str, load: str) -> Iterator[Impact]:
     time = result.time
-    touches = result.signal(name, "in_contact") > 0.5
-    depth = np.minimum(result.signal(name, "penetration"), np.where(touches, np.inf, 0.0))
+    depth = result.signal(name, "penetration")
+    if result.has(name, "in_contact"):  # not where a stop has failed
+        depth = np.where(result.signal(name, "in_contact") > 0.5, depth, np.minimum(depth, 0.0))
     force = result.signal(name, load)
     heat = result.signal(name, "dissipated_energy")
     for first, last in _touches(time, depth):

@@ -60,10 +60,10 @@ def report(
     files = {one.path.resolve() for one in (first, *others) if one.path is not None}
     if target.resolve() in files:
         raise ResultError(f"{target}: this is the result itself and would be lost; name another file")
-    text = html(first, others, frames)
+    text = html(first, others, frames).encode(errors="replace").decode()  # names of files may be no text
     part = target.with_name(f"{target.name}.part")
     try:
-        part.write_text(text, encoding="utf-8", errors="replace")  # names of files may be no text
+        part.write_text(text, encoding="utf-8")
         part.replace(target)
     except OSError as error:
         with suppress(OSError):
