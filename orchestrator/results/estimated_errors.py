@@ -18,6 +18,8 @@ MOST_TOLERANCES = 10.0
 """What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
+_OF_VECTOR = 0.1
+"""Of the largest error of a vector's components, that none of them is less than at the most."""
 PROMISED = (*OF_LATCHES, *_LOADS)
 """Quantities that a run vouches for, or says that it does not."""
 
@@ -27,6 +29,20 @@ class EstimatedError(NamedTuple):
 
     likely: float
     most: float
+
+
+def beside_their_vector(errors: Mapping[Key, EstimatedError]) -> dict[Key, EstimatedError]:
+    """The errors; of components of one load no error at the most is below a tenth of the largest among them.
+
+    All are those of the same ringing, and one of them may agree in two runs by chance.
+    """
+    least = {
+        load: _OF_VECTOR * max((error.most for key, error in errors.items() if key[0] == load), default=0.0)
+        for load in _LOADS
+    }
+    return {
+        key: error._replace(most=max(error.most, least.get(key[0], 0.0))) for key, error in errors.items()
+    }
 
 
 def errors_text(errors: Mapping[Key, EstimatedError]) -> str:

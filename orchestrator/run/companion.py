@@ -21,7 +21,13 @@ from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
 from ..results.error_sources.near_peaks import differences_near
 from ..results.error_sources.step_ends import errors_of_step_ends, larger, promised_peaks
-from ..results.estimated_errors import ESTIMATED_ERRORS, EstimatedError, Key, errors_text
+from ..results.estimated_errors import (
+    ESTIMATED_ERRORS,
+    EstimatedError,
+    Key,
+    beside_their_vector,
+    errors_text,
+)
 from ..results.key_figures import headline
 from ..results.result_file import with_statistics
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -82,7 +88,9 @@ def _errors(
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
-    return {
-        key: larger(EstimatedError(share.likely * d, share.most * d), by_rows.get(key), at_least.get(key))
-        for key, d in widest.items()
-    }
+    return beside_their_vector(
+        {
+            key: larger(EstimatedError(share.likely * d, share.most * d), by_rows.get(key), at_least.get(key))
+            for key, d in widest.items()
+        }
+    )
