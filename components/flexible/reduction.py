@@ -55,7 +55,10 @@ def _lowest_modes(
         found = linalg.eigh(stiffness.toarray(), mass.toarray())
         return found[0], found[1]
     if count > stiffness.shape[0]:
-        raise ComponentError(f"{count} modes asked for, but only {stiffness.shape[0]} degrees of freedom")
+        raise ComponentError(
+            f"{count} modes asked for, but only {stiffness.shape[0]} degrees of freedom between its attachment points; "
+            "ask for fewer (fixed_interface_modes), or give more elements"
+        )
     inverse = LinearOperator(stiffness.shape, matvec=factor.solve, dtype=np.float64)
     start = np.random.default_rng(1).standard_normal(stiffness.shape[0])
     values, vectors = eigsh(stiffness, k=count, M=mass, sigma=shift, OPinv=inverse, v0=start)
