@@ -472,7 +472,7 @@ class Body(Component):
             "second_order_modes": self.data.second_order_modes,
             "second_order": self._placed.second_order,
             "tension_forms": self.data.tension_forms,
-            **interface_data(self._interface, self.structure["ports"]),
+            **interface_data(self._interface, len(self.arms)),
             **self.inertia.native_data(),
         }
 

@@ -139,7 +139,7 @@ class DrivenBase(Component):
         self._arms = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
         turns = [port.get("orientation", (1.0, 0.0, 0.0, 0.0)) for port in ports]
         self._orientations = [normalized((w, x, y, z)) for w, x, y, z in turns]
-        self._loads = PortLoads([port["name"] for port in ports], self._arms)
+        self._loads = PortLoads(ports, self._arms)
         self._wrenches = WRENCH_SIZE * len(ports)
         drive = [
             Quantity("acceleration_rate", "m/s3", "Rate of the frame's acceleration, world axes", 3),

@@ -13,7 +13,7 @@ from .contract.component import Component, ContinuousStates, Port, Vector
 from .contract.frames import normalized
 from .contract.ports import WRENCH_SIZE
 from .contract.roles import IMPULSE
-from .numerics.port_loads import PortLoads, outside_flags, outside_ports
+from .numerics.port_loads import PortLoads
 
 _UPRIGHT = np.eye(3)
 
@@ -41,8 +41,7 @@ class FixedBase(Component):
     ) -> None:
         self._positions = np.array([port["position"] for port in ports], dtype=float).reshape(-1, 3)
         self._arms = self._positions - np.asarray(reference, dtype=float)
-        names = [port["name"] for port in ports]
-        self._loads = PortLoads(names, self._arms, outside=outside_ports(ports))
+        self._loads = PortLoads(ports, self._arms)
         structure: dict[str, Any] = {"ports": [dict(port) for port in ports], "reference": tuple(reference)}
         self.carried: Carried | None = None
         self.weight = np.zeros(WRENCH_SIZE)
@@ -103,7 +102,7 @@ class FixedBase(Component):
             "base_positions": self._positions,
             "base_arms": self._arms,
             "base_orientations": self._orientations,
-            "base_outside": outside_flags(self.structure["ports"]),
+            "base_outside": self._loads.outside,
             "base_carried_weight": self.weight,
         }
 

@@ -15,7 +15,7 @@ from .contract.ports import WRENCH_SIZE
 from .contract.record import integrated, kept, observed
 from .contract.roles import HOLD, IMPULSE, SUPPLIED_ENERGY, TIME_TO_BREAK
 from .numerics.motion_law import NOTHING, MotionLaw, gauss_times
-from .numerics.port_loads import PortLoads, outside_flags, outside_ports
+from .numerics.port_loads import PortLoads
 from .numerics.relative_motion import unit_direction
 
 _OWN = 3
@@ -64,8 +64,7 @@ class MovingBase(Component):
         )
         turns = [port.get("orientation", (1.0, 0.0, 0.0, 0.0)) for port in ports]
         self._orientations = [normalized((w, x, y, z)) for w, x, y, z in turns]
-        names = [port["name"] for port in ports]
-        self._loads = PortLoads(names, self._arms, is_base, outside_ports(ports))
+        self._loads = PortLoads(ports, self._arms, is_base)
         own = [
             integrated("s", "1", "Time since the start, without what was held", False).called("clock"),
             kept("s", "How far the clock went in the last step").called("passed"),
@@ -212,7 +211,7 @@ class MovingBase(Component):
             "base_frame": self._frame,
             "base_arms": self._arms,
             "base_orientations": np.array(self._orientations).reshape(-1, 4),
-            "base_outside": outside_flags(self.structure["ports"]),
+            "base_outside": self._loads.outside,
             "base_translation_axis": self._shift,
             "base_rotation_axis": self._turn,
             **self._laws[0].native_data("translation"),

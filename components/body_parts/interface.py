@@ -16,7 +16,7 @@ from ..contract.ports import WRENCH_SIZE
 from ..contract.record import kept, observed
 from ..contract.roles import ATTITUDE, IMPULSE
 from ..flexible.modal import ModalData
-from ..numerics.port_loads import PortLoads, outside_flags, outside_ports
+from ..numerics.port_loads import PortLoads
 from .carried import Carried, products
 
 _TURN, _MOTION = 4, 7
@@ -27,7 +27,7 @@ class Interface:
 
     Its state, behind all else of the body: quaternion and rate one step earlier, and the record of `PortLoads`.
     carried: bodies that are part of the whole, but count in the sum of the loads. shares: see `Carried`, (6, 12), or
-    empty.
+    empty. outside: that of `PortLoads`.
     """
 
     noun: ClassVar[str] = "interface"
@@ -37,7 +37,8 @@ class Interface:
     ) -> None:
         self._impulse = WRENCH_SIZE * len(ports)
         self.shares = np.zeros(0) if carried is None else carried.shares(whole)
-        self._loads = PortLoads([port["name"] for port in ports], arms, outside=outside_ports(ports))
+        self._loads = PortLoads(ports, arms)
+        self.outside = self._loads.outside
         before = replace(kept("1", "Quaternion of the body one step earlier"), name="orientation_before")
         self.inputs = [replace(IMPULSE, resized=True)]
         rate = replace(kept("rad/s", "Angular velocity one step earlier, body axes"), name="rate_before")
@@ -70,13 +71,11 @@ class Interface:
         return np.concatenate((_attitude(orientation), rate, loads))
 
 
-def interface_data(interface: Interface | None, ports: Sequence[Mapping[str, Any]]) -> dict[str, ArrayLike]:
+def interface_data(interface: Interface | None, ports: int) -> dict[str, ArrayLike]:
     """What `fmus/native/kernels/body` reads of it; of a body that is no base, that there is none."""
-    return {
-        "is_base": interface is not None,
-        "carried": np.zeros(0) if interface is None else interface.shares,
-        "base_outside": outside_flags(ports),
-    }
+    if interface is None:
+        return {"is_base": False, "carried": np.zeros(0), "base_outside": np.zeros(ports)}
+    return {"is_base": True, "carried": interface.shares, "base_outside": interface.outside}
 
 
 def _motion() -> list[Quantity]:

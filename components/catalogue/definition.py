@@ -202,10 +202,12 @@ def _on_sheet(body: ModalData, sheet: RigidTwin) -> ModalData:
     mass = body.mass if sheet.mass is None else sheet.mass
     if sheet.center_of_mass is not None:
         body = replace(body, center_of_mass=np.array((sheet.center_of_mass, 0.0, 0.0)))
-    change = 0.0 if sheet.inertia is None else sheet.inertia - body.inertia[1, 1]
+    if sheet.inertia is None:
+        return replace(body, mass=mass)
+    change = sheet.inertia - body.inertia[1, 1]
     inertia = body.inertia + np.diag((0.0, change, change))
     small, middle, large = np.linalg.eigvalsh(inertia)
-    if sheet.inertia is not None and (small < 0.0 or small + middle < (1.0 - _SYMMETRIC) * large):
+    if small < 0.0 or small + middle < (1.0 - _SYMMETRIC) * large:
         raise ComponentError(
             f"rigid_twin.inertia is {sheet.inertia} kg.m2; with it the principal moments {small:g}, {middle:g}, "
             f"{large:g} kg.m2 violate the triangle inequality"

@@ -82,7 +82,7 @@ class Frame:
                 )
         for arm, end in arms.items():
             for name in met:
-                if name != arm and arm not in met and _at_one_place(places[name], np.array(end)):
+                if arm not in met and _at_one_place(places[name], np.array(end)):
                     yield f"joint {name} is where the panel's arm {arm} ends, and not joined to it; give it that name"
         yield from self._loose([name for name in arms if name in met])
 

@@ -25,22 +25,21 @@ class PortLoads:
     The load on a base is what its ports bring: its own inertia and weight are no part of it, which of what it carries
     rigidly its component adds. Forces and torques are in the axes of the base; torques of a port are about its origin,
     the sum's about the point that the arms, (ports, 3) in the axes of the base, start from. What moves by a law and is
-    not the spacecraft (`is_base`) tells reactions. outside: numbers of ports at which something from outside acts on
-    the base itself, such as a thruster, which is no part of the sum.
+    not the spacecraft (`is_base`) tells reactions. ports: mappings with `name`, and `outside` where something from
+    outside acts on the base itself, such as a thruster, which is no part of the sum; `outside` (ports,) is 1 for these.
     """
 
-    def __init__(
-        self, names: Sequence[str], arms: Vector, is_base: bool = True, outside: Sequence[int] = ()
-    ) -> None:
+    def __init__(self, ports: Sequence[Mapping[str, Any]], arms: Vector, is_base: bool = True) -> None:
         self._arms = arms
-        self._outside = tuple(outside)
-        self._numbers = WRENCH_SIZE * len(names)
+        self.outside = np.array([float(port.get("outside", False)) for port in ports])
+        self._from_outside = np.flatnonzero(self.outside).tolist()
+        self._numbers = WRENCH_SIZE * len(ports)
         self.size = _SIZES + 4 * self._numbers
         word, whole, part = ("interface", INTERFACE_LOAD, PORT_LOAD) if is_base else ("reaction", LOAD, "")
         told = [*_load(word, whole, "on the base, its axes", "its reference point")]
-        for name in names:
-            where = f"on the base at port {name}, axes of the base"
-            told += _load(f"{name}.{word}", part, where, "the port")
+        for port in ports:
+            where = f"on the base at port {port['name']}, axes of the base"
+            told += _load(f"{port['name']}.{word}", part, where, "the port")
         self.observations = [*told, *map(lagged, told)]
         sizes = kept("s", "Sizes of the last two steps; 0: none, below 0: an impulse")
         loads = kept("N", "Means and slopes of the ports' wrenches over the last step and the one before")
@@ -88,7 +87,7 @@ class PortLoads:
     def leave_outside(self, loads: Vector) -> None:
         """Take off both sums that `observe` gives what acts on the base from outside."""
         for told in loads.reshape(2, -1):
-            for k in self._outside:
+            for k in self._from_outside:
                 force, torque = told[WRENCH_SIZE * (k + 1) : WRENCH_SIZE * (k + 2)].reshape(2, 3)
                 told[:3] -= force
                 told[3:WRENCH_SIZE] -= torque + np.cross(self._arms[k], force)
@@ -107,16 +106,6 @@ class PortLoads:
         force, torque = table[:, :3], table[:, 3:]
         moment = torque.sum(0) + sum_of_moments(self._arms, force)
         return np.concatenate((force.sum(0), moment, table.ravel()))
-
-
-def outside_ports(ports: Sequence[Mapping[str, Any]]) -> list[int]:
-    """Numbers of ports that say that what acts there is from `outside`."""
-    return [k for k, port in enumerate(ports) if port.get("outside", False)]
-
-
-def outside_flags(ports: Sequence[Mapping[str, Any]]) -> Vector:
-    """The same as one number a port, 1 where they say so."""
-    return np.array([float(port.get("outside", False)) for port in ports])
 
 
 def _load(name: str, role: str, where: str, about: str) -> list[Quantity]:

@@ -10,7 +10,6 @@ from errno import ENOSPC
 from importlib import import_module
 from io import TextIOWrapper
 from pkgutil import iter_modules
-from tempfile import gettempdir
 from typing import Any
 
 import click
@@ -55,6 +54,8 @@ def _told_of_files(error: OSError) -> str:
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if error.errno == ENOSPC:
+        from tempfile import gettempdir  # takes its time, which no command needs that does not fail
+
         return f"{error.strerror}: where the command writes, or where files of a run are ({gettempdir()}; see TMPDIR)"
     return str(error)
 

@@ -91,19 +91,19 @@ class Gradients:
     @property
     def warning(self) -> str:
         """What to say of these, and of errors that are not known; empty where there is nothing."""
-        missed = ""
+        told = []
         if self.unverified:
-            missed = (
+            told.append(
                 f"{self.scene}: the errors know nothing of those of the steps, as no neighbour could follow a run at a "
                 f"tenth of the tolerance: {self.unverified}"
             )
-        if not (doubtful := ", ".join(self.doubtful)):
-            return missed
-        return (missed + "; " if missed else "") + (
-            f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
-            "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
-            "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
-        )
+        if doubtful := ", ".join(self.doubtful):
+            told.append(
+                f"{self.scene}: nobody vouches for the derivatives of {doubtful}: a small change of all "
+                "keys together is not the sum of those of each, as where ringing is chaotic or not resolved, or rigid "
+                "bodies lock, whose loads hang on chance; try a smaller tolerance, or latches that are springs"
+            )
+        return "; ".join(told)
 
     def plain(self) -> dict[str, object]:
         """For JSON, which has no word for what is not a number: None."""

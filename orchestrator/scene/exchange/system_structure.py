@@ -57,7 +57,8 @@ def scene_of(path: Path) -> str:
             there = system.items() if not lost else ()
             changed = [name for name, digest in there if _digest(archive.read(name)) != digest]
             changed += sorted(sizes.keys() - system.keys() - {MEMBER})
-            if found.get(_OF_SCENE, _digest(scene.encode())) != _digest(scene.encode()):
+            digest_of_scene = _digest(scene.encode())
+            if found.get(_OF_SCENE, digest_of_scene) != digest_of_scene:
                 changed.append(MEMBER)
     except (
         BadZipFile,
