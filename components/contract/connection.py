@@ -129,15 +129,15 @@ class Connection(Component, Generic[P, S, C]):
 
     def start(self, c: Any, u: Inputs[C]) -> S:  # noqa: ANN401
         """State at the start."""
-        raise NotImplementedError
+        raise self._lacking("start")
 
     def advance(self, c: Any, s: S, u: Inputs[C], h: float) -> S:  # noqa: ANN401
         """State after one step."""
-        raise NotImplementedError
+        raise self._lacking("advance")
 
     def wrenches(self, c: Any, s: S, u: Inputs[C]) -> Sequence[float]:  # noqa: ANN401
         """End-point wrenches on all ports."""
-        raise NotImplementedError
+        raise self._lacking("wrenches")
 
     def own(self, c: Any, s: S) -> Sequence[float]:  # noqa: ANN401
         """Own outputs."""
@@ -145,11 +145,11 @@ class Connection(Component, Generic[P, S, C]):
 
     def record(self, c: Any, s: S, u: Inputs[C]) -> tuple[Any, ...]:  # noqa: ANN401
         """Observations."""
-        raise NotImplementedError
+        raise self._lacking("record")
 
     def powers(self, c: Any, s: S, u: Inputs[C]) -> Sequence[float]:  # noqa: ANN401
         """Rates of the states that have them."""
-        raise NotImplementedError
+        raise self._lacking("powers")
 
     def follow(self, c: Any, s: S, u: Inputs[C], at_event: bool) -> S:  # noqa: ANN401
         """What a state remembers of an accepted step of the solver."""
@@ -158,6 +158,9 @@ class Connection(Component, Generic[P, S, C]):
     def indicate(self, c: Any, s: S, u: Inputs[C]) -> Sequence[float]:  # noqa: ANN401
         """Event indicators."""
         return ()
+
+    def _lacking(self, name: str) -> NotImplementedError:
+        return NotImplementedError(f"{type(self).__name__} has no function {name!r}")
 
     def initial(self, c: Any, u: Vector) -> Vector:  # noqa: ANN401
         """State at the start."""

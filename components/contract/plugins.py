@@ -49,7 +49,7 @@ def load_plugin(path: str | Path) -> frozenset[str]:
         _loaded.pop(path, None)
         if not isinstance(error, Exception | SystemExit):
             raise
-        raise PluginError(f"{path}{_line(path, error)}: {type(error).__name__}: {error}") from None
+        raise PluginError(f"{path}{line_in(path, error)}: {type(error).__name__}: {error}") from None
     _loaded[path] = _Loaded(digest, frozenset(REGISTRY.keys() - others.keys()))
     return _loaded[path].kinds
 
@@ -67,7 +67,7 @@ def _run(path: Path, digest: str) -> None:
         raise
 
 
-def _line(path: Path, error: BaseException) -> str:
+def line_in(path: Path, error: BaseException) -> str:
     """The last line of the file that led to an error, with a colon before it; empty where none did."""
     if isinstance(error, SyntaxError) and error.filename == str(path):
         return f":{error.lineno}"

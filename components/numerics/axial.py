@@ -59,7 +59,7 @@ class AxialConnection(Connection[P, S, C]):
 
     def torque(self, c: Any, s: S, u: Inputs[C]) -> tuple[Turn, float, float]:  # noqa: ANN401
         """Turn, its rate and the torque of an instant."""
-        raise NotImplementedError
+        raise self._lacking("torque")
 
     def _turn(self, u: Inputs[C], reference: float, aligned: float = 0.0) -> tuple[Turn, float]:
         """The turn of an instant and its rate; the angle, `aligned` where the axes are, is nearest the reference."""

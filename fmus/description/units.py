@@ -41,8 +41,8 @@ def add_units(root: _Element, units: Iterable[str]) -> None:
     definitions = SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(units):
         element = SubElement(definitions, "Unit", {"name": unit})
+        check_unit(unit)
         if has_root(unit):
-            base_unit(_ROOT.sub("", unit))
             continue  # FMI has whole exponents only; a unit without base unit is not converted
         exponents, factor = base_unit(unit)
         attributes = {name: str(exponents[name]) for name in _BASE_NAMES if exponents.get(name)}
@@ -54,6 +54,11 @@ def add_units(root: _Element, units: Iterable[str]) -> None:
 def has_root(unit: str) -> bool:
     """Whether it has an exponent that is not whole, such as that of a modal coordinate, "kg(1/2).m"."""
     return _ROOT.search(unit) is not None
+
+
+def check_unit(unit: str) -> None:
+    """ComponentError where it is not made of what is known, whatever roots of it are taken."""
+    base_unit(_ROOT.sub("", unit))
 
 
 @cache

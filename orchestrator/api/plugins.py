@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..results.result import Result as Record
-from ..scene.expansion.plugins import load
+from ..scene.plugins.loading import load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -88,7 +88,7 @@ def buried_contacts(
             continue
         if len({roots[seat.body] for seat in seats.values()}) == 1:
             continue  # within one piece, where it never acts
-        depth, reference = _start_depth(connection, points, poses)
+        depth, reference = _start_depth(seated(connection, points, poses))
         if depth > _DEEPEST * reference:
             gap = float(np.ravel(component_values(connection, "mean")[1].get("gap", 0.0))[0])
             touch = round(gap - depth, 9) + 0.0
@@ -100,16 +100,21 @@ def buried_contacts(
             )
 
 
-def _start_depth(
+def seated(
     connection: Connection, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
-) -> tuple[float, float]:
-    """Penetration (m) of a contact at the start, and its reference penetration (m)."""
+) -> Instance:
+    """The component of a connection with its start values and its ports where bodies start, at rest."""
     structure, start = component_values(connection, "mean")
-    contact = Instance(REGISTRY[connection.kind](**structure), start)
+    instance = Instance(REGISTRY[connection.kind](**structure), start)
     for port, seat in connection.ports.items():
         pose = poses[seat.body]
-        contact.set(f"{port}.position", pose.place(add(points[seat.body][seat.point], seat.offset)))
-        contact.set(f"{port}.orientation", pose.orientation)
+        instance.set(f"{port}.position", pose.place(add(points[seat.body][seat.point], seat.offset)))
+        instance.set(f"{port}.orientation", pose.orientation)
+    return instance
+
+
+def _start_depth(contact: Instance) -> tuple[float, float]:
+    """Penetration (m) of a contact at the start, and its reference penetration (m)."""
     contact.initialize()
     return float(contact.observed()["penetration"][0]), contact.parameter("reference_penetration")
 

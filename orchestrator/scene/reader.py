@@ -20,12 +20,13 @@ from .component_connections import buried_contacts, connection_problems
 from .connection_tables import Ccl, Connection, Damper
 from .damping import StructuralDamping
 from .events.tables import Event
-from .expansion import plugins
 from .expansion.arrays import Array, expanded
 from .expansion.presets import with_presets
 from .hinge_line_tables import Friction, HingeLine, Joint
 from .layers import Layers, Setting, Tree, read_layers, resolved
 from .loops.closing import closed, open_loops
+from .plugins import loading
+from .plugins.trials import plugin_problems
 from .schema import CheckedScene, Header
 from .signals.tables import Fmu
 from .table import SceneError, Table
@@ -146,7 +147,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     repeated, wrong_arrays = expanded(tree)
     whole, unlike = resolved(repeated)
     reader = EntryReader(with_presets(whole), added)
-    reader.note(plugins.problems(_plugins(tree)))
+    reader.note(loading.problems(_plugins(tree)))
     reader.note([*wrong_arrays, *(problem for found in unlike.values() for problem in found)])
     known = sorted({*TABLES, *ARRAYS})
     reader.note(f"{key}: {unknown(key, known, 'table')}" for key in tree if key not in known)
@@ -176,6 +177,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     reader.note(consistency.carried_along(scene))
     if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
+        reader.note(plugin_problems(scene, points, poses, refused))
     return None if reader.problems else scene, _told(reader.problems, unlike)
 
 

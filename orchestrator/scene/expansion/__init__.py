@@ -1,1 +1,1 @@
-"""What a scene's tree is short for: arrays of like parts, joints by their name, files of plugins; before it is read."""
+"""What a scene's tree is short for: arrays of like parts, joints by their name; before it is read."""

@@ -12,7 +12,7 @@ from components.contract.plugins import PluginError, load_plugin
 from fmus import check_fmu
 from orchestrator.cli.main import main
 from orchestrator.scene.bodies import body_model
-from orchestrator.scene.expansion import plugins
+from orchestrator.scene.plugins import loading
 from orchestrator.views import plots
 from tests.references import synthetic_result
 from tests.references.relative_motion import inputs, port_motion
@@ -162,6 +162,66 @@ def test_components_that_lack_something_are_sentences(tmp_path, start, said):
     assert any(said in problem for problem in fanfold.check_scene(wing).problems)
 
 
+TRIED = (
+    UNFINISHED.replace("{start}", "1.0")
+    .replace("N.m.s/rad", "{unit}")
+    .replace("class States(NamedTuple):", "class States(NamedTuple):\n    turn: Turn")
+    .replace("import AxialConnection", "import AxialConnection, Turn")
+    .replace("tunable\n", "observed, tunable\n")
+    + """
+    observations = Record(NamedTuple("Angle", [("angle", Annotated[float, observed("rad", "Angle")])]))
+
+    def start(self, c, u):
+        return States(self._turn(u, 0.0)[0], 0.0)
+
+    def advance(self, c, s, u, h):
+        return s._replace(heat={heat})
+"""
+)
+RECORD = """
+    def record(self, c, s, u):
+        return (s.turn.angle / {by},)
+"""
+
+
+@pytest.mark.parametrize(
+    ("unit", "heat", "record", "said"),
+    [
+        (
+            "furlong",
+            "0.0",
+            RECORD.format(by="1.0"),
+            "brake.py: braking: unit 'furlong': 'furlong' is not one of",
+        ),
+        ("N.m.s/rad", "0.0", "", "brake.py: NotImplementedError: Brake has no function 'record'"),
+        (
+            "N.m.s/rad",
+            "0.0",
+            RECORD.format(by="0.0"),
+            ": ZeroDivisionError: float division by zero",
+        ),
+        (
+            "N.m.s/rad",
+            "0.0",
+            RECORD.format(by="float('nan')"),
+            "angle is nan after a step of 0.001 s at rest",
+        ),
+        ("N.m.s/rad", "(0.0, 0.0)", RECORD.format(by="1.0"), "States has "),
+    ],
+)
+def test_what_only_a_step_shows_is_told_before_a_run(tmp_path, unit, heat, record, said):
+    """Regression: `check` found no problem in what runs and analyses of it ended at, some with a traceback."""
+    (tmp_path / "brake.py").write_text(TRIED.format(unit=unit, heat=heat) + record)
+    wing = tmp_path / "wing.toml"
+    wing.write_text(
+        'extends = "workbench"\n[scene]\nname = "wing"\nplugins = ["brake.py"]\n[[connection]]\nname = "b"\n'
+        'kind = "unfinished"\nports = { inboard = { body = "workbench_table", point = "hl_left" }, '
+        'outboard = { body = "panel", point = "hl_left" } }\n'
+    )
+    (problem,) = fanfold.check_scene(wing).problems
+    assert said in problem
+
+
 def test_a_missing_file_is_told(tmp_path):
     with pytest.raises(PluginError, match="the plugin cannot be read"):
         load_plugin(tmp_path / "none.py")
@@ -196,13 +256,13 @@ def test_installed_plugins_are_loaded_and_told_of_where_they_fail(monkeypatch):
 
     loaded = []
     monkeypatch.setattr(
-        plugins, "entry_points", lambda group: [Point(lambda: loaded.append(group)), Point(lambda: 1 / 0)]
+        loading, "entry_points", lambda group: [Point(lambda: loaded.append(group)), Point(lambda: 1 / 0)]
     )
-    plugins._installed.cache_clear()
+    loading._installed.cache_clear()
     try:
-        told = list(plugins.problems([]))
+        told = list(loading.problems([]))
     finally:
-        plugins._installed.cache_clear()
+        loading._installed.cache_clear()
     assert loaded == ["fanfold.plugins"]
     assert told == ["the installed plugin mine (my_parts): ZeroDivisionError: division by zero"]
 
