@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import re
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -82,9 +81,11 @@ def write_series(
             files = [made / f"{folder.name}_{k:04d}.vtu" for k in range(rows.size)]
             for k, file in enumerate(files):
                 mesh.write(file, _mesh(mesh, pieces, k), binary=True)
-            if folder.exists():
-                shutil.rmtree(folder)
-            made.rename(folder)
+            folder.mkdir(exist_ok=True)  # others, such as pictures, may be in it
+            for old in _series_files(folder):
+                old.unlink()
+            for file in made.iterdir():
+                file.rename(folder / file.name)
     except OSError as error:
         raise ResultError(f"{folder}: the files of the series cannot be written ({reason(error)})") from None
     _write_list(path, [f"{folder.name}/{file.name}" for file in files], result.time[rows])
@@ -92,9 +93,8 @@ def write_series(
 
 
 def refuse_folder(path: Path, replace_it: bool) -> None:
-    """ResultError where the folder of a series is there already, or holds what no series does."""
+    """ResultError where the folder of a series holds one already, or is none."""
     folder = path.with_suffix("")
-    own = re.compile(rf"{re.escape(folder.name)}_\d+\.vtu|{re.escape(_BODIES)}")
     try:
         if not folder.exists() and not folder.is_symlink():
             return
@@ -102,17 +102,19 @@ def refuse_folder(path: Path, replace_it: bool) -> None:
             raise ResultError(
                 f"{folder}: the files of the series go into a folder of this name, which this is not"
             )
-        others = [one.name for one in folder.iterdir() if not own.fullmatch(one.name)]
+        old = _series_files(folder)
     except OSError as error:
         raise ResultError(f"{folder}: nothing can be written here ({reason(error)})") from None
-    if others:
+    if old and not replace_it:
         raise ResultError(
-            f"{folder}: this folder holds {others[0]!r}, which would be lost; name another file"
+            f"{folder}: this folder holds a series already; name another file, or allow it with --replace"
         )
-    if not replace_it:
-        raise ResultError(
-            f"{folder}: this folder of a series exists already; name another file, or allow it with --replace"
-        )
+
+
+def _series_files(folder: Path) -> list[Path]:
+    """What a folder holds of a series that was written into it."""
+    own = re.compile(rf"{re.escape(folder.name)}_\d+\.vtu|{re.escape(_BODIES)}")
+    return [one for one in folder.iterdir() if own.fullmatch(one.name)]
 
 
 def _rows(result: Result, frames: int | None, times: Sequence[float] | None) -> Rows:

@@ -89,17 +89,24 @@ def test_bodies_are_named(series, result):
 
 
 def test_what_no_series_holds_is_not_lost(result, tmp_path):
-    """A folder with another file stays; one of a series is replaced when asked."""
+    """Other files of the folder, such as pictures of the result, stay; those of a series are replaced when asked."""
     path, folder = tmp_path / "run.pvd", tmp_path / "run"
     fanfold.export_view(result, path, frames=2, stress=False)
     path.unlink()
-    with pytest.raises(fanfold.FanfoldError, match="exists already; name another file, or allow it"):
+    with pytest.raises(fanfold.FanfoldError, match="holds a series already; name another file, or allow it"):
         fanfold.export_view(result, path, frames=2)
     fanfold.export_view(result, path, frames=1, stress=False, replace=True)
     assert sorted(one.name for one in folder.iterdir()) == ["bodies.csv", "run_0000.vtu"]
-    (folder / "notes.txt").write_text("mine")
-    with pytest.raises(fanfold.FanfoldError, match=r"holds 'notes\.txt', which would be lost"):
-        fanfold.export_view(result, path, frames=2, replace=True)
+    (folder / "steps.png").write_text("mine")
+    (folder / "run_0000.vtu").unlink()
+    fanfold.export_view(result, path, frames=2, stress=False, replace=True)
+    assert sorted(one.name for one in folder.iterdir()) == [
+        "bodies.csv",
+        "run_0000.vtu",
+        "run_0001.vtu",
+        "steps.png",
+    ]
+    assert (folder / "steps.png").read_text() == "mine"
 
 
 @pytest.mark.parametrize(
