@@ -36,7 +36,7 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
-from .stepping import REFERENCE_TOLERANCE, ErrorEstimate, StepError, StepSizes, failure
+from .stepping import ErrorEstimate, StepError, StepSizes, failure
 
 _IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
 _MOST_PARTS = 1024
@@ -65,10 +65,11 @@ class Master(CoSimulation):
         self.settings = settings
         self.solver.persistent = not self._controlled
         self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
-        largest = settings.largest_step * min(1.0, sqrt(settings.tolerance / REFERENCE_TOLERANCE))
-        largest = min(largest, self._signals.longest_step)
-        self._sizes = StepSizes(largest, settings.smallest_step, network.order)
-        self._sizes.restart(min(settings.start_step, largest))
+        share = stepping.share_of_steps(settings.tolerance)
+        largest = min(share * settings.largest_step, self._signals.longest_step)
+        self._sizes = StepSizes(largest, share * settings.smallest_step, network.order)
+        self._sizes.restart(min(share * settings.start_step, largest))
+        self._event_step = share * settings.event_step
         self._guard = EnergyGuard(self._energies)
         self._parts = 1
         self._plan = stepping.StepPlan(settings.step_plan or ())
@@ -376,7 +377,7 @@ class Master(CoSimulation):
     def _renew(self, known: float = 0.0) -> None:
         """Go on with short steps (s), or what is known to be short enough; nothing before tells of what follows."""
         self.solver.restart()
-        if (size := max(self.settings.event_step, known)) < self._sizes.size:
+        if (size := max(self._event_step, known)) < self._sizes.size:
             self._sizes.restart(size, stirred=False)
         self._begin_segment()
 
@@ -434,7 +435,7 @@ class Master(CoSimulation):
         solver, h = self.solver, self._sizes.size
         if line.kinematic or not self._controlled:
             self._command(LATCH_COMMAND.name, 1.0, line.hinges)
-            return min(h, self.settings.event_step)
+            return min(h, self._event_step)
         before = slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         after = slopes(solver, line.hinges, self.time, h)
@@ -449,7 +450,7 @@ class Master(CoSimulation):
             if slow.fastest:
                 h = resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
             else:
-                h = min(h, self.settings.event_step)
+                h = min(h, self._event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
 

@@ -12,12 +12,14 @@ from .ports import Order
 class Settings:
     """Numbers of the master.
 
-    tolerance: relative accuracy asked of a run. largest_step: down to a tolerance of 1e-4; below, it goes
-    with the root of the tolerance, as the rotations' error goes with its square. start_step: before errors can be told,
-    for which two steps must be seen; what motors stir up by starting begins in these. fixed_step: constant
-    communication step size instead of control, divided only where it does not converge. step_plan: step
-    sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what motors will put
-    through the scene, beside which errors are judged before it moves. order: of the coupling; None: what is best.
+    tolerance: relative accuracy asked of a run. largest_step, smallest_step, start_step, event_step: down to a
+    tolerance of 1e-4; below, they go with its root, as the rotations' error goes with the square of a step.
+    smallest_step: that accuracy may ask for. start_step: before errors can be told, for which two steps must be seen;
+    what motors stir up by starting begins in these. event_step: the largest after an event of which nothing else is
+    known. fixed_step: constant communication step size instead of control, divided only where it does not converge.
+    step_plan: step sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what
+    motors will put through the scene, beside which errors are judged before it moves. order: of the coupling; None:
+    what is best.
     snapshot_every: time (s) after which `keep` of the master is given a snapshot; it changes last digits.
     asked_tolerance: what a result is judged by, where a smaller tolerance is taken to keep it. compiled: whether a run
     takes `CompiledMaster`.

@@ -29,7 +29,7 @@ LOOSE = {2: 0.0, 4: 0.25}
 _LEAST_KINETIC_SHARE = 1e-3
 _LEAST_KINETIC_ENERGY = 1e-9
 REFERENCE_TOLERANCE = 1e-4
-"""Below it, largest step and allowed error go with higher powers of the tolerance."""
+"""Below it, sizes of steps and the allowed error go with higher powers of the tolerance."""
 GROWTH_MARGIN = 0.5
 REJECTED, REJECTED_STIRRED = 3.0, 10.0
 FORGET = 0.8
@@ -186,6 +186,11 @@ class ErrorEstimate(Structure):
     def share(self, square: float) -> float:
         """Part of a step, at most all of it, whose error leaves room to grow, where errors go with the step."""
         return min(1.0, GROWTH_MARGIN / max(self(square), LEAST_ERROR))
+
+
+def share_of_steps(tolerance: float) -> float:
+    """Part of the largest, the smallest and first steps that a run of a tolerance takes."""
+    return min(1.0, sqrt(tolerance / REFERENCE_TOLERANCE))
 
 
 class StepPlan:

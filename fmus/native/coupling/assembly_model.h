@@ -12,12 +12,12 @@
 
 enum { FITTED = 4, RING = 6, SNAPSHOTS = 3 };
 
-/* What follows from the tolerance: the largest step (s) of the scene, the tolerance below which it shrinks, what iterations
-   leave of the tolerance and at most, what a step may err by, and powers of the tolerance above that limit, of the
-   coupling's order and of the second. */
+/* What follows from the tolerance: the largest, smallest and first steps (s) of the scene, at its start and after events,
+   the tolerance below which they shrink, what iterations leave of the tolerance and at most, what a step may err by, and
+   powers of the tolerance above that limit, of the coupling's order and of the second. */
 enum {
-    LARGEST_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED, ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2,
-    OF_TOLERANCE
+    LARGEST_STEP, SMALLEST_STEP, START_STEP, EVENT_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED,
+    ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE
 };
 
 /* An input of the assembly: releases a participant (is_release), or latches a line. */
@@ -570,7 +570,7 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 
 /* Numbers of the master, in the order of their structures. */
 static int read_settings(Assembly *a, const Data *data, Reason *why) {
-    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 19, OF_MASTER = 7 };
+    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 19, OF_MASTER = 4 };
     Master *m = &a->master;
     Network *n = &m->network;
     const double *sizes = data_array(data, "network", NETWORK, why), *limit = data_array(data, "limits", OF_LIMITS, why);
@@ -601,10 +601,7 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
                  rule[11], rule[12], rule[13], rule[14], rule[15], rule[16], rule[17], rule[18]};
     n->tolerance = (Tolerance){0.0, own[0], own[1], 0.0};
     m->sizes.order = (size_t)own[2];
-    m->sizes.smallest = own[3];
-    m->start_step = own[4];
-    m->event_step = own[5];
-    m->driving_energy = own[6];
+    m->driving_energy = own[3];
     a->by_tolerance = data_array(data, "by_tolerance", OF_TOLERANCE, why);
     return a->by_tolerance != NULL;
 }

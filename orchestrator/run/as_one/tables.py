@@ -168,9 +168,6 @@ def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[st
             iteration.force,
             iteration.torque,
             order,
-            settings.smallest_step,
-            settings.start_step,
-            settings.event_step,
             settings.driving_energy,
         ],
         "by_tolerance": _by_tolerance(assembly, settings, order),
@@ -181,6 +178,9 @@ def _by_tolerance(assembly: Assembly, settings: Settings, order: Order) -> list[
     """What numbers follow from the tolerance by."""
     return [
         settings.largest_step,
+        settings.smallest_step,
+        settings.start_step,
+        settings.event_step,
         stepping.REFERENCE_TOLERANCE,
         *stepping.iterated(assembly.hinge_lines, order),
         stepping.ALLOWED_SHARE,
