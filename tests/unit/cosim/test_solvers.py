@@ -482,18 +482,18 @@ def sticking():
 def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 
-    With halving the solver in Python, which defines it, takes the same steps. Where friction lets go within an
-    iteration hangs on the last bit, and that on the machine: of 541 iterations, 912 without halving, 15 more or fewer
-    were seen.
+    With halving the solver in Python, which defines it, takes the same steps, and gives up as few: 120 and 1 on machines
+    of four kinds, 155 and 8 without. Where friction lets go within an iteration hangs on the last bit, and that on the
+    machine: Python took 1,110 to 1,238 iterations there, so they are not compared.
     """
     halved = run(sticking(), None, Settings(), END).costs
+    part = 0.55 * END
+    begun = run(sticking(), None, Settings(), part).costs
     with monkeypatch.context() as patch:
         patch.setattr(native_solver._LIMITS, "halvings", 0)
-        whole = run(sticking(), None, Settings(), END).costs
+        whole, whole_begun = (run(sticking(), None, Settings(), end).costs for end in (END, part))
     assert halved.rejected < 0.5 * whole.rejected
-    begun = run(sticking(), None, Settings(), 0.55 * END).costs
     in_python(monkeypatch)
-    python = run(sticking(), None, Settings(), 0.55 * END).costs
-    assert begun.rejected > 0
+    python = run(sticking(), None, Settings(), part).costs
     assert python.steps == pytest.approx(begun.steps, rel=0.05)
-    assert python.iterations == pytest.approx(begun.iterations, rel=0.1)
+    assert 0 < python.rejected < 0.5 * whole_begun.rejected
