@@ -17,13 +17,14 @@ from typing import Any
 from ..contract.component import ComponentError
 from .definition import BodyDefinition
 from .reader import read_body
-from .tables import Tree, laid_over
+from .tables import TableError, Tree, laid_over
 
 
 def add_sheet(path: str | Path) -> bool:
     """Add the bodies of a file as those in components/data are written; whether any of them changed.
 
-    ComponentError where it cannot be read, or has the name of a body from elsewhere; what it had before is replaced.
+    ComponentError where it cannot be read, has the name of a body from elsewhere or a body that cannot be; what it had
+    before is replaced.
     """
     path = Path(path).resolve()
     try:
@@ -43,9 +44,26 @@ def add_sheet(path: str | Path) -> bool:
         raise ComponentError(
             f"{path}: {', '.join(taken)}: there is such a body already; give it another name"
         )
+    before = _added.get(path)
     _added[path] = found
+    if problems := list(_problems(found)):
+        _added.pop(path)
+        _added.update({} if before is None else {path: before})
+        raise ComponentError("\n".join(f"{path}: {problem}" for problem in problems))
     entry.cache_clear()
     return True
+
+
+def _problems(tables: Mapping[str, Tree]) -> Iterator[str]:
+    """What is wrong with the bodies of a file, as sentences with their keys."""
+    for name, table in tables.items():
+        try:
+            if not table.get("template"):
+                read_body(entry_table(name))
+        except TableError as error:
+            yield from (f"{name}.{problem}" for problem in error.problems)
+        except KeyError as error:
+            yield f"{name}.like: there is no body {error.args[0]!r}"
 
 
 def entries() -> tuple[str, ...]:

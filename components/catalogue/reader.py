@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from math import inf, isfinite, isnan, nan
+from itertools import accumulate
+from math import inf, isclose, isnan, nan, sqrt
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 from ..flexible.beam_frame import BeamSection, tube_section
@@ -30,6 +31,8 @@ _SIDES = (("left", 1.0), ("right", -1.0))
 _UNKNOWN: tuple[float, ...] = (nan, nan, nan, nan)
 _SAME = 1.05
 """Times one thickness that another of the same plate may be."""
+_ALIKE = 1.3
+"""Times the height of sheets by which a plate bends that they may lie at: layers within them are not told apart."""
 _NO_SECTION = BeamSection(0.0, 0.0, 0.0, 0.0)
 
 
@@ -111,8 +114,7 @@ def _panel(table: Table | None) -> tuple[Panel | None, FaceSheets | None]:
     if table is None:
         return None, None
     plate, sheets = _plate(table)
-    arm = _arm(table.table("arm", required=False))
-    arms = tuple(_arms(table, arm))
+    arms = tuple(_arms(table, table.table("arm", required=False)))
     start = table.number(
         "start", "m", "any", max((a.length for a in arms if a.edge == "inboard"), default=0.0)
     )
@@ -120,6 +122,10 @@ def _panel(table: Table | None) -> tuple[Panel | None, FaceSheets | None]:
     nodes = center | {name: (x, y) for name, (x, y) in table.places("nodes", 2).items()}
     inserts = tuple(_insert(entry) for entry in table.entries("inserts"))
     size = table.number("element_size", "m", default=0.05)
+    if "element_size" in table and size > (most := 0.5 * min(plate.length, plate.width)):
+        table.note(
+            "element_size", f"is {size:g} m; it must be at most {most:g} m, so that two elements fit each way"
+        )
     table.close()
     return Panel(plate, (*arms, *inserts), nodes, start, size), sheets
 
@@ -130,7 +136,7 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
     areal_mass = table.number("areal_mass", "kg/m2")
     kind = table.one_of("stiffness", "sandwich", "layers")
     bending, membrane = _UNKNOWN, _UNKNOWN
-    sheets, total = None, inf
+    sheets, layers = None, []
     if kind == "stiffness" and (given := table.table("stiffness")):
         bending, membrane = given.numbers("bending", "N.m", 4), given.numbers("membrane", "N/m", 4)
         given.close()
@@ -142,7 +148,6 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
             table.note("layers", "is empty; give at least one")
         elif all(layer.is_known for layer in layers):
             bending, membrane, problem = laminate_stiffness(layers)
-            total = sum(layer.thickness for layer in layers)
             if problem:
                 table.note("layers", problem)
     for name, values in (("bending", bending), ("membrane", membrane)):
@@ -155,7 +160,7 @@ def _plate(table: Table) -> tuple[Plate, FaceSheets | None]:
         *(length, width, areal_mass, _orthotropic(bending), _orthotropic(membrane), prestress),
         geometry="von_karman" if geometry == "von_karman" else "linear",
     )
-    return plate, _face_sheets(table, sheets, total)
+    return plate, _face_sheets(table, sheets, plate, [layer.thickness for layer in layers])
 
 
 def _orthotropic(values: Sequence[float]) -> tuple[float, float, float, float]:
@@ -190,30 +195,57 @@ def _layer(table: Table) -> Layer:
     return layer
 
 
-def _face_sheets(table: Table, sheets: FaceSheets | None, total: float) -> FaceSheets | None:
-    """Those given in place of the plate's own; total: thickness (m) of its layers, infinite where that is not known."""
+def _face_sheets(
+    table: Table, own: FaceSheets | None, plate: Plate, layers: Sequence[float]
+) -> FaceSheets | None:
+    """Those given in place of the plate's own, which it has as a sandwich; layers: thicknesses (m), if it has such."""
     given = table.table("face_sheets", required=False)
     if given is None:
-        return sheets
+        return own
     solid = given.one_of("thickness", "skin") == "thickness"
     thickness = given.number("thickness" if solid else "skin", "m")
     distance = 0.0 if solid else given.number("distance", "m")
     given.close()
     if not thickness > 0.0 or not (solid or distance > 0.0):
         return None
-    through = thickness + distance
-    if isfinite(total) and (through > _SAME * total or (solid and _SAME * through < total)):
-        table.note("face_sheets", f"reach over {through:g} m, and the layers are {total:g} m thick")
-    return FaceSheets.solid(thickness) if solid else FaceSheets.sandwich(thickness, distance)
+    sheets = FaceSheets.solid(thickness) if solid else FaceSheets.sandwich(thickness, distance)
+    if problem := _contradiction(sheets, own, layers, thickness, distance) or _misplaced(
+        sheets, plate, 0.5 * (thickness if solid else distance)
+    ):
+        table.note("face_sheets", problem)
+    return sheets
 
 
-def _arm(table: Table | None) -> HingeArm:
-    """What all arms have in common."""
-    if table is None:
-        return HingeArm("", nan, length=0.0)
-    arm = _changed(table, HingeArm("", nan, length=0.0))
-    table.close()
-    return arm
+def _contradiction(
+    sheets: FaceSheets, own: FaceSheets | None, layers: Sequence[float], thickness: float, distance: float
+) -> str:
+    """A sentence where sheets of this thickness and distance (m; 0: solid) are not those of the sandwich or layers."""
+    if own is not None and not isclose(sheets.per_moment, own.per_moment, rel_tol=_SAME - 1.0):
+        return "are not those of the sandwich, whose skins are known; leave face_sheets out"
+    through, total = thickness + distance, sum(layers)
+    if not layers or isnan(total):
+        return ""
+    if through > _SAME * total or (distance == 0.0 and _SAME * through < total):
+        return f"reach over {through:g} m, and the layers are {total:g} m thick"
+    outer = list(accumulate(layers))
+    if distance and not any(isclose(thickness, one, rel_tol=_SAME - 1.0) for one in outer):
+        known = ", ".join(f"{one:g}" for one in outer[:-1])
+        return f"have a skin of {thickness:g} m, and the outer layers together are {known} m thick"
+    return ""
+
+
+def _misplaced(sheets: FaceSheets, plate: Plate, height: float) -> str:
+    """A sentence where sheets at this height (m) are not those whose stretching makes the plate's bending stiffness."""
+    bending, membrane = (sum(values[:2]) for values in (plate.bending, plate.membrane))
+    if not bending > 0.0 or not membrane > 0.0:
+        return ""
+    found = sqrt(height * sheets.per_moment * bending / (sheets.per_force * membrane))
+    if 1.0 / _ALIKE < found / height < _ALIKE:
+        return ""
+    return (
+        f"lie {2.0 * height:.3g} m apart, and the plate bends as if they lay {2.0 * found:.3g} m apart; check them "
+        "against its stiffness"
+    )
 
 
 def _changed(table: Table, arm: HingeArm) -> HingeArm:
@@ -222,11 +254,14 @@ def _changed(table: Table, arm: HingeArm) -> HingeArm:
     if (stiffness := table.table("stiffness", required=False)) is not None:
         section = _stiffness(stiffness)
         stiffness.close()
+    is_rigid = table.flag("rigid", default=section is None)
+    if not is_rigid and section is None:
+        table.note("rigid", "is false, so the arm needs a table stiffness")
     return replace(
         arm,
         y=table.number("y", "m", "any", arm.y),
         length=table.number("length", "m", "zero or positive", arm.length),
-        section=None if table.flag("rigid", default=section is None) else section,
+        section=None if is_rigid else section,
         point_mass=table.number("point_mass", "kg", "zero or positive", arm.point_mass),
         patch=table.number("patch", "m", default=arm.patch),
         z=table.number("z", "m", "any", arm.z),
@@ -243,20 +278,26 @@ def _stiffness(table: Table) -> BeamSection:
     )
 
 
-def _arms(table: Table, common: HingeArm) -> list[HingeArm]:
-    """Those given one by one, then two on every hinge line, left at +y and right at -y."""
-    arms = []
+def _arms(table: Table, shared: Table | None) -> list[HingeArm]:
+    """Those given one by one, then two on every hinge line, left at +y and right at -y; shared: what all have alike."""
+    arms, common = [], HingeArm("", nan, length=0.0)
+    has_y = shared is not None and "y" in shared
+    if shared is not None:
+        common = _changed(shared, common)
+        shared.close()
     for entry in table.entries("arms"):
         arm = replace(_changed(entry, common), name=entry.text("name"))
         edge = entry.text("edge", _EDGES, "inboard")
         arms.append(replace(arm, edge="outboard" if edge == "outboard" else "inboard"))
-        if isnan(arm.y) and "y" not in entry:
+        if isnan(arm.y) and not has_y and "y" not in entry:
             entry.note("y", "is missing")
         entry.close()
     if (lines := table.table("hinge_lines", required=False)) is not None:
         named = {edge: lines.text(edge, default="") for edge in _EDGES}
-        if isnan(common.y):
+        if not has_y:
             table.note("arm.y", "is missing; hinge_lines have their arms at + and - y")
+        elif common.y <= 0.0:
+            table.note("arm.y", f"is {common.y:g}; hinge_lines have left arms at + y and right ones at - y")
         offsets = _offsets(table.table("hinge_line_offsets", required=False), common.z)
         for edge, line in named.items():
             for side, sign in _SIDES if line else ():
@@ -320,7 +361,12 @@ def _frame(table: Table | None) -> tuple[Frame | None, tuple[str, ...], tuple[st
             given.number("inertia", "kg.m2"),
         )
         given.close()
+    names = [path.name for path in members]
+    for name in sorted({name for name in names if names.count(name) > 1}):
+        table.note(f"members.{name}", "stands twice; rename one")
     met = list(dict.fromkeys(name for path in members for name in path.joints))
+    for name in joints.keys() - met:
+        table.note(f"joints.{name}", "is where no member goes; leave it out")
     ends, nodes = table.texts("attachment_points", 0, met), table.texts("nodes", 0, met)
     table.close()
     return Frame(tuple(joints.items()), members, spread), ends, nodes

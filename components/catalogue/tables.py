@@ -32,7 +32,7 @@ class TableError(ComponentError):
 def stated(value: object, unit: str, sign: Sign) -> float:
     """A value of a data sheet, number and unit, whose unit must be the SI unit that is meant."""
     if not isinstance(value, tuple):
-        raise ValueError(f"is {value!r}; state value, unit and source")
+        raise ValueError(f'is {value!r}; state it as {{ value = ..., unit = "{unit}", source = "..." }}')
     number, given = value
     if given != unit:
         raise ValueError(f"is {number!r} {given}; the unit must be {unit}")

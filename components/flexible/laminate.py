@@ -9,8 +9,8 @@ import numpy as np
 
 from ..contract.component import Vector
 
-_NEGLIGIBLE = 1e-9
-"""Of the largest stiffness: coupling that only round-off makes."""
+_NEGLIGIBLE = 1e-3
+"""Share of a stiffness that coupling with another motion takes away: half of it is what a frequency is off by."""
 Stiffness = tuple[float, float, float, float]
 
 
@@ -75,13 +75,28 @@ def laminate_stiffness(layers: Sequence[Layer]) -> tuple[Stiffness, Stiffness, s
         for k in (1, 2, 3)
     )
     problem = ""
-    if np.abs(coupling).max() > _NEGLIGIBLE * np.sqrt(membrane.max() * bending.max()):
+    if (coupling**2 / np.outer(membrane.diagonal(), bending.diagonal())).max() > _NEGLIGIBLE:
         problem = (
             "the layers are not symmetric about the middle, so the plate would bend when it is stretched"
         )
-    elif max(np.abs(m[:2, 2]).max() / m.max() for m in (membrane, bending)) > _NEGLIGIBLE:
-        problem = "the layers are not balanced, so the plate would twist when it is bent or stretched"
+    elif _taken_by_shear(membrane) > _NEGLIGIBLE:
+        problem = (
+            "the layers are not balanced, so the plate would shear when it is stretched; for every layer at an angle "
+            "give one at the opposite angle"
+        )
+    elif _taken_by_shear(bending) > _NEGLIGIBLE:
+        known = ", ".join(f"{value:.4g}" for value in _orthotropic(bending))
+        problem = (
+            "layers at opposite angles lie at different heights, so the plate would twist when it is bent; write a "
+            f"fabric as one layer, or leave that out by a table stiffness in place of layers, with bending [{known}]"
+        )
     return _orthotropic(bending), _orthotropic(membrane), problem
+
+
+def _taken_by_shear(stiffness: Vector) -> float:
+    """Largest share of the stiffness 11 or 22 that coupling with 66 takes away."""
+    along = stiffness.diagonal()
+    return float((stiffness[:2, 2] ** 2 / (along[:2] * along[2])).max())
 
 
 def _orthotropic(stiffness: Vector) -> Stiffness:

@@ -138,6 +138,8 @@ class Panel:
                 " check length and width, or give a larger element_size"
             )
         for arm in self.arms:
+            if arm.section is not None and arm.length <= 0.0:
+                yield f"hinge arm {arm.name!r} has a stiffness and no length; give its length, or leave stiffness out"
             if not all(_within(patch, inside) for patch in self.patches(arm)):
                 yield f"the insert patch of hinge arm {arm.name!r} reaches beyond the plate"
         for one, other in combinations(self.arms, 2):

@@ -139,11 +139,12 @@ def check_scene(
     flexible: Collection[str] = (),
     large_deformation: Collection[str] = (),
 ) -> SceneCheck:
-    """A sound scene looked at; SceneError where it cannot be assembled."""
+    """A sound scene looked at, with the bodies as they are to run; SceneError where it cannot be assembled."""
     chosen = choose_fidelity(scene, rigid, flexible, large_deformation)
     bends = {name: fidelity != "rigid" for name, fidelity in chosen.items()}
-    assembly = assemble(scene, rigid={"all"})  # says what only an assembly can tell
-    models = {body.name: body_model(body, flexible=False) for body in scene.bodies}
+    # says what only an assembly can tell, such as that a body has not the modes asked for
+    assembly = assemble(scene, rigid, flexible, large_deformation=large_deformation)
+    models = {body.name: body_model(body, chosen[body.name] == "flexible") for body in scene.bodies}
     base = base_model(scene.base)
     if base is not None:
         models = {scene.base.name: base, **models}

@@ -12,7 +12,7 @@ from components.contract.frames import Vector3, cross, dot, norm, subtract
 from components.end_stop import EndStop
 from components.flexible.plate import Panel
 
-from ..scene.bodies import body_definition, scene_points
+from ..scene.bodies import body_definition, body_model, scene_points
 from ..scene.body_tables import Body, Inertial
 from ..scene.connection_tables import Ccl
 from ..scene.locked_groups import joined
@@ -31,6 +31,8 @@ _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
+_UNLIKE = 0.1
+"""Of its mass that a rigid twin may differ by: hardware that finite elements leave out."""
 _TURNED = 0.2
 """rad; places are written to a few degrees, and loops close from there; tables may end as early."""
 _THICK = 0.2
@@ -84,6 +86,19 @@ def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collectio
     yield from doubts(scene)
     yield from signal_sentences(assembly, scene)
     yield from unfollowed_curves(scene, bending)
+    yield from _unlike_twins(scene, bending)
+
+
+def _unlike_twins(scene: CheckedScene, bending: Collection[str]) -> Iterator[str]:
+    """Flexible bodies whose rigid twin, by which lines are sized and damped, has another mass."""
+    for body in scene.bodies:
+        if body.name in bending and body.rigid_twin:
+            twin, own = (body_model(body, flexible).mass for flexible in (False, True))
+            if abs(twin - own) > _UNLIKE * own:
+                yield (
+                    f"body.{body.name}: its rigid twin has {twin:.4g} kg, and the flexible body {own:.4g} kg; "
+                    "effective inertias, and the damping of latches by them, are those of the twin"
+                )
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:

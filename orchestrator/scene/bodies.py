@@ -31,7 +31,7 @@ from .hinge_line_tables import HingeLine
 from .layers import merged
 from .schema import CheckedScene
 from .table import Seat
-from .units import Sign, to_si
+from .units import Sign, written
 
 if TYPE_CHECKING:
     from components.catalogue import BodyDefinition
@@ -135,7 +135,7 @@ def _quantity(value: object, unit: str, sign: Sign) -> float:
     """A value of the catalogue's data sheets, or one of a scene file laid over it."""
     from components.catalogue.tables import stated
 
-    return stated(value, unit, sign) if isinstance(value, tuple) else to_si(value, unit, sign)
+    return stated(value, unit, sign) if isinstance(value, tuple) else written(value, unit, sign)
 
 
 @lru_cache(maxsize=32)

@@ -134,7 +134,7 @@ class Body(Table):
     """So many of the lowest modes shorten what they bend, so that spin and loads stiffen it."""
     inertia_coupling: CouplingLevel = "full"
     """How much of the change of inertia by deformation is kept."""
-    damping_ratio: Ratio | None = None
+    damping_ratio: Annotated[Ratio, Field(le=1.0)] | None = None
     """Of all its modes; by default 1 %, 10 % above 100 Hz and critical above 1 kHz."""
     structural_damping: StructuralDamping | None = None
     """Damping in proportion to the frequency of a mode, in place of the scene's."""
@@ -200,6 +200,15 @@ class Body(Table):
             raise ValueError(
                 "second_order_modes stiffen by inertia that deforms; inertia_coupling must be full"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _bands_from_below(self) -> Self:
+        for low, high in self.frequencies_off:
+            if low >= high:
+                raise ValueError(
+                    f"the band of frequencies_off from {low:g} to {high:g} Hz holds none; give the lower first"
+                )
         return self
 
     @model_validator(mode="after")

@@ -134,8 +134,9 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
             path.append(inner)
         if path[-1] != base:
             yield (
-                f"body.{body}: it is disconnected; no chain of hinge lines leads to it from {base} (a free spacecraft "
-                "is the [base], with free = { mass, center_of_mass, inertia })"
+                f"body.{body}: nothing says where it starts, as no chain of hinge lines leads to it from {base}; give "
+                "it a place = { body, point } if connections hold it (a free spacecraft is the [base], with free = "
+                "{ mass, center_of_mass, inertia })"
             )
 
 

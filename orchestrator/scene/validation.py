@@ -172,7 +172,7 @@ def keys_of(model: type[Table], location: Sequence[int | str]) -> list[str]:
         kind = next(
             (known[step].annotation for known in fields if isinstance(step, str) and step in known), kind
         )
-    return [name for table in _models(kind) for name in table.model_fields]
+    return [field.alias or name for table in _models(kind) for name, field in table.model_fields.items()]
 
 
 def _models(kind: Any) -> Iterator[type[Table]]:  # noqa: ANN401 - a type

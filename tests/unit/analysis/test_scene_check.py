@@ -1,6 +1,7 @@
 """A scene looked at before its run: what it is made of against the scene's own numbers, problems, the picture."""
 
 import json
+import re
 from dataclasses import replace
 from math import radians
 
@@ -39,6 +40,50 @@ def test_bodies_lines_and_loops_are_those_of_the_scene(checked):
     assert [loop.mismatch for loop in checked.loops] == pytest.approx([0.0, 0.0], abs=1e-15)
     assert checked.connections == {"damper": "eddy_current_damper"}
     assert checked.problems == checked.warnings == ()
+
+
+def one_panel(**keys):
+    """A panel on a fixed base, with further keys of its body."""
+    scene = fanfold.Scene("own", until="4 s")
+    base = scene.base(points={"left": (0, 0.25, 0), "right": (0, -0.25, 0)})
+    panel = scene.body(
+        "panel",
+        panel={
+            "length": 1.1, "width": 0.7, "areal_mass": 3.2, "element_size": 0.2,
+            "sandwich": {"skin": 0.2e-3, "core": 0.02, "youngs_modulus": 70e9, "poisson_ratio": 0.3},
+            "arm": {"y": 0.25, "length": 0.04, "patch": 0.06}, "hinge_lines": {"inboard": "root"},
+        },
+        **keys,
+    )  # fmt: skip
+    scene.hinge_line(
+        "L", base, panel, axis="+y", aligned_angle="90 deg",
+        hinges={"l": ("left", "root_left"), "r": ("right", "root_right")},
+    )  # fmt: skip
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"modes_off": [99]}, "body.panel: there is no mode 99"),
+        ({"fixed_interface_modes": 10_000}, "body.panel: 10000 modes asked for, but only"),
+        ({"second_order_modes": 40}, "body.panel: .* the body has 10 modes"),
+        ({"frequencies_off": [["40 Hz", "20 Hz"]]}, "from 40 to 20 Hz holds none"),
+        ({"damping_ratio": 5.0}, "body.panel.damping_ratio: is 5.0; it must be at most 1"),
+        ({"imported": {}}, "body.panel.imported: is not a known key; did you mean import; keys are"),
+    ],
+)
+def test_what_a_run_refuses_is_told(keys, told):
+    """Regression: no problem was found in modes that a body has not, and a run ended at them."""
+    (problem,) = fanfold.check_scene(one_panel(**keys)).problems
+    assert re.search(told, problem)
+
+
+def test_a_flexible_body_shows_its_own_mass_and_a_doubt_about_its_twin():
+    """Closed form: 3.2 kg/m2 over 1.1 x 0.7 m. Regression: 60 kg were shown, and nothing was told."""
+    found = fanfold.check_scene(one_panel(rigid_twin={"mass": 60.0}))
+    assert found.bodies[-1].mass == pytest.approx(3.2 * 1.1 * 0.7)
+    assert any("its rigid twin has 60 kg, and the flexible body 2.464 kg" in one for one in found.warnings)
 
 
 def test_a_rigid_choice_is_shown():

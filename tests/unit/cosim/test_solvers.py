@@ -482,9 +482,9 @@ def sticking():
 def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     """Newton's method goes to and fro between friction that sticks and that slides, and steps are given up for it.
 
-    With halving the solver in Python, which defines it, takes the same steps, and gives up as few: 120 and 1 on machines
-    of four kinds, 155 and 8 without. Where friction lets go within an iteration hangs on the last bit, and that on the
-    machine: Python took 1,110 to 1,238 iterations there, so they are not compared.
+    With halving the solver in Python, which defines it, takes the same steps, and gives up as few: 120 and 1 on
+    machines of four kinds, 155 and 8 without. Where friction lets go within an iteration hangs on the last bit, and
+    that on the machine: Python took 1,110 to 1,238 iterations there, so they are not compared.
     """
     halved = run(sticking(), None, Settings(), END).costs
     part = 0.55 * END

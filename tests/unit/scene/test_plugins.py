@@ -245,6 +245,20 @@ def test_bodies_from_outside(tmp_path, monkeypatch):
     assert lengths[1] - lengths[0] == pytest.approx(0.1, abs=0.02)
 
 
+def test_a_figure_that_fails_is_left_out_with_its_line(tmp_path, monkeypatch):
+    """Regression: `plot` and `report` ended with its traceback, and without a picture or a page."""
+    monkeypatch.setattr(plots, "_added", {})
+    (tmp_path / "views.py").write_text(
+        "import orchestrator as fanfold\n\n\n@fanfold.figure('mine')\ndef draw(result):\n    return 1 / 0\n"
+    )
+    fanfold.load_plugin(tmp_path / "views.py")
+    result = fanfold.Result.open(synthetic_result.write(tmp_path / "a.h5"))
+    with pytest.warns(fanfold.FanfoldWarning, match=r"the figure 'mine' of .*views\.py:6: ZeroDivisionError"):
+        drawn = [drawing.name for drawing in plots.draw_all(result)]
+    assert drawn
+    assert "mine" not in drawn
+
+
 def test_installed_plugins_are_loaded_and_told_of_where_they_fail(monkeypatch):
     """Entry points: one that registers, and one that cannot be imported."""
 

@@ -123,7 +123,7 @@ BAD = {
     "disconnected": (
         'inboard = "inner"\noutboard',
         'inboard = "outer"\noutboard',
-        "outer: it is disconnected",
+        "outer: nothing says where it starts",
     ),
     "base outboard": ('outboard = "inner"', 'outboard = "base"', "base is the base"),
     "two inboard lines": (
