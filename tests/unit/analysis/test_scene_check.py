@@ -67,16 +67,27 @@ def one_panel(**keys):
     [
         ({"modes_off": [99]}, "body.panel: there is no mode 99"),
         ({"fixed_interface_modes": 10_000}, "body.panel: 10000 modes asked for, but only"),
-        ({"second_order_modes": 40}, "body.panel: .* the body has 10 modes"),
-        ({"frequencies_off": [["40 Hz", "20 Hz"]]}, "from 40 to 20 Hz holds none"),
-        ({"damping_ratio": 5.0}, "body.panel.damping_ratio: is 5.0; it must be at most 1"),
-        ({"imported": {}}, "body.panel.imported: is not a known key; did you mean import; keys are"),
+        ({"second_order_modes": 400}, "body.panel: .* asked for; the body has"),
     ],
 )
 def test_what_a_run_refuses_is_told(keys, told):
     """Regression: no problem was found in modes that a body has not, and a run ended at them."""
     (problem,) = fanfold.check_scene(one_panel(**keys)).problems
     assert re.search(told, problem)
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ({"frequencies_off": [["40 Hz", "20 Hz"]]}, "from 40 to 20 Hz holds none"),
+        ({"damping_ratio": 5.0}, "body.panel.damping_ratio: is 5.0; it must be at most 1"),
+        ({"imported": {}}, "body.panel.imported: is not a known key; did you mean import; keys are"),
+    ],
+)
+def test_keys_that_cannot_be(keys, told):
+    """Messages: a band upside down, 5 meant as per cent, and the key of which no other may be told."""
+    with pytest.raises(fanfold.FanfoldError, match=told):
+        fanfold.check_scene(one_panel(**keys))
 
 
 def test_a_flexible_body_shows_its_own_mass_and_a_doubt_about_its_twin():
