@@ -24,6 +24,8 @@ DURATION = sum(_STEPS)
 """Seconds before the start of a run that the search takes by the participants' clocks."""
 _PARTS = 4
 _SHORTEST = 1e-5
+_MOST_DIVIDED = 1000
+"""Steps that the whole search may divide: where no size leads on, four times as many fail at every smaller one."""
 _AT_REST = 1e-6
 """Largest motion (m, rad) in the last step of what rests: 7e-5 m/s2 of unbalanced force over mass."""
 _LONGER, _MOST_LONGER = 2.0, 8
@@ -45,6 +47,7 @@ class StaticSearch:
     def __init__(self, solver: Solver) -> None:
         self._solver = solver
         self._before = solver.accepted.copy()
+        self._divided = 0
         network = solver.network
         self._ports = [
             (body, port)
@@ -118,7 +121,8 @@ class StaticSearch:
             solver.accepted[:] = solver.wrenches
             solver.save(time + h)
             return
-        if h < _SHORTEST:
+        self._divided += 1
+        if h < _SHORTEST or self._divided > _MOST_DIVIDED:
             raise failure(solver, solution, time, h)
         for part in range(_PARTS):
             self._follow(time + part * h / _PARTS, h / _PARTS)

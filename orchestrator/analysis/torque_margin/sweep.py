@@ -27,14 +27,19 @@ from ...cosim.stepping import StepError
 from ...results.recorder import NoRecorder
 from ...run.run import Loader, RunError, kept_fmus
 from ...scene import CheckedScene
+from ...scene.bodies import scene_points
 from ...scene.hinge_line_tables import HingeLine
+from ...scene.loops.closing import closed, left_open
 from ...scene.table import SceneError
+from ...scene.units import degrees_text
 from .rules import LineTorques
 from .undriven import MOTOR_TORQUE, motors
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
 """Rate, in stiction velocities, of sliding friction; the static value is at 1 (components.numerics.laws)."""
+_TORN = 1e-3
+"""m or rad, that a joint of a loop may be open by on the way."""
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 
@@ -92,6 +97,8 @@ def sweep(
     """
     lines = driven_lines(scene)
     ways = {line.name: travel(scene, line) for line in lines}
+    for share in shares:
+        _refuse_torn(scene, share)
     with kept_fmus() as load:
         found = [_torques(at_share(scene, share), friction, load) for share in shares]
     result = []
@@ -100,6 +107,26 @@ def sweep(
         motor, harness, resisting = np.array([torques[line.name] for torques in found]).T
         result.append(LineTorques(line.name, angle, motor, harness, resisting, extra.get(line.name, {})))
     return result
+
+
+def _refuse_torn(scene: CheckedScene, share: float) -> None:
+    """SceneError where a loop of lines does not close with the driven ones at a share of their travel."""
+    there, points = at_share(scene, share), scene_points(scene)
+    found = left_open(there, points) | closed(there, points).open_by
+    name, size = max(found.items(), key=lambda item: item[1], default=("", 0.0))
+    if size > _TORN:
+        sweeps = " ".join(
+            f"--sweep {line.name}={degrees_text(line.initial_angle, 2)}deg:{degrees_text(line.deployed_angle, 2)}deg"
+            for line in driven_lines(scene)
+        )
+        raise SceneError(
+            [
+                f"{scene.file}: connection.{name}: with the driven lines at {share:.0%} of their travel it is open by "
+                f"{1e3 * size:.3g} mm (or mrad): lines without a motor close a loop with them, and how these follow "
+                "is no part of a torque margin; the torque that each position leaves or asks for is the holding "
+                f"torque of `analyse equilibrium {sweeps}`"
+            ]
+        )
 
 
 def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[str, Vector]:

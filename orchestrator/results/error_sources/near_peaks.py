@@ -62,6 +62,9 @@ class _Pairs:
     def difference_in_height(self, time: Vector, ours: Vector, theirs: Vector, row: int) -> float | None:
         """The same, less what a shift of one against the other in time (s) takes away."""
         near = self._near(row)
+        near = near[
+            np.diff(time[self.ours[near]], append=np.inf) > 0.0
+        ]  # of rows before and after what happens, the last
         if near.size < _SHIFTED:
             return self.difference(ours, theirs, row)
         here = self.ours[near]

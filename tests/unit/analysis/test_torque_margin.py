@@ -387,6 +387,73 @@ def test_scene_without_travel_is_told(tmp_path, arguments):
     assert "hinge_line.line: starts at or beyond its deployed angle; no travel is left" in result.stderr
 
 
+FOUR_BAR = """
+[scene]
+name = "four_bar"
+until = "3 s"
+[base]
+name = "bus"
+points = {{ a = [0, 0, 0], d = [1.5, 0, 0] }}
+{bodies}
+[[hinge_line]]
+name = "driven"
+inboard = "bus"
+outboard = "A"
+axis = "-y"
+aligned_angle = "0 deg"
+stowed_angle = "0 deg"
+start_angle = "60 deg"
+latch_angle = "110 deg"
+motor = {{ stowed = "35 N.m", deployed = "15 N.m" }}
+latch = {{ kind = "spring", stiffness = 900 }}
+hinges = [{{ name = "ha", inboard = "a", outboard = "root" }}]
+[[hinge_line]]
+name = "middle"
+inboard = "A"
+outboard = "B"
+axis = "-y"
+aligned_angle = "0 deg"
+latch_angle = "90 deg"
+stowed_angle = "-60 deg"
+start_angle = "-0.717536625872 rad"
+hinges = [{{ name = "hb", inboard = "tip", outboard = "root" }}]
+[[hinge_line]]
+name = "far"
+inboard = "bus"
+outboard = "D"
+axis = "-y"
+aligned_angle = "0 deg"
+stowed_angle = "0 deg"
+start_angle = "1.540025184142 rad"
+latch_angle = "170 deg"
+hinges = [{{ name = "hd", inboard = "d", outboard = "root" }}]
+[[connection]]
+name = "pin"
+preset = "spherical"
+ports = {{ inboard = {{ body = "B", point = "tip" }}, outboard = {{ body = "D", point = "tip" }} }}
+"""
+BAR = """
+[[body]]
+name = "{name}"
+rigid = {{ mass = 2, inertia = [0.01, 0.1, 0.1], points = {{ root = [0, 0, 0], tip = [{length}, 0, 0] }} }}
+"""
+
+
+def test_a_loop_of_lines_is_told_what_to_do(tmp_path):
+    """Regression: the loop was torn open, and the search for its equilibrium took hours. The sweep told does it."""
+    path = tmp_path / "four_bar.toml"
+    bars = (("A", 0.4), ("B", 1.4), ("D", 0.8))
+    path.write_text(FOUR_BAR.format(bodies="".join(BAR.format(name=n, length=a) for n, a in bars)))
+    result = fanfold(path)
+    assert result.exit_code == 1
+    assert "connection.pin: with the driven lines at" in result.stderr
+    assert "analyse equilibrium --sweep driven=60.00deg:110.00deg`" in result.stderr
+    swept = CliRunner().invoke(
+        main, ["analyse", "equilibrium", str(path), "--sweep", "driven=60deg:110deg", "--steps", "2"]
+    )
+    assert swept.exit_code == 0, swept.output
+
+
 def test_scene_without_a_motor_is_told(tmp_path):
     text = one_line(tmp_path).read_text(encoding="utf-8")
     path = tmp_path / "loose.toml"
