@@ -22,7 +22,9 @@ DEGREE = 5
 MEANING = """A motion law is a list of terms, which add up, in SI units and Hz: `change` is reached `duration` seconds
 after `start` along a straight line (`ramp`), a cubic (`step`), a polynomial of degree five (`step5`) or half a cosine
 (`havsin`). A `table` goes through points (`times`, `values`) by monotone cubics (PCHIP), a `polyline` straight from one
-to the next; both are constant before and after."""
+to the next; both are constant before and after. A `harmonic` is amplitude sin(2 pi frequency (t - start) + phase) from
+`start` on, and what it is there before, so that motions do not jump: a load that begins at `start` has a `phase` of 0.
+"""
 _REACHED = 1e-9  # distance (s) from a break that sums of step sizes may leave
 _SAME = 1e-12  # distance (s) of breaks that are one
 _GAUSS = 0.6**0.5

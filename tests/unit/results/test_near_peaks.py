@@ -71,7 +71,7 @@ def test_two_events_at_one_instant_leave_the_difference_of_height():
 
     time = np.concatenate([[0.0, 0.5, 1.0 - 1e-7, 1.0, 1.0], 1.0 + np.arange(1, 40) * 0.02])
     one, other = (_run(time, curve(time, late), [1.0, 1.0]) for late in (0.0, 1e-3))
-    assert _differences(one, other)["interface force peak", "x"] < 0.1 * 4e-3
+    assert _differences(one, other)["interface force peak", "x"] < 0.5 * 4e-3
 
 
 def test_an_impulse_is_off_as_the_rates_before_it():
