@@ -56,7 +56,7 @@ _PEAKED = (LOAD, INTERFACE_LOAD)
 _TOLERANCE = Quantity(
     "tolerance",
     "1",
-    "Relative accuracy that steps are chosen for; an experiment's takes its place unless it was set before",
+    "Relative accuracy that steps are chosen for; an experiment's takes its place unless another was set before",
     minimum=TOLERANCES[0],
     maximum=TOLERANCES[1],
     variability="fixed",
@@ -259,7 +259,7 @@ def _told_of(line: HingeLine) -> Iterator[Quantity]:
     yield Quantity(
         f"{line.name}.latch_time",
         "s",
-        f"{line.name}: time of latch-up, from the start time on; -1 before",
+        f"{line.name}: time of latch-up since the start time; -1 before",
         start=-1.0,
     )
     yield Quantity(f"{line.name}.latched", "1", f"{line.name}: 1 from latch-up on")
