@@ -25,7 +25,7 @@ def plot_gradients(found: Gradients, path: Path) -> Path:
 
     Rows that nobody vouches for are crossed out.
     """
-    relative = np.nan_to_num(found.relative)
+    relative = np.where(found.round_off[:, None], 0.0, np.nan_to_num(found.relative))
     rows = np.flatnonzero(np.abs(relative).max(axis=1, initial=0.0) >= _LEAST)[:_MOST_ROWS]
     shown = relative[rows]
     limit = float(np.abs(shown).max(initial=_LEAST))

@@ -17,6 +17,7 @@ from math import nan
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from components.contract.component import Vector
 
@@ -75,6 +76,11 @@ class Gradients:
     def names(self) -> tuple[str, ...]:
         """Of the numbers, as in studies: "latch time HL1"."""
         return tuple(" ".join(filter(None, one.key)) for one in self.numbers)
+
+    @property
+    def round_off(self) -> NDArray[np.bool_]:
+        """(N,) whether a number is nothing beside its like, such as a load across a symmetric wing."""
+        return _round_off(self.numbers)
 
     @property
     def relative(self) -> Vector:
@@ -319,14 +325,25 @@ def _slope(here: Vector, sides: Sequence[tuple[float, Vector]]) -> Vector:
 
 def _shares(numbers: Sequence[Number], off: Vector, whole: Vector) -> Vector:
     """(N,) errors over gradients; not a number where a number is round-off beside its like, or nothing moves it."""
+    groups = _groups(numbers)
+    least = _MOVED * np.array([max(map(abs, groups[_like(one)])) for one in numbers])
+    size = np.where(~_round_off(numbers) & (whole > least), whole, nan)
+    found: Vector = off / size
+    return found
+
+
+def _groups(numbers: Sequence[Number]) -> dict[str, list[float]]:
+    """Values of numbers that are judged beside each other."""
     groups: dict[str, list[float]] = {}
     for one in numbers:
         groups.setdefault(_like(one), []).append(one.value)
-    real = np.array([abs(one.value) > noise_floor(groups[_like(one)]) for one in numbers])
-    least = _MOVED * np.array([max(map(abs, groups[_like(one)])) for one in numbers])
-    size = np.where(real & (whole > least), whole, nan)
-    found: Vector = off / size
-    return found
+    return groups
+
+
+def _round_off(numbers: Sequence[Number]) -> NDArray[np.bool_]:
+    """(N,) whether numbers are nothing beside their like."""
+    groups = _groups(numbers)
+    return np.array([abs(one.value) <= noise_floor(groups[_like(one)]) for one in numbers], dtype=bool)
 
 
 def _like(number: Number) -> str:

@@ -12,6 +12,7 @@ from scipy.stats import sobol_indices
 from components.contract.component import Vector
 from components.contract.errors import unknown
 
+from ...results.round_off import noise_floor
 from .distributions import StudyError
 from .study import Study
 
@@ -40,7 +41,7 @@ class Influence:
 
 
 def influence(study: Study, number: str) -> Influence | None:
-    """On a headline number; None where it does not change, or too few samples have it.
+    """On a headline number; None where it does not change, is round-off beside its like, or too few samples have it.
 
     One at a time: the differences themselves. Other methods: a linear regression on all parameters, from the 5 % to the
     95 % quantile of each. Indices of variance are those of Sobol' (first order and total, Saltelli et al. 2010).
@@ -50,6 +51,8 @@ def influence(study: Study, number: str) -> Influence | None:
     values = study.numbers[number]
     known = np.isfinite(values)
     if not known.any() or np.ptp(values[known]) <= 1e-12 * np.abs(values[known]).max():
+        return None
+    if np.abs(values[known]).max() <= _floor(study, number):
         return None
     unit = study.units.get(number, "")
     if study.plan.method == "one-at-a-time":
@@ -71,6 +74,12 @@ def influence(study: Study, number: str) -> Influence | None:
     }
     rest = float(((centred - design @ slopes) ** 2).sum() / (centred**2).sum())
     return Influence(number, unit, changes, _variance_shares(study, values), 1.0 - rest)
+
+
+def _floor(study: Study, number: str) -> float:
+    """Up to where a number is round-off beside others of its unit in all samples."""
+    alike = [values for name, values in study.numbers.items() if study.units.get(name) == study.units.get(number)]
+    return noise_floor(float(np.abs(values).max(initial=0.0, where=np.isfinite(values))) for values in alike)
 
 
 def _pair(values: Vector) -> tuple[float, float]:

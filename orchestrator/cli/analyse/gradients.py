@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from ...analysis.sampling.gradients import Gradients
 
 
-_SURE, _MOST = 0.01, 10.0
-"""Of a derivative: errors beyond the first are told beside it, and beyond the second not even as a part of it."""
+_SURE, _MOST, _REAL = 0.01, 10.0, 0.1
+"""Of a derivative: errors beyond the first are told beside it, and beyond the second not even as a part of it; up to
+the third it means something of a number that is round-off itself."""
 
 
 @click.command("gradients")
@@ -90,12 +91,21 @@ def _report(found: Gradients, verified: bool) -> None:
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
         Column(
             "derivatives\nare sure to" if verified else "without those\nof steps sure to",
-            [f"{error:.0e}" if error > 0.0 else "" for error in found.errors.tolist()],
+            [
+                "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
+                for nothing, error in zip(found.round_off.tolist(), found.errors.tolist(), strict=True)
+            ],
         ),
     ]
     singles = zip(found.derivatives.T.tolist(), found.single_errors.T.tolist(), strict=True)
     columns = [
-        Column(_heading(key, unit), [_sure(*pair) for pair in zip(values, errors, strict=True)])
+        Column(
+            _heading(key, unit),
+            [
+                "" if nothing and not error <= _REAL * abs(value) else _sure(value, error)
+                for nothing, value, error in zip(found.round_off.tolist(), values, errors, strict=True)
+            ],
+        )
         for key, unit, (values, errors) in zip(found.keys, found.units, singles, strict=True)
     ]
     for table in tables_that_fit(f"{found.scene}: derivatives", fixed, columns, console.width):

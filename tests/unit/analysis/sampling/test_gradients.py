@@ -258,6 +258,9 @@ def test_the_command(tmp_path):
     told = CliRunner().invoke(main, asked)
     assert told.exit_code == 0, told.output
     assert "latch time line" in told.stdout
+    noise = [line for line in told.stdout.splitlines() if "round-off" in line]
+    assert any("interface force peak y" in line for line in noise)  # the flap turns about y
+    assert not any("±" in line for line in noise)
     assert picture.stat().st_size > 1000
     found = json.loads(CliRunner().invoke(main, [*asked, "--json"]).stdout)
     assert found["keys"] == [MOTOR]
