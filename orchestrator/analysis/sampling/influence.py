@@ -78,7 +78,9 @@ def influence(study: Study, number: str) -> Influence | None:
 
 def _floor(study: Study, number: str) -> float:
     """Up to where a number is round-off beside others of its unit in all samples."""
-    alike = [values for name, values in study.numbers.items() if study.units.get(name) == study.units.get(number)]
+    alike = [
+        values for name, values in study.numbers.items() if study.units.get(name) == study.units.get(number)
+    ]
     return noise_floor(float(np.abs(values).max(initial=0.0, where=np.isfinite(values))) for values in alike)
 
 
