@@ -24,6 +24,7 @@ from .contract.roles import (
     SUPPLIED_ENERGY,
 )
 from .numerics.axial import AxialConnection, Turn
+from .numerics.laws import cubic_step
 from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
 from .numerics.workless_pair import remembered_path, workless_spring
@@ -99,7 +100,7 @@ class MotionLaw:
     def angle(self, time: float) -> float:
         """Angle at a time."""
         s = self._share(time)
-        rise = s * s * s * (10.0 + s * (6.0 * s - 15.0)) if self.quintic else s * s * (3.0 - 2.0 * s)
+        rise = s * s * s * (10.0 + s * (6.0 * s - 15.0)) if self.quintic else cubic_step(s)
         return self.start + self.change * rise
 
     def rate(self, time: float) -> float:

@@ -20,7 +20,7 @@ from .contract.roles import (
     POTENTIAL_ENERGY,
 )
 from .numerics.axial import AxialConnection, Turn
-from .numerics.laws import SlackSpring, mean_force
+from .numerics.laws import SlackSpring, cubic_step, mean_force
 from .numerics.mid_step import MidStep
 from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
 from .numerics.workless_pair import gauss_rates, remembered_path, viscous_load, workless_law
@@ -76,8 +76,7 @@ class _Constants(NamedTuple):
 
     def torque(self, penetration: float, rate: float) -> float:
         """Torque of an instant, negative as it closes; it never opens."""
-        share = min(max(penetration / self.p.full_damping_penetration, 0.0), 1.0)
-        damping = self.p.damping * share * share * (3.0 - 2.0 * share)
+        damping = self.p.damping * cubic_step(penetration / self.p.full_damping_penetration)
         return min(self.spring.value(penetration) - damping * rate, 0.0)
 
     def braking(self, penetration: float, rate: float) -> float:

@@ -172,6 +172,12 @@ class Table:
         return -(a * (t0 * t0 + t0 * t1 + t1 * t1) + b * (t0 + t1) + c)
 
 
+def cubic_step(s: float) -> float:
+    """STEP: s^2 (3 - 2 s) from 0 to 1, constant before and after."""
+    t = min(max(s, 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
 class StictionFactors(NamedTuple):
     """Signed factors on dynamic Coulomb friction and on a constant friction."""
 
@@ -181,8 +187,7 @@ class StictionFactors(NamedTuple):
 
 def static_factor(rate: float, transition: float, static_ratio: float) -> float:
     """Factor on dynamic Coulomb friction: static up to a rate, falling smoothly to 1 at 1.5 times that."""
-    t = min(max(2.0 * (abs(rate) / transition - 1.0), 0.0), 1.0)
-    return static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t)
+    return static_ratio + (1.0 - static_ratio) * cubic_step(2.0 * (abs(rate) / transition - 1.0))
 
 
 def stiction_factors(rate: float, transition: float, static_ratio: float) -> StictionFactors:

@@ -35,7 +35,7 @@ static inline real passed_share(const Drive *drive, real time) {
 static inline real profile_angle(const Drive *drive, real time) {
     real s = passed_share(drive, time);
     const int quintic = drive->profile == STEP5_PROFILE;
-    real rise = quintic ? s * s * s * (10.0 + s * (6.0 * s - 15.0)) : s * s * (3.0 - 2.0 * s);
+    real rise = quintic ? s * s * s * (10.0 + s * (6.0 * s - 15.0)) : cubic_step(s);
     return drive->axial.base.p[P_START_ANGLE] + drive->change * rise;
 }
 

@@ -15,9 +15,7 @@ static inline Turn stop_turn(const EndStop *stop, const real *u, double referenc
 /* Torque of an instant, negative as it closes; it never opens. */
 static inline real stop_torque(const EndStop *stop, real penetration, real rate) {
     const double *p = stop->axial.base.p;
-    real share = above(penetration / p[P_FULL_DAMPING_PENETRATION], 0.0);
-    if (value_of(share) > 1.0) share = 1.0;
-    real damping = p[P_DAMPING] * share * share * (3.0 - 2.0 * share);
+    real damping = p[P_DAMPING] * cubic_step(penetration / p[P_FULL_DAMPING_PENETRATION]);
     return -above(damping * rate - law_value(&stop->spring, penetration), 0.0);
 }
 

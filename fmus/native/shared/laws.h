@@ -131,6 +131,12 @@ static inline real law_tangent(const Law *law, real s0, real s1) {
     return law->stiffness;
 }
 
+/* STEP: s^2 (3 - 2 s) from 0 to 1, constant before and after. */
+static inline real cubic_step(real s) {
+    if (!(value_of(s) > 0.0)) return 0.0;
+    return value_of(s) >= 1.0 ? 1.0 : s * s * (3.0 - 2.0 * s);
+}
+
 /* Factors on dynamic Coulomb friction and on a constant friction torque. */
 typedef struct StictionFactors {
     real dynamic, constant;
@@ -138,10 +144,7 @@ typedef struct StictionFactors {
 
 /* Factor on dynamic Coulomb friction: static up to a rate, falling smoothly to 1 at 1.5 times that. */
 static inline real static_factor(real rate, double transition, double static_ratio) {
-    real t = 2.0 * (real_abs(rate) / transition - 1.0);
-    if (!(value_of(t) > 0.0)) return static_ratio;
-    if (value_of(t) >= 1.0) return 1.0;
-    return static_ratio + (1.0 - static_ratio) * t * t * (3.0 - 2.0 * t);
+    return static_ratio + (1.0 - static_ratio) * cubic_step(2.0 * (real_abs(rate) / transition - 1.0));
 }
 
 /* Signed factors at a sliding rate. Rises smoothly to the static value at the stiction transition velocity,
