@@ -129,6 +129,8 @@ class Component(ABC):
     feedthrough: bool
     continuous: ContinuousStates | None = None
     constant_mobility: bool = False
+    observes_inputs: bool = True
+    """Whether observations may follow inputs of the same instant, and not only those of steps before."""
     returns_early: bool = False
     """Whether steps of a native FMU of FMI 3.0 may end at events inside of it, whatever its parameters."""
 

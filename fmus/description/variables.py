@@ -84,9 +84,10 @@ def value_references(component: Component) -> dict[str, int]:
 def follows_inputs(component: Component, variable: Variable) -> bool:
     """Whether an output may depend on inputs of the same instant.
 
-    With feedthrough all do; without it the observations, which are made for people, may still do so.
+    With feedthrough all do; without it the observations, which are made for people, mostly may still do so.
     """
-    return component.feedthrough or variable.quantity.name in component.observation_layout
+    observed = component.observes_inputs and variable.quantity.name in component.observation_layout
+    return component.feedthrough or observed
 
 
 def start_values(component: Component, start: Mapping[str, StartValue]) -> tuple[float, ...]:

@@ -87,6 +87,7 @@ class AssembledScene(Component, registered=False):
 
     kind = ASSEMBLY
     noun = "deployable structure"
+    observes_inputs = False
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
         for part in assembly.parts:
