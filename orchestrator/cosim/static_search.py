@@ -70,8 +70,9 @@ class StaticSearch:
             poses.append(self._poses())
         self._check_held(*poses[-3:], h=_STEPS[-1])
         h = self._go_on(poses)
+        told = self._restless(_motions(*poses[-2:]), h) or self._spurious(poses[-1])
         solver.persistent = usual
-        return self._restless(_motions(*poses[-2:]), h)
+        return told
 
     def _go_on(self, poses: list[list[Vector]]) -> float:
         """Ever longer steps, which end at t = 0 all of them, until all rests; the size (s) of the last one made.
@@ -111,6 +112,25 @@ class StaticSearch:
                 f"{self._unsteady:.2g} of the largest; a body bends more slowly than the search is long"
             )
         return ""
+
+    def _spurious(self, poses: Sequence[Vector]) -> str:
+        """A sentence where a short step leads away from these poses: to where long ones led has no equilibrium.
+
+        A long step of a body that bends far has more roots than one. The short step is taken back.
+        """
+        solver, h = self._solver, _STEPS[0]
+        solution = solver.solve(-h, h, solver.accepted)
+        motions = _motions(poses, self._poses())
+        solver.restore()
+        solver.forget()
+        worst = int(np.argmax([np.abs(motion).max() for motion in motions]))
+        if solution.converged and np.abs(motions[worst]).max() <= _AT_REST:
+            return ""
+        return (
+            "it does not start at rest: the search for static equilibrium ends where "
+            f"{self._ports[worst][0].name} is in none, as its loads bend it or its joints further than the search "
+            "can follow"
+        )
 
     def _follow(self, time: float, h: float) -> None:
         """A step, or several short ones in its place where it does not converge."""
