@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
-from math import degrees, pi
+from math import degrees, pi, remainder
 from typing import NamedTuple
 
 import numpy as np
@@ -74,6 +74,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_free_along_the_line(scene),
         *_askew_loops(scene),
         *_moving_from_rest(scene),
+        *_turned_from_the_world(scene),
         *_struck_by_preload(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
@@ -262,6 +263,20 @@ def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
         yield (
             f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
             "on: that is a blow; begin motions at rest, or leave preload out"
+        )
+
+
+def _turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
+    """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
+    placed = [body.name for body in scene.bodies if body.place is not None]
+    if scene.base.motion is None or not placed:
+        return
+    turn = scene.base.motion.laws[1].value(0.0)
+    if abs(remainder(turn, 2.0 * pi)) > _FLAT:
+        yield (
+            f"base.motion: it begins with the base turned by {degrees(turn):.4g} deg, and places of "
+            f"{', '.join(placed)} and axes of connections are those of the world, which do not turn along; write "
+            "these as they are then, or let the law begin at a whole turn"
         )
 
 
