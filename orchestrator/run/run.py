@@ -23,7 +23,7 @@ from fmus import Backend, CompileError, Experiment, FmiVersion, build_fmu, cross
 from fmus.archive import content_digest
 
 from ..assembly import Assembly, Part
-from ..assembly.statics.start import in_equilibrium
+from ..assembly.statics.start import in_equilibrium, with_free_joints
 from ..cosim.compiled_master import CompiledMaster
 from ..cosim.cosimulation import SCENE_CHANNELS
 from ..cosim.explicit import ExplicitMaster
@@ -230,6 +230,8 @@ def run(
     what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
     """
     asked_for = output, settings, until, master, watch, warn, load, asked, start
+    if start is None:
+        assembly = with_free_joints(assembly)
     try:
         return _run(assembly, *asked_for, insist=assembly.preload and start is None)
     except _RestlessError:

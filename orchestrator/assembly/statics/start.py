@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import operator
 from dataclasses import replace
 
 import numpy as np
 
 from components.contract.frames import rotate
 from components.contract.roles import HOLD
+from components.hinge import Hinge
 
 from ...scene.table import SceneError
 from .. import Assembly, Part, bolted_hinges
@@ -27,10 +29,7 @@ def in_equilibrium(assembly: Assembly) -> Assembly:
     falls with all it carries, as here bases stand still.
     """
     try:
-        mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
-        mechanism.command(HOLD.name, 1.0, mechanism.connections)
-        mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
-        settle(mechanism, "", idle=True)
+        mechanism = _settled(assembly, idle=True)
     except SceneError:
         return assembly
     base = mechanism.bodies[mechanism.base]
@@ -38,6 +37,38 @@ def in_equilibrium(assembly: Assembly) -> Assembly:
         return assembly
     parts = [_placed(part, mechanism.bodies.get(part.name)) for part in assembly.parts]
     return replace(assembly, parts=led_to(assembly.parts, parts, assembly.links))
+
+
+def with_free_joints(assembly: Assembly) -> Assembly:
+    """The assembly whose static search leaves joints free about their lines, where it has an equilibrium so.
+
+    Hinge lines are held on their way; a joint of a linkage carries no torque about its line in a run's first instant
+    either. Joints that nothing else keeps in place, such as those of pendulums, stay held.
+    """
+    of_lines = {hinge for line in assembly.hinge_lines for hinge in line.hinges}
+    parts = tuple(
+        replace(part, start={**part.start, "hold_stiffness": 0.0})
+        if part.kind == Hinge.kind and part.name not in of_lines
+        else part
+        for part in assembly.parts
+    )
+    if not assembly.preload or all(map(operator.is_, parts, assembly.parts)):
+        return assembly
+    freed = replace(assembly, parts=parts)
+    try:
+        _settled(freed)
+    except SceneError:
+        return assembly
+    return freed
+
+
+def _settled(assembly: Assembly, *, idle: bool = False) -> Mechanism:
+    """Its mechanism in equilibrium with all held that can be; SceneError where there is none near."""
+    mechanism = Mechanism(assembly.parts, assembly.links, assembly.base)
+    mechanism.command(HOLD.name, 1.0, mechanism.connections)
+    mechanism.command(HOLD.name, 0.0, bolted_hinges(assembly.hinge_lines))
+    settle(mechanism, "", idle=idle)
+    return mechanism
 
 
 def _placed(part: Part, at: PlacedBody | None) -> Part:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from components.contract.quantity import Vector
 
 from ...assembly import Assembly
-from ...assembly.statics.start import in_equilibrium
+from ...assembly.statics.start import in_equilibrium, with_free_joints
 from ...cosim.master import Master
 from ...cosim.network import Network
 from ...cosim.ports import Order
@@ -32,6 +32,7 @@ def rest(assembly: Assembly, settings: Settings, order: Order) -> Mapping[str, A
     """
     if not assembly.preload:
         return {}
+    assembly = with_free_joints(assembly)
     found, is_at_rest = _search(assembly, settings, order)
     return found if is_at_rest else _search(in_equilibrium(assembly), settings, order)[0]
 

@@ -297,7 +297,7 @@ def test_pulleys_that_turn_against_each_other_are_told():
 def test_a_base_that_begins_turned_is_told_beside_places_of_the_world(turn, told):
     """Regression: a blade that was drawn along the radius stood 57 deg off, its modes were 2 % off, untold."""
     scene = Scene("turned", until="0.2 s")
-    law = [{"profile": "constant", "value": turn}]
+    law = [{"profile": "constant", "value": turn}, {"profile": "ramp", "duration": 1.0, "change": 1.0}]
     base = scene.base(points={"p": (0.5, 0, 0)}, motion={"rotation": law})
     blade = scene.body(
         "blade", place={"body": base, "point": "p"},
