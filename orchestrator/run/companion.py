@@ -6,7 +6,8 @@ the coupling where vibrations are resolved, and no power at all where errors are
 of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
 difference, and half as much again at order 4. Where both numbers are near each other by chance, the rows around them
 differ by more (`near_peaks`), and where ringing is not resolved, the rows of the run itself tell what both miss alike
-(`step_ends`).
+(`step_ends`). Where steps twice as long do not lead to the end, or to loads beyond all measure, a companion of half
+the steps tells instead, at twice the cost.
 """
 
 from __future__ import annotations
@@ -35,6 +36,11 @@ from .run import Loader, Outcome, RunError, as_fmus, run
 _SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.5)}
 """Of the difference, by order: likely ones between 1 / (2^n - 1) and 1, in the middle of order 2, and where most random
 wings lie; in one of ten of these the error of order 4 is more than the whole difference."""
+_FINER = EstimatedError(1.0, 2.0)
+"""Of the difference from half the steps: all of it where steps resolve what happens, and two of its kind elsewhere."""
+_ASTRAY = 1e3
+"""Times the largest load of the run that no companion has unless its steps blew up."""
+_LOADS = ("N", "N.m")
 _BY_CHANCE = 3.0
 """Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
 _NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
@@ -45,6 +51,11 @@ def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:
     return to_own_events(
         [[sum(segment[i : i + 2]) for i in range(0, len(segment), 2)] for segment in segments]
     )
+
+
+def halved(segments: Sequence[Sequence[float]]) -> list[list[float]]:
+    """Every step as two, likewise."""
+    return to_own_events([[0.5 * h for h in segment for _ in range(2)] for segment in segments])
 
 
 def with_estimates(
@@ -59,32 +70,46 @@ def with_estimates(
     """The outcome whose headline numbers, and those of its file, carry estimated errors.
 
     at_least: errors that are known otherwise, which none is estimated to be below. Explicit masters have none; where
-    steps twice as long do not reach the end, the result says that none are known.
+    no companion reaches the end, the result says that none are known.
     """
     if outcome.master != "implicit":
         return outcome
     errors: Mapping[Key, EstimatedError] = {}
-    plan = replace(settings, fixed_step=None, step_plan=doubled(outcome.segments))
-    with suppress(RunError):
-        coarse = run(assembly, None, plan, until, watch=watch, load=load)
-        errors = _errors(outcome, coarse, at_least or {})
+    for steps, share in (
+        (doubled(outcome.segments), _SHARES[outcome.order]), (halved(outcome.segments), _FINER)
+    ):  # fmt: skip
+        plan = replace(settings, fixed_step=None, step_plan=steps)
+        with suppress(RunError):
+            other = run(assembly, None, plan, until, watch=watch, load=load)
+            if not _is_astray(outcome, other):
+                errors = _errors(outcome, other, share, at_least or {})
+                break
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 
 
+def _is_astray(told: Outcome, companion: Outcome) -> bool:
+    """Whether the loads of a companion are beyond all measure of those that are told."""
+    ours, theirs = (
+        max((abs(n.value) for n in one.headline.numbers() if n.unit in _LOADS), default=0.0)
+        for one in (told, companion)
+    )
+    return not theirs <= _ASTRAY * max(ours, 1.0)
+
+
 def _errors(
-    fine: Outcome, coarse: Outcome, at_least: Mapping[Key, EstimatedError]
+    told: Outcome, companion: Outcome, share: EstimatedError, at_least: Mapping[Key, EstimatedError]
 ) -> dict[Key, EstimatedError]:
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
-    others = {number.key: number.value for number in coarse.headline.numbers()}
-    peaks, share = list(promised_peaks(fine.result)), _SHARES[fine.order]
+    others = {number.key: number.value for number in companion.headline.numbers()}
+    peaks = list(promised_peaks(told.result))
     by_rows, near = (
-        errors_of_step_ends(fine.result, peaks),
-        differences_near(fine.result, peaks, coarse.result),
+        errors_of_step_ends(told.result, peaks),
+        differences_near(told.result, peaks, companion.result),
     )
     found = {
         number.key: abs(number.value - others[number.key])
-        for number in fine.headline.numbers()
+        for number in told.headline.numbers()
         if number.key in others and number.quantity not in _NOT_ESTIMATED
     }
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}

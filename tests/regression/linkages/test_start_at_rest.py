@@ -26,7 +26,7 @@ def carried(*, by_motion):
 
 
 def test_a_pin_is_free_where_something_else_carries_its_body():
-    """Statics: the motion carries all 98.1 N. Regression: the pin was held and took 8 N, let go at t = 0: up to 108.5 N.
+    """Statics: the motion carries all 98.1 N. Regression: the pin was held, took 8 N and let go at t = 0: 108.5 N.
 
     To 1e-3: joints and drive of 1e7 N/m give way by 1e-5 of the lever.
     """

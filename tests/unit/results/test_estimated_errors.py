@@ -20,8 +20,9 @@ from orchestrator.results.estimated_errors import (
 from orchestrator.results.key_figures import headline, headline_rows
 from orchestrator.results.result import Result, ResultError
 from orchestrator.results.result_file import with_statistics
-from orchestrator.run.companion import doubled, with_estimates
-from orchestrator.run.run import run
+from orchestrator.run import companion
+from orchestrator.run.companion import doubled, halved, with_estimates
+from orchestrator.run.run import RunError, run
 from tests.unit.analysis.sampling.flap import ANGLE, STIFFNESS, flap
 from tests.unit.run.test_verify import smooth_scene
 
@@ -31,6 +32,35 @@ needs_native = pytest.mark.skipif(native_library() is None, reason="takes minute
 def test_doubled_steps():
     """Closed form: two steps as one, segment by segment; an odd one stands alone; the last, which ends it, longer."""
     assert doubled([[0.25, 0.25, 0.5], [], [1.0, 2.0]]) == [[0.5, 1.1 * 0.5], [], [1.1 * 3.0]]
+
+
+def test_halved_steps():
+    """Closed form: each step as two, and the last, which ends its segment, longer."""
+    assert halved([[0.25, 0.5], []]) == [[0.125, 0.125, 0.25, 1.1 * 0.25], []]
+
+
+@needs_native
+def test_half_the_steps_tell_where_twice_as_long_fail(estimated, monkeypatch):
+    """Against the same reference, within a factor of five. Regression: no error was known, and all was run again."""
+    _, truth = estimated
+    true = {number.key: number.value for number in truth.numbers()}
+    settings, plans = Settings(tolerance=1e-3), []
+    outcome = run(smooth_scene(), None, settings, 2.4)
+
+    def once_too_long(*arguments, **others):
+        plans.append(arguments[2].step_plan)
+        if len(plans) == 1:
+            raise RunError("too long")
+        return run(*arguments, **others)
+
+    monkeypatch.setattr(companion, "run", once_too_long)
+    found = with_estimates(smooth_scene(), outcome, settings, 2.4).headline
+    assert plans == [doubled(outcome.segments), halved(outcome.segments)]
+    for number in found.numbers():
+        if number.quantity in ("latch time", "latch torque peak"):
+            error, seen = abs(number.value - true[number.key]), 1e-5 * abs(number.value)
+            assert number.error + seen >= 0.2 * error
+            assert number.error <= 5.0 * error + seen
 
 
 @needs_native
