@@ -14,10 +14,13 @@ from ..analysis.sampling.journal import journal_file
 from ..analysis.sampling.plan import Plan
 from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
+from ..analysis.sampling.targets import signals_of
 from ..analysis.sampling.varied import varied
+from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .quantities import Quantity
 from .simulate import SceneLike, load, options_of
+from .warnings import warn
 
 
 class Study(Record):
@@ -72,8 +75,9 @@ def study(
     "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
     random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
     Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.
-    signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points. save: an HDF5 file, beside
-    which a table (.csv) is written; an interrupted study goes on with `resume_study`.
+    signals: what to keep over time, by patterns of COMPONENT.VARIABLE, at so many points; a FanfoldWarning tells of
+    those that nothing matches. save: an HDF5 file, beside which a table (.csv) is written; an interrupted study goes on
+    with `resume_study`.
 
     StudyError or SceneError where it cannot begin; samples that fail are kept in `failed`.
     """
@@ -81,8 +85,30 @@ def study(
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
     task = Task(load(scene), options, estimate, listed(signals), points)
+    _tell_of_unknown_signals(task)
     found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
     return Study.of_record(found)
+
+
+_SCENE = "scene"
+"""What records that are of no component go by."""
+
+
+def _tell_of_unknown_signals(task: Task) -> None:
+    """Before the first sample runs, as a study takes long."""
+    known = [tuple(name.partition("[")[0].split(".", 1)) for name in signals_of(task)] if task.signals else []
+    components = list(dict.fromkeys(component for component, _ in known))
+    unmatched = [
+        one
+        for one in task.signals
+        if one.partition(".")[0] != _SCENE
+        and not any(matches((name, variable), one) for name, variable in known)
+    ]
+    if unmatched:
+        warn(
+            f"{task.scene.name}: no signal of a component matches {', '.join(unmatched)}; patterns are of COMPONENT or "
+            f"COMPONENT.VARIABLE, and components are {', '.join(components)}"
+        )
 
 
 def resume_study(

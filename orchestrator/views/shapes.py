@@ -16,9 +16,10 @@ from ..results.key_figures import is_latch_up
 from ..results.result import Result
 from .placement import placed
 from .space import bounds, draw_bodies, scale, set_view, with_margin
-from .style import COLOURS, WIDTH, empty_figure
+from .style import COLOURS, LEGEND_ROW, WIDTH, empty_figure
 
 _INSTANTS = 6
+_LEGEND_COLUMNS = 6
 
 
 class Structure:
@@ -50,7 +51,12 @@ class Structure:
     def legend(self, figure: Figure) -> None:
         """Names of the bodies below all axes."""
         handles = [Patch(facecolor=colour, label=name) for name, colour in self._colours.items()]
-        figure.legend(handles=handles, loc="lower center", ncols=6, frameon=False)
+        figure.legend(handles=handles, loc="lower center", ncols=_LEGEND_COLUMNS, frameon=False)
+
+    @property
+    def legend_height(self) -> float:
+        """What it takes beyond one row, inch."""
+        return LEGEND_ROW * (-(-len(self._colours) // _LEGEND_COLUMNS) - 1)
 
 
 def shapes(result: Result) -> Figure | None:
@@ -59,9 +65,12 @@ def shapes(result: Result) -> Figure | None:
     structure = Structure(result, rows)
     if not structure.names:
         return None
-    figure = empty_figure(WIDTH, 7.6)
-    figure.suptitle("Deployment, axes in m", y=0.985)
-    figure.subplots_adjust(left=0.0, right=0.97, bottom=0.05, top=0.95, wspace=0.0, hspace=0.0)
+    below, above, height = 0.38 + structure.legend_height, 0.38, 7.6 + structure.legend_height
+    figure = empty_figure(WIDTH, height)
+    figure.suptitle("Deployment, axes in m", y=1.0 - 0.114 / height)
+    figure.subplots_adjust(
+        left=0.0, right=0.97, bottom=below / height, top=1.0 - above / height, wspace=0.0, hspace=0.0
+    )
     columns = _columns(structure.extent)
     for k, row in enumerate(rows):
         axes: Any = figure.add_subplot(

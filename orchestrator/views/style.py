@@ -31,7 +31,9 @@ STYLE: Final[Any] = {
 }
 WIDTH = 7.2
 _LEGEND_WIDTH = 100  # characters, a handle counting as seven
-_LEGEND_ROW = 0.17  # inch
+LEGEND_ROW = 0.17  # inch
+_LEGEND_ROWS = 2
+"""That a figure has room for above its axes."""
 _EVENT_LABELS = 12
 _LABEL_SIZE = 6.5
 _LETTER = 0.0095
@@ -85,6 +87,10 @@ def finish(axes: Axes, result: Result, label: str, legend: bool = True) -> None:
     if labels and legend:
         columns = _legend_columns(labels)
         above = 1.6 if labelled else 0.1
+        figure = axes.get_figure(root=True)
+        if figure is not None:  # which else would have no room for the curves
+            more = max(0, -(-len(labels) // columns) - _LEGEND_ROWS)
+            figure.set_figheight(figure.get_figheight() + LEGEND_ROW * more)
         axes.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=above, ncols=columns, frameon=False
         )
@@ -94,7 +100,7 @@ def share_legend(figure: Figure) -> None:
     """One legend below all axes, for curves that are the same in each."""
     handles, labels = figure.axes[0].get_legend_handles_labels()
     columns = _legend_columns(labels)
-    figure.set_figheight(figure.get_figheight() + _LEGEND_ROW * -(-len(labels) // columns))
+    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * -(-len(labels) // columns))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
 
 

@@ -163,7 +163,7 @@ def refuse_unknown(targets: Sequence[Target], measured: Sequence[Curve], sample:
         curve.factor(sample.signals[curve.signal][1])
 
 
-def _signals_of(task: Task) -> list[str]:
+def signals_of(task: Task) -> list[str]:
     """All that a run of it records, COMPONENT.VARIABLE."""
     layouts = (
         (part.name, recorded_layout(part.component().observation_layout))
@@ -196,4 +196,4 @@ def _unknown(
         )
     for curve in measured:
         if curve.signal not in sample.signals:
-            yield f"curve {curve.signal}: {unknown(curve.signal, _signals_of(task), 'signal')}"
+            yield f"curve {curve.signal}: {unknown(curve.signal, signals_of(task), 'signal')}"

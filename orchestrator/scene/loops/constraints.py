@@ -115,7 +115,7 @@ def constraints(
             along, about = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
             commanded = _commanded(connection, scene.header.until)
         else:
-            (along, about), commanded = CONSTRAINED[str(connection.preset)], (0.0, 0.0, 0.0)
+            (along, about), commanded = _held(connection), (0.0, 0.0, 0.0)
         if any((*along, *about)):
             distance, *led = commanded
             yield Constraint(connection.name, inboard, outboard, along, about, distance, is_motion, *led)
@@ -133,6 +133,17 @@ def hinge_constraints(
             outboard = Seated(line.outboard, points[line.outboard][hinge.outboard], turn)
             if any((*along, *about)):
                 yield Constraint(hinge.name, inboard, outboard, along, about, 0.0, False)
+
+
+def _held(connection: Connection) -> tuple[Vector3, Vector3]:
+    """What a joint with a preset holds along and about its axes, but for those that the scene gives no stiffness."""
+    along, about = CONSTRAINED[str(connection.preset)]
+    start = component_values(connection, "mean")[1]
+    stiff = (np.broadcast_to(start[f"{kind}_stiffness"], 3) > 0.0 for kind in ("translational", "rotational"))
+    (x, y, z), (a, b, c) = (
+        np.multiply(held, has).tolist() for held, has in zip((along, about), stiff, strict=True)
+    )
+    return (x, y, z), (a, b, c)
 
 
 def _line(connection: Connection) -> Quaternion:

@@ -84,3 +84,20 @@ def test_command_and_function_agree():
     table = CliRunner().invoke(main, ["analyse", "constraints", "antenna-unit", "--variant", "revolute"])
     assert "Gruebler" in table.stdout
     assert "constraints that others imply: " in table.stderr
+
+
+def test_an_axis_without_stiffness_is_free():
+    """A fixed joint that slides along x. Regression: it closed loops and was counted as held, which runs denied."""
+    scene = fanfold.Scene("slide", until="1 s")
+    base = scene.base(points={"o": (0, 0, 0)})
+    block = scene.body(
+        "block", place={"body": base, "point": "o", "offset": (0.3, 0, 0)},
+        rigid={"mass": 1, "inertia": (1, 1, 1), "points": {"a": (0, 0, 0)}},
+    )  # fmt: skip
+    scene.connection(
+        "guide", preset="fixed", axes={"x": (1, 0, 0)},
+        ports={"inboard": (base, "o"), "outboard": (block, "a")},
+        parameters={"translational_stiffness": [0, 1e7, 1e7]},
+    )  # fmt: skip
+    found = fanfold.constraints(scene)
+    assert (found.count, found.rank) == (5, 5)

@@ -247,6 +247,14 @@ def synthetic(here, method, numbers, runs=256, texts=("a=uniform(0, 1)", "b=unif
     return fanfold.Study.of_record(Study.of(asked, samples))
 
 
+def test_signals_that_nothing_matches_are_told_before_the_samples_run():
+    """Regression: a study kept none, without a word."""
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"no signal of a component matches nope\*; .* components are"
+    ):
+        fanfold.study(WING, VARY, signals=["root.angle", "scene.*", "nope*"], **{**ASKED, "runs": 1})
+
+
 def test_influence_is_that_of_closed_forms(here):
     """A + 3 b: ends of straight lines, variance shares 1 to 9; a b: 3/7 each alone, 4/7 in all."""
     numbers = {
