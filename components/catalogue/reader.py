@@ -365,7 +365,7 @@ def _frame(table: Table | None) -> tuple[Frame | None, tuple[str, ...], tuple[st
     for name in sorted({name for name in names if names.count(name) > 1}):
         table.note(f"members.{name}", "stands twice; rename one")
     met = list(dict.fromkeys(name for path in members for name in path.joints))
-    for name in joints.keys() - met:
+    for name in sorted(joints.keys() - met):
         table.note(f"joints.{name}", "is where no member goes; leave it out")
     ends, nodes = table.texts("attachment_points", 0, met), table.texts("nodes", 0, met)
     table.close()

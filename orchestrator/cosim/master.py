@@ -39,7 +39,7 @@ from .signals.process import SignalProcess
 from .stepping import ErrorEstimate, StepError, StepSizes, failure
 
 _IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
-_PARTS, _MOST_PARTS = 4, 1024
+_MOST_PARTS = 1024
 _LEAST_LATCH_SHARE = 1e-3
 
 
@@ -239,12 +239,12 @@ class Master(CoSimulation):
         """Whether a step converged and its error is accepted; if not, a smaller step size is set."""
         solver = self.solver
         if not solution.converged:
-            if not self._smaller(h, to_converge=True):
+            if not self._smaller(to_converge=True):
                 raise failure(solver, solution, self.time, h)
             self.statistics.rejected += 1
             return False
         if not self._guard.allows(self._observe(h), h):
-            if self._smaller(h):
+            if self._smaller():
                 self.statistics.rejected += 1
                 return False
             self._guard.give_in(self._energies)
@@ -257,15 +257,13 @@ class Master(CoSimulation):
         self.statistics.rejected += 1
         return False
 
-    def _smaller(self, h: float, *, to_converge: bool = False) -> bool:
-        """Make the next step smaller after one of size h (s) that cannot stand; False where that is at an end."""
+    def _smaller(self, *, to_converge: bool = False) -> bool:
+        """Make the next step smaller after one that cannot stand; False where that is at an end."""
         if self._controlled:
             return self._sizes.shrink(2, to_converge=to_converge)
-        if self._plan and not self._sizes.allows(h / _PARTS, to_converge=to_converge):
-            return False
-        self._parts *= _PARTS
         if self._plan:
-            self._plan.divide(self.segments, _PARTS)
+            return self._plan.divide(self.segments, self._sizes.least(to_converge=to_converge))
+        self._parts *= 4
         return self._parts <= _MOST_PARTS
 
     def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
@@ -302,7 +300,7 @@ class Master(CoSimulation):
         try:
             return find_event(distance, crossed.before, crossed.after, h), found[0]
         except (StepError, ParticipantError):
-            if not self._smaller(h):
+            if not self._smaller():
                 raise
         self.statistics.rejected += 1
         return None

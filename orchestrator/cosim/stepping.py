@@ -43,7 +43,7 @@ STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
 _LONGER = 1.1
-_PLAN_TAIL = 8
+_PLAN_TAIL, _PLAN_PARTS = 8, 4
 _SEARCH = "the static search before the run"
 
 
@@ -93,11 +93,11 @@ class StepSizes(Structure):
         """Go down; False where that is below the smallest size, which no accuracy but convergence may go below."""
         self.level += levels
         self._changed(STEPS_AFTER_SHRINKING)
-        return self.allows(self.size, to_converge=to_converge)
+        return self.size >= self.least(to_converge=to_converge)
 
-    def allows(self, size: float, *, to_converge: bool = False) -> bool:
-        """Whether a step is no smaller than accuracy, or convergence, may make it."""
-        return size >= self.smallest * (_TO_CONVERGE if to_converge else 1.0)
+    def least(self, *, to_converge: bool = False) -> float:
+        """Size (s) that accuracy, or convergence, may ask for at the least."""
+        return self.smallest * (_TO_CONVERGE if to_converge else 1.0)
 
     def judge(self, error: float) -> bool:
         """Whether a step with this error (over what is allowed) stands; chooses the size of the next one."""
@@ -219,10 +219,14 @@ class StepPlan:
         """The first planned step (s) after an event now."""
         return self.now([*made, []] if made[-1] else made)[0][0]
 
-    def divide(self, made: Sequence[Sequence[float]], parts: int) -> None:
-        """Make so many steps of the next one."""
+    def divide(self, made: Sequence[Sequence[float]], least: float) -> bool:
+        """Make several steps of the next one; False where they would be smaller than that (s)."""
         plan, position = self.now(made)
-        plan[position : position + 1] = [plan[position] / parts] * parts
+        part = plan[position] / _PLAN_PARTS
+        if part < least:
+            return False
+        plan[position : position + 1] = [part] * _PLAN_PARTS
+        return True
 
 
 def to_own_events(segments: Sequence[Sequence[float]]) -> list[list[float]]:
