@@ -13,7 +13,6 @@ the steps tells instead, at twice the cost.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from math import sqrt
 
@@ -31,6 +30,7 @@ from ..results.estimated_errors import (
 )
 from ..results.key_figures import headline
 from ..results.result_file import with_statistics
+from .errors import InterruptedRunError
 from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.5)}
@@ -79,11 +79,15 @@ def with_estimates(
         (doubled(outcome.segments), _SHARES[outcome.order]), (halved(outcome.segments), _FINER)
     ):  # fmt: skip
         plan = replace(settings, fixed_step=None, step_plan=steps)
-        with suppress(RunError):
+        try:
             other = run(assembly, None, plan, until, watch=watch, load=load)
-            if not _is_astray(outcome, other):
-                errors = _errors(outcome, other, share, at_least or {})
-                break
+        except InterruptedRunError:
+            break
+        except RunError:
+            continue
+        if not _is_astray(outcome, other):
+            errors = _errors(outcome, other, share, at_least or {})
+            break
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
 

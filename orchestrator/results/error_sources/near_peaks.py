@@ -62,9 +62,8 @@ class _Pairs:
     def difference_in_height(self, time: Vector, ours: Vector, theirs: Vector, row: int) -> float | None:
         """The same, less what a shift of one against the other in time (s) takes away."""
         near = self._near(row)
-        near = near[
-            np.diff(time[self.ours[near]], append=np.inf) > 0.0
-        ]  # of rows before and after what happens, the last
+        # of rows at one instant, before and after what happens then, the last
+        near = near[np.diff(time[self.ours[near]], append=np.inf) > 0.0]
         if near.size < _SHIFTED:
             return self.difference(ours, theirs, row)
         here = self.ours[near]
