@@ -47,8 +47,10 @@ def add_sheet(path: str | Path) -> bool:
     before = _added.get(path)
     _added[path] = found
     if problems := list(_problems(found)):
-        _added.pop(path)
-        _added.update({} if before is None else {path: before})
+        if before is None:
+            del _added[path]
+        else:
+            _added[path] = before
         raise ComponentError("\n".join(f"{path}: {problem}" for problem in problems))
     entry.cache_clear()
     return True

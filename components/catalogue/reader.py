@@ -100,14 +100,17 @@ def read_parts(table: Table) -> Parts:
 def _lost(ends: tuple[str, ...], nodes: tuple[str, ...]) -> list[str]:
     """Problems of the points of a whole body."""
     names = [*ends, *nodes]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    found = [f"two points are called {name!r}; rename one" for name in twice]
+    found = [f"two points are called {name!r}; rename one" for name in _twice(names)]
     if not ends:
         found.append(
             "no point can be connected to; give panel.hinge_lines, panel.arms or panel.inserts, or name joints of "
             "the frame in frame.attachment_points"
         )
     return found
+
+
+def _twice(names: Sequence[str]) -> list[str]:
+    return sorted({name for name in names if names.count(name) > 1})
 
 
 def _panel(table: Table | None) -> tuple[Panel | None, FaceSheets | None]:
@@ -361,8 +364,7 @@ def _frame(table: Table | None) -> tuple[Frame | None, tuple[str, ...], tuple[st
             given.number("inertia", "kg.m2"),
         )
         given.close()
-    names = [path.name for path in members]
-    for name in sorted({name for name in names if names.count(name) > 1}):
+    for name in _twice([path.name for path in members]):
         table.note(f"members.{name}", "stands twice; rename one")
     met = list(dict.fromkeys(name for path in members for name in path.joints))
     for name in sorted(joints.keys() - met):

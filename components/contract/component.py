@@ -246,6 +246,11 @@ class Component(ABC):
         return {}
 
     @classmethod
+    def comes_from_outside(cls) -> bool:
+        """Whether it is kept outside of this package, by a plugin."""
+        return cls.__module__.partition(".")[0] != __name__.partition(".")[0]
+
+    @classmethod
     def has_wrench_mode(cls) -> bool:
         """Whether its wrenches are means over steps or those of an end point, as its structure says."""
         return _has_wrench_mode(cls)

@@ -75,10 +75,8 @@ def with_estimates(
     if outcome.master != "implicit":
         return outcome
     errors: Mapping[Key, EstimatedError] = {}
-    for steps, share in (
-        (doubled(outcome.segments), _SHARES[outcome.order]), (halved(outcome.segments), _FINER)
-    ):  # fmt: skip
-        plan = replace(settings, fixed_step=None, step_plan=steps)
+    for steps, share in ((doubled, _SHARES[outcome.order]), (halved, _FINER)):
+        plan = replace(settings, fixed_step=None, step_plan=steps(outcome.segments))
         try:
             other = run(assembly, None, plan, until, watch=watch, load=load)
         except InterruptedRunError:

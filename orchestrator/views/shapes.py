@@ -16,7 +16,7 @@ from ..results.key_figures import is_latch_up
 from ..results.result import Result
 from .placement import placed
 from .space import bounds, draw_bodies, scale, set_view, with_margin
-from .style import COLOURS, LEGEND_ROW, WIDTH, empty_figure
+from .style import COLOURS, WIDTH, empty_figure, legend_height
 
 _INSTANTS = 6
 _LEGEND_COLUMNS = 6
@@ -53,11 +53,6 @@ class Structure:
         handles = [Patch(facecolor=colour, label=name) for name, colour in self._colours.items()]
         figure.legend(handles=handles, loc="lower center", ncols=_LEGEND_COLUMNS, frameon=False)
 
-    @property
-    def legend_height(self) -> float:
-        """What it takes beyond one row, inch."""
-        return LEGEND_ROW * (-(-len(self._colours) // _LEGEND_COLUMNS) - 1)
-
 
 def shapes(result: Result) -> Figure | None:
     """The structure from folded to deployed, deformation to scale, all instants to one scale."""
@@ -65,7 +60,8 @@ def shapes(result: Result) -> Figure | None:
     structure = Structure(result, rows)
     if not structure.names:
         return None
-    below, above, height = 0.38 + structure.legend_height, 0.38, 7.6 + structure.legend_height
+    more = legend_height(len(structure.names), _LEGEND_COLUMNS, 1)
+    below, above, height = 0.38 + more, 0.38, 7.6 + more
     figure = empty_figure(WIDTH, height)
     figure.suptitle("Deployment, axes in m", y=1.0 - 0.114 / height)
     figure.subplots_adjust(

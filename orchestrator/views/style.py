@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import ceil
 from typing import Any, Final, Literal
 
 from matplotlib.axes import Axes
@@ -31,7 +32,7 @@ STYLE: Final[Any] = {
 }
 WIDTH = 7.2
 _LEGEND_WIDTH = 100  # characters, a handle counting as seven
-LEGEND_ROW = 0.17  # inch
+_LEGEND_ROW = 0.17  # inch
 _LEGEND_ROWS = 2
 """That a figure has room for above its axes."""
 _EVENT_LABELS = 12
@@ -87,10 +88,9 @@ def finish(axes: Axes, result: Result, label: str, legend: bool = True) -> None:
     if labels and legend:
         columns = _legend_columns(labels)
         above = 1.6 if labelled else 0.1
-        figure = axes.get_figure(root=True)
-        if figure is not None:  # which else would have no room for the curves
-            more = max(0, -(-len(labels) // columns) - _LEGEND_ROWS)
-            figure.set_figheight(figure.get_figheight() + LEGEND_ROW * more)
+        if (figure := axes.get_figure(root=True)) is not None:
+            more = legend_height(len(labels), columns, _LEGEND_ROWS)  # not to be taken from the curves
+            figure.set_figheight(figure.get_figheight() + more)
         axes.legend(
             loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=above, ncols=columns, frameon=False
         )
@@ -100,8 +100,13 @@ def share_legend(figure: Figure) -> None:
     """One legend below all axes, for curves that are the same in each."""
     handles, labels = figure.axes[0].get_legend_handles_labels()
     columns = _legend_columns(labels)
-    figure.set_figheight(figure.get_figheight() + LEGEND_ROW * -(-len(labels) // columns))
+    figure.set_figheight(figure.get_figheight() + legend_height(len(labels), columns))
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
+
+
+def legend_height(names: int, columns: int, rows: int = 0) -> float:
+    """What a legend of so many names takes beyond so many rows, inch."""
+    return _LEGEND_ROW * max(0, ceil(names / columns) - rows)
 
 
 def _legend_columns(labels: Sequence[str]) -> int:

@@ -43,7 +43,7 @@ def theory_page() -> str:
     """Components by kind, what they are made of, coupling, analyses, and what all of it cites."""
     lines = ["# Theory", "", _HEAD, "", "## Components", ""]
     for kind, component in sorted(REGISTRY.items()):
-        if component.__module__.partition(".")[0] == components.__name__:
+        if not component.comes_from_outside():
             lines += [f"### `{kind}`", "", *_equations(kind), *_prose(component.__module__)]
             lines += [f"Its variables: [](#component-{kind.replace('_', '-')}).", ""]
     for title, rooms in _ROOMS.items():

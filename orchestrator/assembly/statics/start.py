@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +17,8 @@ from .equilibrium_search import settle
 from .mechanism import Mechanism
 from .placed_body import PlacedBody
 
+_HOLD = "hold_stiffness"
+"""Parameter of hinges, 0 of those that a scene gives springs of their own."""
 _FALLS = 1e-6
 """N and N.m on a free base, from which on it does not stay where it is."""
 
@@ -46,15 +47,18 @@ def with_free_joints(assembly: Assembly) -> Assembly:
     either. Joints that nothing else keeps in place, such as those of pendulums, stay held.
     """
     of_lines = {hinge for line in assembly.hinge_lines for hinge in line.hinges}
-    parts = tuple(
-        replace(part, start={**part.start, "hold_stiffness": 0.0})
-        if part.kind == Hinge.kind and part.name not in of_lines
-        else part
+    joints = {
+        part.name
+        for part in assembly.parts
+        if part.kind == Hinge.kind and part.name not in of_lines and part.start.get(_HOLD) != 0.0
+    }
+    if not assembly.preload or not joints:
+        return assembly
+    parts = (
+        replace(part, start={**part.start, _HOLD: 0.0}) if part.name in joints else part
         for part in assembly.parts
     )
-    if not assembly.preload or all(map(operator.is_, parts, assembly.parts)):
-        return assembly
-    freed = replace(assembly, parts=parts)
+    freed = replace(assembly, parts=tuple(parts))
     try:
         _settled(freed)
     except SceneError:

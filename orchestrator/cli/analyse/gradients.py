@@ -85,7 +85,7 @@ def command(
 def _report(found: Gradients, verified: bool) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
-    console = terminal()
+    console, round_off = terminal(), found.round_off.tolist()
     fixed = [
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
@@ -93,7 +93,7 @@ def _report(found: Gradients, verified: bool) -> None:
             "derivatives\nare sure to" if verified else "without those\nof steps sure to",
             [
                 "round-off" if nothing else f"{error:.0e}" if error > 0.0 else ""
-                for nothing, error in zip(found.round_off.tolist(), found.errors.tolist(), strict=True)
+                for nothing, error in zip(round_off, found.errors.tolist(), strict=True)
             ],
         ),
     ]
@@ -103,7 +103,7 @@ def _report(found: Gradients, verified: bool) -> None:
             _heading(key, unit),
             [
                 "" if nothing and not error <= _REAL * abs(value) else _sure(value, error)
-                for nothing, value, error in zip(found.round_off.tolist(), values, errors, strict=True)
+                for nothing, value, error in zip(round_off, values, errors, strict=True)
             ],
         )
         for key, unit, (values, errors) in zip(found.keys, found.units, singles, strict=True)

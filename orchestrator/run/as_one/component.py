@@ -91,7 +91,7 @@ class AssembledScene(Component, registered=False):
 
     def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
         for part in assembly.parts:
-            if REGISTRY[part.kind].__module__.partition(".")[0] != Component.__module__.partition(".")[0]:
+            if REGISTRY[part.kind].comes_from_outside():
                 raise ComponentError(
                     f"{part.name}: a {part.kind} comes from outside and has no native kernel"
                 )

@@ -387,63 +387,40 @@ def test_scene_without_travel_is_told(tmp_path, arguments):
     assert "hinge_line.line: starts at or beyond its deployed angle; no travel is left" in result.stderr
 
 
-FOUR_BAR = """
-[scene]
-name = "four_bar"
-until = "3 s"
-[base]
-name = "bus"
-points = {{ a = [0, 0, 0], d = [1.5, 0, 0] }}
-{bodies}
-[[hinge_line]]
-name = "driven"
-inboard = "bus"
-outboard = "A"
-axis = "-y"
-aligned_angle = "0 deg"
-stowed_angle = "0 deg"
-start_angle = "60 deg"
-latch_angle = "110 deg"
-motor = {{ stowed = "35 N.m", deployed = "15 N.m" }}
-latch = {{ kind = "spring", stiffness = 900 }}
-hinges = [{{ name = "ha", inboard = "a", outboard = "root" }}]
-[[hinge_line]]
-name = "middle"
-inboard = "A"
-outboard = "B"
-axis = "-y"
-aligned_angle = "0 deg"
-latch_angle = "90 deg"
-stowed_angle = "-60 deg"
-start_angle = "-0.717536625872 rad"
-hinges = [{{ name = "hb", inboard = "tip", outboard = "root" }}]
-[[hinge_line]]
-name = "far"
-inboard = "bus"
-outboard = "D"
-axis = "-y"
-aligned_angle = "0 deg"
-stowed_angle = "0 deg"
-start_angle = "1.540025184142 rad"
-latch_angle = "170 deg"
-hinges = [{{ name = "hd", inboard = "d", outboard = "root" }}]
-[[connection]]
-name = "pin"
-preset = "spherical"
-ports = {{ inboard = {{ body = "B", point = "tip" }}, outboard = {{ body = "D", point = "tip" }} }}
-"""
-BAR = """
-[[body]]
-name = "{name}"
-rigid = {{ mass = 2, inertia = [0.01, 0.1, 0.1], points = {{ root = [0, 0, 0], tip = [{length}, 0, 0] }} }}
-"""
+def four_bar():
+    """A crank that a motor turns, and a middle and a far bar that follow it, closed by a pin."""
+    scene = Scene("four_bar", until="3 s")
+    ground = scene.base(points={"a": (0, 0, 0), "d": (1.5, 0, 0)})
+    crank, middle, far = (
+        scene.body(
+            name,
+            rigid={
+                "mass": 2, "inertia": (0.01, 0.1, 0.1), "points": {"root": (0, 0, 0), "tip": (length, 0, 0)}
+            },
+        )
+        for name, length in (("crank", 0.4), ("middle", 1.4), ("far", 0.8))
+    )  # fmt: skip
+    drive = {
+        "motor": {"stowed": "35 N.m", "deployed": "15 N.m"}, "latch": {"kind": "spring", "stiffness": 900}
+    }  # fmt: skip
+    for name, inner, point, outer, start, end, others in (
+        ("driven", ground, "a", crank, "60 deg", "110 deg", drive),
+        ("bent", crank, "tip", middle, "-0.717536625872 rad", "90 deg", {"stowed_angle": "-60 deg"}),
+        ("swung", ground, "d", far, "1.540025184142 rad", "170 deg", {}),
+    ):
+        scene.hinge_line(
+            name, inner, outer, axis="-y", aligned_angle="0 deg", start_angle=start, latch_angle=end,
+            hinges={f"{name}_hinge": (point, "root")}, **others,
+        )  # fmt: skip
+    ports = {"inboard": (middle, "tip"), "outboard": (far, "tip")}
+    scene.connection("pin", preset="spherical", ports=ports)
+    return scene
 
 
 def test_a_loop_of_lines_is_told_what_to_do(tmp_path):
     """Regression: the loop was torn open, and the search for its equilibrium took hours. The sweep told does it."""
     path = tmp_path / "four_bar.toml"
-    bars = (("A", 0.4), ("B", 1.4), ("D", 0.8))
-    path.write_text(FOUR_BAR.format(bodies="".join(BAR.format(name=n, length=a) for n, a in bars)))
+    path.write_text(four_bar().to_toml(), encoding="utf-8")
     result = fanfold(path)
     assert result.exit_code == 1
     assert "connection.pin: with the driven lines at" in result.stderr
