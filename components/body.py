@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,20 +27,22 @@ from numpy.typing import ArrayLike
 from .body_parts.carried import Carried
 from .body_parts.example_modes import example_modal_data
 from .body_parts.inertia_coupling import CouplingLevel as CouplingLevel
-from .body_parts.inertia_coupling import InertiaCoupling, symmetric_product
+from .body_parts.inertia_coupling import InertiaCoupling, full_matrix, symmetric_product
 from .body_parts.interface import Interface, interface_data
 from .body_parts.load import Load
 from .body_parts.mass import check_mass
 from .body_parts.ports import BodyPorts
-from .body_parts.second_order import (
-    MAX_ITERATIONS,
-    ModalPath,
-    correct_step,
-    refuse_unsettled,
-    settled,
-    static_deflection,
-)
+from .body_parts.second_order import ModalPath, correct_step, settled, static_deflection
 from .body_parts.tension import TensionForms, own_tension
+from .body_parts.turn import (
+    MAX_ITERATIONS,
+    Ending,
+    Turned,
+    is_found,
+    is_slender,
+    newton_turn,
+    refuse_unsettled,
+)
 from .body_parts.variables import observations, parameters, states
 from .contract.component import Component, ComponentError, ContinuousStates, Layout, Port, Vector
 from .contract.frames import (
@@ -61,7 +63,6 @@ _R, _Q, _P, _L, _W, _D = (
     _AT[name] for name in ("position", "orientation", "momentum", "spin", "angular_velocity", "heat")
 )
 _ETA = _AT.size
-_ANGLE_TOLERANCE = 1e-13
 _CACHED_STEP_SIZES = 64
 
 
@@ -84,25 +85,6 @@ class _Constants:
                 self.propagators.clear()
             found = self.propagators[h] = propagator(self.frequency, self.damping_ratio, h)
         return found
-
-
-class _Turned(NamedTuple):
-    """Outcome of a step's iteration: angular velocity, mean and end, arms at both ends, modes at the end, heat.
-
-    omega, arms and rate_moment, the first moment of the angular velocity (rad), are in body axes, that of mid-step;
-    world_arms are those of the start. modal_moment: of the modal rates. eta_mean: where wrenches acted.
-    """
-
-    omega: Vector
-    end: Vector
-    world_arms: Vector
-    arms: Vector
-    eta: Vector
-    pi: Vector
-    heat: float
-    rate_moment: Vector
-    modal_moment: Vector
-    eta_mean: Vector
 
 
 class Body(Component):
@@ -168,7 +150,7 @@ class Body(Component):
         self.continuous = ContinuousStates.of(self.state_layout)
         # deformation moves the arms of forces and the inertia: a slender body that bends by a tenth of its length
         # turns about its axis a thousand times harder than straight
-        self.constant_mobility = self.modes == 0
+        self.constant_mobility = self.modes == 0 and not is_slender(data.inertia)
         self.translation, self.rotation = self._placed.translation, self._placed.rotation
         self.second_order = self._placed.second_order
         self._moments = self.state_layout["moments"]
@@ -247,7 +229,7 @@ class Body(Component):
         return result
 
     def _port_moments(
-        self, x: Vector, turned: _Turned, center: Vector, half_turn: Quaternion, a1: Vector, h: float
+        self, x: Vector, turned: Turned, center: Vector, half_turn: Quaternion, a1: Vector, h: float
     ) -> Vector:
         """First moments of velocity and angular velocity of every port over a step, world axes, (ports, 6).
 
@@ -268,7 +250,7 @@ class Body(Component):
             y[:, 3:] += twist @ a_mid.T + twisted @ (a1 - a0).T
         return y
 
-    def _turned_rigid(self, x: Vector, load: Load, h: float) -> _Turned:
+    def _turned_rigid(self, x: Vector, load: Load, h: float) -> Turned:
         """Mean angular velocity, iterated on the moments of the forces at both ends."""
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
         world_arms = self.arms @ a0.T
@@ -278,17 +260,23 @@ class Body(Component):
             a_mid = a0 @ half
             a1 = a_mid @ half
             moment, slope = load.moments(world_arms, self.arms @ a1.T)
-            end = inverse @ ((momentum + h * moment) @ a1)
-            updated = 0.5 * (start + end) - (h / 6.0) * (inverse @ (slope @ a_mid))
-            change, omega = float(abs(updated - omega).max()), updated
-            if h * change < _ANGLE_TOLERANCE:
+            spin, slope = (momentum + h * moment) @ a1, slope @ a_mid
+            end = inverse @ spin
+            missing = 0.5 * (start + end) - (h / 6.0) * (inverse @ slope) - omega
+            change = newton_turn(
+                Ending(self.data.inertia, spin, self.arms, slope, a1), load, omega, missing, h
+            )
+            omega = omega + change
+            if is_found(change, h):
                 break
+        else:
+            refuse_unsettled(change, h)
         none = x[_ETA:_ETA]
-        return _Turned(
+        return Turned(
             omega, end, world_arms, self.arms, none, none, 0.0, (h / 6.0) * (end - start), none, none
         )
 
-    def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> _Turned:
+    def _turned_flexible(self, c: _Constants, x: Vector, load: Load, h: float) -> Turned:
         """The same with modes: their exact propagation under the forces of mid-step is part of the iteration."""
         prop, inertia = c.propagator(h), self.inertia
         a0 = rotation_matrix(tuple(x[_Q].tolist()))
@@ -320,21 +308,21 @@ class Body(Component):
             moment, moment_slope = load.moments(world_arms, arms @ a1.T)
             spin = (momentum + h * moment) @ a1
             end = inertia.solve(after, spin - after.b @ (rate1 + drag))
-            updated = 0.5 * (start + end) - (h / 6.0) * turning
-            change, omega = float(abs(updated - omega).max()), updated
-            if h * change < _ANGLE_TOLERANCE and (
-                not self.data.second_order_modes or settled(eta0, last, eta1)
-            ):
+            missing = 0.5 * (start + end) - (h / 6.0) * turning - omega
+            ending = Ending(full_matrix(after.inertia), spin, arms, moment_slope @ a_mid, a1)
+            change = newton_turn(ending, load, omega, missing, h)
+            omega = omega + change
+            deflected = not self.data.second_order_modes or settled(eta0, last, eta1)
+            if deflected and is_found(change, h):
                 break
         else:
-            if self.data.second_order_modes:
-                refuse_unsettled(h)
+            refuse_unsettled(change, h, deflected=deflected)
         modal_moment = prop.moment(eta0, rate0, force, slope)
         growth = after.b - before.b
         torque = spin - momentum @ a0 - symmetric_product(after.inertia - before.inertia, trapezoid)
         torque -= growth @ (rate_mean + drag)
         rate_moment = inertia.solve(mid, (h / 6.0) * torque - mid.b @ modal_moment)
-        return _Turned(
+        return Turned(
             omega,
             end,
             world_arms,

@@ -87,12 +87,12 @@ class InertiaCoupling:
     def matrix(self, eta: Vector) -> Vector:
         """J (3, 3) at modal coordinates, body axes."""
         found = self.at(eta)
-        return _full(found.inertia) + found.b @ found.b.T
+        return full_matrix(found.inertia) + found.b @ found.b.T
 
     def slopes(self, eta: Vector) -> Vector:
         """Derivatives of J by the modal coordinates (3, 3, M)."""
         quadratic = self.at(eta).quadratic
-        return _full(-self._slope - 2.0 * quadratic if self.varies else quadratic)
+        return full_matrix(-self._slope - 2.0 * quadratic if self.varies else quadratic)
 
     def curvature(self, omega: Vector) -> Vector:
         """Of -omega^T J omega / 2, second derivatives by the modal coordinates (M, M); omega in body axes."""
@@ -155,14 +155,14 @@ class InertiaCoupling:
         return self.solve(coupling, momentum - coupling.b @ pi)
 
 
-def _full(entries: Vector) -> Vector:
+def full_matrix(entries: Vector) -> Vector:
     """Symmetric matrices (3, 3, ...) by their six entries (6, ...)."""
     return entries[[0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(3, 3, *entries.shape[1:])
 
 
 def symmetric_product(entries: Vector, v: Vector) -> Vector:
     """A symmetric 3x3 matrix given by its six entries times a vector (3,)."""
-    found: Vector = _full(entries) @ v
+    found: Vector = full_matrix(entries) @ v
     return found
 
 

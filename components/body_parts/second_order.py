@@ -10,12 +10,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..contract.component import ComponentError, Vector
+from ..contract.component import Vector
 from ..numerics.oscillators import Propagator
 from .ports import BodyPorts
 from .tension import OwnTension, TensionForms
 
-MAX_ITERATIONS = 40
 _MODAL_TOLERANCE = 1e-13
 
 
@@ -68,18 +67,10 @@ def correct_step(
     matrix = np.eye(2 * s) - np.block(
         [[b * by_end + c * slope_by_end, b * by_moment], [d * slope_by_end - c * by_end, -c * by_moment]]
     )
-    end, moment = np.split(_solved(matrix, np.concatenate((end, moment))), 2)
+    end, moment = np.split(solved(matrix, np.concatenate((end, moment))), 2)
     force[:s] += by_end @ end + by_moment @ moment
     slope[:s] += slope_by_end @ end
     return prop.moment(path.start, path.rate, force, slope)
-
-
-def refuse_unsettled(h: float) -> None:
-    """Refuse a step (s) whose iteration has come to no end."""
-    raise ComponentError(
-        f"a step of {h:g} s finds neither turn nor deflection in {MAX_ITERATIONS} iterations;"
-        " take smaller steps or loads"
-    )
 
 
 def settled(start: Vector, last: Vector, end: Vector) -> bool:
@@ -110,11 +101,12 @@ def static_deflection(
 def _corrections(residual: Vector, *responses: _Response) -> list[Vector]:
     """By what the forces of each response (S,) change; values that are not finite where no coordinates are found."""
     matrix = np.eye(residual.size) - sum(r.gain[:, None] * r.tangent for r in responses)
-    change = _solved(matrix, residual)
+    change = solved(matrix, residual)
     return [r.tangent @ change for r in responses]
 
 
-def _solved(matrix: Vector, right: Vector) -> Vector:
+def solved(matrix: Vector, right: Vector) -> Vector:
+    """Solution (N,) of a square system; values that are not finite where it has none."""
     try:
         found = np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
     except np.linalg.LinAlgError:

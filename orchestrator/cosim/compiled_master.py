@@ -33,6 +33,7 @@ _RULES = Rules(
     after_shrinking=stepping.STEPS_AFTER_SHRINKING,
     most_levels=stepping.MOST_LEVELS,
     most_growth=stepping.MOST_GROWTH,
+    after_division=stepping.STEPS_AFTER_DIVISION,
     share=energy_guard.SHARE,
     rounded=energy_guard.ROUNDED,
     steady=energy_guard.STEADY,
@@ -111,7 +112,8 @@ class CompiledMaster(Master):
         """Where the run stands, how far to go, and what chooses the steps."""
         loop, every = self._loop, self.settings.snapshot_every
         self._start[:] = self._energy_start
-        loop.time, loop.position, loop.parts = self.time, len(self.segments[-1]), self._parts
+        loop.time, loop.position = self.time, len(self.segments[-1])
+        loop.parts, loop.stood = self._divided.parts, self._divided.made
         loop.until, loop.break_time, loop.event_time = until, self._break, self._next_stop
         loop.stop = inf if every is None else (self.time // every + 1.0) * every - stepping.TIME_ROUNDING
         loop.sizes, loop.error, loop.guard = map(addressof, (self._sizes, self._error, self._guard))
@@ -147,7 +149,8 @@ class CompiledMaster(Master):
         """Stand where the loop stopped."""
         loop = self._loop
         self._block.end(loop.rows)
-        self.time, self._parts, self._break = loop.time, loop.parts, loop.break_time
+        self.time, self._break = loop.time, loop.break_time
+        self._divided = stepping.DividedStep(loop.parts, loop.stood)
         self.statistics.steps += loop.made
         self.statistics.rejected += loop.rejected
         self.segments[-1].extend(self._steps[: loop.made].tolist())

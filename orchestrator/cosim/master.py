@@ -36,10 +36,9 @@ from .participant import ParticipantError, Vector
 from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
-from .stepping import ErrorEstimate, StepError, StepSizes, failure
+from .stepping import DividedStep, ErrorEstimate, StepError, StepSizes, failure
 
 _IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
-_MOST_PARTS = 1024
 _LEAST_LATCH_SHARE = 1e-3
 
 
@@ -71,7 +70,7 @@ class Master(CoSimulation):
         self._sizes.restart(min(share * settings.start_step, largest))
         self._event_step = share * settings.event_step
         self._guard = EnergyGuard(self._energies)
-        self._parts = 1
+        self._divided = DividedStep()
         self._plan = stepping.StepPlan(settings.step_plan or ())
         self._latched: list[StiffenedLine] = []
         self._laws = times_to_break(network.participants)
@@ -164,7 +163,7 @@ class Master(CoSimulation):
             "error_energy": self._error.energy,
             "sizes": plain(self._sizes),
             "guard": plain(self._guard),
-            "parts": self._parts,
+            "divided": plain(self._divided),
             "before": self._before,
             "break": self._break,
             "latched": plain(self._latched),
@@ -201,7 +200,7 @@ class Master(CoSimulation):
         self._error.see(numbers["error_energy"])
         self._sizes = StepSizes(**numbers["sizes"])
         self._guard = EnergyGuard.of(numbers["guard"])
-        self._parts = numbers["parts"]
+        self._divided = DividedStep(**numbers["divided"])
         self._latched = [stiffened_line_of(one) for one in numbers["latched"]]
         self._watched = [WatchedTorque(**{**one, "axis": tuple(one["axis"])}) for one in numbers["watched"]]
         self.solver.watch(self._watched)
@@ -213,7 +212,7 @@ class Master(CoSimulation):
             plan, position = self._plan.now(self.segments)
             h = plan[position]
         elif self.settings.fixed_step is not None:
-            h = self.settings.fixed_step / self._parts
+            h = self.settings.fixed_step / self._divided.parts
         else:
             h = self._sizes.size
         # a remainder that is a tiny step would cost accuracy; stretch or share instead
@@ -249,7 +248,7 @@ class Master(CoSimulation):
                 return False
             self._guard.give_in(self._energies)
         if not self._controlled:
-            self._parts = max(1, self._parts // 2)
+            self._divided.stood()
             return True
         square = solver.error_square(self.time, h, self._error.energy)
         if square is None or self._sizes.judge(self._error(square)):
@@ -263,8 +262,7 @@ class Master(CoSimulation):
             return self._sizes.shrink(2, to_converge=to_converge)
         if self._plan:
             return self._plan.divide(self.segments, self._sizes.least(to_converge=to_converge))
-        self._parts *= 4
-        return self._parts <= _MOST_PARTS
+        return self._divided.divide()
 
     def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
         """An event happens, or a line latches, with those that lock with it, unless another has let go of it."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from ctypes import Structure
+from dataclasses import dataclass
 from math import ceil, floor, log, sqrt
 from typing import NamedTuple
 
@@ -37,13 +38,14 @@ STIRRED_STEPS = 3
 STEPS_AFTER_GROWTH = STIRRED_STEPS + 1
 STEPS_AFTER_SHRINKING = 8
 MOST_LEVELS, MOST_GROWTH = 6, 2
+STEPS_AFTER_DIVISION = 16
 LEAST_ERROR = 1e-9
 TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may leave
 STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
 _TO_CONVERGE = 1.0 / 64.0
 _LONGER = 1.1
-_PLAN_TAIL, _PLAN_PARTS = 8, 4
+_PLAN_TAIL, _PARTS, _MOST_PARTS = 8, 4, 1024
 _SEARCH = "the static search before the run"
 
 
@@ -197,6 +199,28 @@ def share_of_steps(tolerance: float) -> float:
     return min(1.0, sqrt(tolerance / REFERENCE_TOLERANCE))
 
 
+@dataclass
+class DividedStep:
+    """Parts that a fixed step is made in, as whole ones did not converge or gained energy; made: steps of this size.
+
+    Parts become fewer seldom: steps that are larger and smaller in turn pump what is stiff.
+    """
+
+    parts: int = 1
+    made: int = 0
+
+    def divide(self) -> bool:
+        """Four parts of each; False where these are too many."""
+        self.parts, self.made = self.parts * _PARTS, 0
+        return self.parts <= _MOST_PARTS
+
+    def stood(self) -> None:
+        """Count a step that stands, and try half the parts after some."""
+        self.made += 1
+        if self.parts > 1 and self.made >= STEPS_AFTER_DIVISION:
+            self.parts, self.made = self.parts // 2, 0
+
+
 class StepPlan:
     """Steps given before a run, a list (s) for every segment between events; those beyond the last go by that."""
 
@@ -222,10 +246,10 @@ class StepPlan:
     def divide(self, made: Sequence[Sequence[float]], least: float) -> bool:
         """Make several steps of the next one; False where they would be smaller than that (s)."""
         plan, position = self.now(made)
-        part = plan[position] / _PLAN_PARTS
+        part = plan[position] / _PARTS
         if part < least:
             return False
-        plan[position : position + 1] = [part] * _PLAN_PARTS
+        plan[position : position + 1] = [part] * _PARTS
         return True
 
 

@@ -570,7 +570,7 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 
 /* Numbers of the master, in the order of their structures. */
 static int read_settings(Assembly *a, const Data *data, Reason *why) {
-    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 19, OF_MASTER = 4 };
+    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 20, OF_MASTER = 4 };
     Master *m = &a->master;
     Network *n = &m->network;
     const double *sizes = data_array(data, "network", NETWORK, why), *limit = data_array(data, "limits", OF_LIMITS, why);
@@ -598,7 +598,7 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     Rules *r = &m->rules;
     *r = (Rules){rule[0],  rule[1],  rule[2],  rule[3],  rule[4],  rule[5],  (ptrdiff_t)rule[6],
                  (ptrdiff_t)rule[7],  (ptrdiff_t)rule[8],  (ptrdiff_t)rule[9],  (ptrdiff_t)rule[10],
-                 rule[11], rule[12], rule[13], rule[14], rule[15], rule[16], rule[17], rule[18]};
+                 (ptrdiff_t)rule[11], rule[12], rule[13], rule[14], rule[15], rule[16], rule[17], rule[18], rule[19]};
     n->tolerance = (Tolerance){0.0, own[0], own[1], 0.0};
     m->sizes.order = (size_t)own[2];
     m->driving_energy = own[3];

@@ -31,7 +31,7 @@ typedef struct {
 /* Numbers of step control and of the guard; their values stand in the same two files. */
 typedef struct {
     double ratio, rejected, rejected_stirred, forget, growth_margin, least_error;
-    ptrdiff_t stirred_steps, after_growth, after_shrinking, most_levels, most_growth;
+    ptrdiff_t stirred_steps, after_growth, after_shrinking, most_levels, most_growth, after_division;
     double share, rounded, steady, allowance;
     double time_rounding, break_reached, stretched, shared; /* of the master */
 } Rules;
@@ -46,7 +46,7 @@ typedef struct {
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
    then those of conditions; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
-   is at release_time; steps (capacity,): sizes made; position: steps of the segment; status: of the coupled step at
+   is at release_time; steps (capacity,): sizes made; position: steps of the segment; parts, stood: of a fixed step, as in DividedStep; status: of the coupled step at
    hand; neighbours: runs beside this one or NULL, guess (size,): room for them. */
 typedef struct {
     Network *network;
@@ -61,7 +61,7 @@ typedef struct {
     Neighbours *neighbours;
     RowBlock rows;
     double time, until, stop, break_time, release_time, event_time, fixed_step, ready_step, h;
-    size_t lines, crossings, laws, bolts, planned, capacity, made, position, parts, rejected, wanted, status;
+    size_t lines, crossings, laws, bolts, planned, capacity, made, position, parts, stood, rejected, wanted, status;
 } Loop;
 
 /* Why a loop stopped, in the order of Stop in orchestrator/cosim/implicit/native_solver.py. */
@@ -223,7 +223,10 @@ static int judge_step(Loop *l) {
         }
     }
     if (!controlled) {
-        l->parts = l->parts > 3 ? l->parts / 2 : 1;
+        if (++l->stood >= (size_t)l->rules->after_division && l->parts > 1) {
+            l->parts /= 2;
+            l->stood = 0;
+        }
         return STANDS;
     }
     const double square = error_square(n, l->time + 0.5 * l->h, l->h, l->error->energy);

@@ -636,6 +636,7 @@ static int begin_run(Master *m, const double *wrenches) {
     m->repeats = 0;
     l->position = l->made = l->wanted = l->rows.held = l->rows.count = 0;
     l->parts = 1;
+    l->stood = 0;
     m->steps = m->rejected = 0;
     m->segment = m->held_segment = 0.0;
     m->said[0] = '\0';

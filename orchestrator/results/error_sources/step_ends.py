@@ -108,7 +108,9 @@ def _rate_share(result: Result, hinge: str, rows: list[int], top: int) -> float:
     length = time[-1] - time[0]
     arriving = np.linalg.solve(np.vander((time - time[-1]) / length), angles)[-2] / length
     rate = result.signal(hinge, "angular_rate")
-    present, still = abs(float(rate[rows[-1]])), abs(float(rate[top]))
+    present, around = abs(float(rate[rows[-1]])), rate[max(top - 1, rows[-1]) : top + 2]
+    # a swing has gone between rows, however far from its top the nearest row happens to be
+    still = abs(float(rate[top])) if around.min() * around.max() > 0.0 else 0.0
     return abs(abs(float(arriving)) - present) * min(still, present) / present**2 if present else 0.0
 
 

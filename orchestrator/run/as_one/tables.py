@@ -155,6 +155,7 @@ def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[st
             stepping.STEPS_AFTER_SHRINKING,
             stepping.MOST_LEVELS,
             stepping.MOST_GROWTH,
+            stepping.STEPS_AFTER_DIVISION,
             energy_guard.SHARE,
             energy_guard.ROUNDED,
             energy_guard.STEADY,

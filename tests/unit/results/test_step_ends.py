@@ -98,6 +98,17 @@ def test_a_rate_that_angles_arrive_at_is_believed(swing):
     assert latching_rate_error(result, line) == pytest.approx(0.0, abs=1e-6 if swing else 1e-9)
 
 
+def test_a_swing_is_over_between_rows():
+    """Closed form: the top of a swing lies a third of a step behind the nearest row, where the hinge still turns."""
+    ringing, late = 2.0 * np.pi / STEP, 0.1 + STEP / 3.0
+    result, line = _latching(
+        lambda t: 0.25 * t**2 + 0.1 / ringing * np.sin(ringing * t),
+        lambda t: np.where(t <= LATCH_UP, 0.5 * t + 0.1, np.cos(0.5 * np.pi * (t - LATCH_UP) / late)),
+        lambda t: 300.0 * np.sin(0.5 * np.pi * t / late),
+    )
+    assert latching_rate_error(result, line) == 0.0
+
+
 @pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
 def test_a_latch_that_meets_a_wing_that_rings_is_told_of():
     """Regression: random wing 57 latches with a rate that rings; its peak is 1530.0 N.m (at 8e-6, 66,521 steps)."""

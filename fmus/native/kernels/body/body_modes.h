@@ -204,7 +204,10 @@ static inline void start_modes(Body *body, const double *x, const Work *work, re
         work->rate_mean[j] = work->pi_start[j] = j < m ? x[X_MODAL_AMPLITUDE + m + body->order[j]] : 0.0;
         work->slope[j] = 0.0;
     }
-    if (!body->coupling.varies) return;
+    if (!body->coupling.varies) {
+        for (size_t p = 0; p < 6; p++) inertia[p] = body->coupling.inertia[p];
+        return;
+    }
     body_remember_start(body, eta);
     for (size_t p = 0; p < 6; p++) inertia[p] = ((const double *)start->inertia)[p];
     if (!body->coupling.full) return;

@@ -5,25 +5,13 @@
 #define FANFOLD_BODY_STEP_H
 
 #include "body_interface.h"
-#include "body_modes.h"
+#include "body_turn.h"
 
 #define MAX_ITERATIONS 40
 #define ANGLE_TOLERANCE 1e-13
+#define ANGLE_ROUNDING 1e-9
 #define SLOPE_TOLERANCE 1e-12
 #define STATIC_ITERATIONS 3
-
-/* Rotations of a step. */
-typedef struct {
-    real start[9], mid[9], end[9];
-} Axes;
-
-/* Outcome of a step's iteration: angular velocity, the mean over the step and that of its end, and by what the momentum
-   changed, body axes; moments on the arms of the start; J - B B^T at the mean modal coordinates and at the end; heat. */
-typedef struct {
-    Vector3 omega, end, change;
-    Course moments_start;
-    real inertia[6], inertia_end[6], heat;
-} Turned;
 
 #ifdef FANFOLD_COMPLEX
 
@@ -51,12 +39,19 @@ static inline int slopes_converged(const real *last, const real *next, size_t co
 
 #endif
 
-/* Whether an iteration has come to rest; never with values that are not finite. */
+/* Whether an iteration changes the turn of a step by less than an angle (rad); never with values that are not finite. */
+static inline int turned_less(Vector3 last, Vector3 next, double h, double angle) {
+    const Vector3 change = vector_subtract(next, last);
+    const double turn[3] = {value_of(change.x), value_of(change.y), value_of(change.z)};
+    for (size_t i = 0; i < 3; i++)
+        if (!(h * fabs(turn[i]) < angle)) return 0;
+    return 1;
+}
+
+/* Whether an iteration has come to rest. */
 static inline int converged(Vector3 last, Vector3 next, double h) {
     const real before[3] = {last.x, last.y, last.z}, after[3] = {next.x, next.y, next.z};
-    for (size_t i = 0; i < 3; i++)
-        if (!(h * fabs(value_of(after[i] - before[i])) < ANGLE_TOLERANCE)) return 0;
-    return slopes_converged(before, after, 3);
+    return turned_less(last, next, h, ANGLE_TOLERANCE) && slopes_converged(before, after, 3);
 }
 
 /* Rotations of mid-step and of the end of the step, turned from the start by half a step twice. */
@@ -72,28 +67,33 @@ static inline Vector3 momentum_at_end(const double *x, Vector3 moment, double h,
     return transposed_times(a_end, vector_add(constant_vector(x + X_SPIN), vector_scaled(h, moment)));
 }
 
-/* Mean angular velocity, iterated on the moments of the forces at both ends. */
-static inline void turn_rigid(const Body *body, const double *x, const Load *load, double h, Axes *axes,
+/* Mean angular velocity, iterated on the moments of the forces at both ends; whether one is found. */
+static inline int turn_rigid(Body *body, const double *x, const Load *load, double h, Axes *axes,
                               const Work *work, Turned *turned) {
     const double *inverse = body->coupling.inverse;
     const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     Vector3 momentum;
+    for (size_t i = 0; i < 6; i++) turned->inertia_end[i] = body->coupling.inertia[i];
     undeformed_arms(body, work);
     turned->omega = start;
     turned->moments_start = moments_at(body, load, work->arms, axes->start, work->arms_start);
-    for (int i = 0, done = 0; i < MAX_ITERATIONS && !done; i++) {
+    int done = 0, found = 0;
+    for (int i = 0; i < MAX_ITERATIONS && !done; i++) {
         turn_on(axes->start, turned->omega, h, axes->mid, axes->end);
         Course moments_end = moments_at(body, load, work->arms, axes->end, work->arms_end);
         Course moment = moment_over(load, &turned->moments_start, &moments_end);
         momentum = momentum_at_end(x, moment.mean, h, axes->end);
         turned->end = constant_times(inverse, momentum);
         Vector3 bend = constant_times(inverse, vector_scaled(h / 6.0, transposed_times(axes->mid, moment.slope)));
-        Vector3 next = vector_subtract(vector_mean(start, turned->end), bend);
+        Vector3 mean = vector_subtract(vector_mean(start, turned->end), bend);
+        Vector3 next = newton_turn(body, load, axes, work, turned, momentum, moment.slope, h, mean);
         done = converged(turned->omega, next, h);
+        found = turned_less(turned->omega, next, h, ANGLE_ROUNDING);
         turned->omega = next;
     }
     turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
     turned->heat = 0.0;
+    return found || !REFUSING;
 }
 
 /* By what slopes put the mean of the angular velocities at both ends above that over the step, with their share in the
@@ -129,7 +129,7 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
     const Vector3 start = constant_vector(x + X_ANGULAR_VELOCITY), momentum_start = constant_vector(x + X_SPIN);
     real *turns = work->rates;
     Vector3 momentum, bend = {0.0, 0.0, 0.0};
-    int done = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
+    int done = 0, found = 0, sloped = load->sloped || body->forms; /* tension changes within a step */
     start_modes(body, x, work, turned->inertia_end);
     deformed_arms(body, work->eta_start, work);
     memcpy(work->deflection_start, work->deflection, 2 * l * sizeof(real));
@@ -162,17 +162,21 @@ static inline int turn_flexible(Body *body, const double *x, const Load *load, d
         moment = moment_over(load, &turned->moments_start, &moments_end);
         momentum = momentum_at_end(x, moment.mean, h, axes->end);
         turned->end = solved(body, turned->inertia_end, &work->coupling, momentum, work->pi);
-        Vector3 next = vector_subtract(vector_mean(start, turned->end), bend);
+        Vector3 mean = vector_subtract(vector_mean(start, turned->end), bend);
+        Vector3 next = newton_turn(body, load, axes, work, turned, momentum, moment.slope, h, mean);
         done = converged(turned->omega, next, h);
-        if (done && body->second_order)
-            done = settled(body, work) && slopes_converged(pairs_of(body, work).last, work->eta, n);
+        found = turned_less(turned->omega, next, h, ANGLE_ROUNDING);
+        if (body->second_order) {
+            found = found && settled(body, work);
+            done = done && found && slopes_converged(pairs_of(body, work).last, work->eta, n);
+        }
         turned->omega = next;
     }
     remember_end(body, work, turned->inertia_end);
     turned->heat = dissipated(prop, body->oscillators.compliance, n, work);
     if (sloped) turned->heat += dissipated_by_slopes(prop, body->oscillators.compliance, n, work);
     turned->change = vector_subtract(momentum, transposed_times(axes->start, momentum_start));
-    return done || !body->second_order || !REFUSING;
+    return found || !REFUSING;
 }
 
 /* First moments of velocity and angular velocity of every port, world axes, from those of the centre of mass and of
@@ -234,10 +238,8 @@ static inline int dynamic_step(Body *body, const double *x, const real *u, doubl
     Axes axes;
     rotation_matrix(q, axes.start);
     Turned turned;
-    if (!body->modes)
-        turn_rigid(body, x, &load, h, &axes, &work, &turned);
-    else if (!turn_flexible(body, x, &load, h, &axes, &work, &turned))
-        return refuse(why, "a step of %g s finds neither turn nor deflection in %d iterations; take smaller steps or loads",
+    if (!(body->modes ? turn_flexible : turn_rigid)(body, x, &load, h, &axes, &work, &turned))
+        return refuse(why, "a step of %g s comes to no end in %d iterations of turn and deflection; take smaller steps or loads",
                       h, MAX_ITERATIONS);
     Vector3 weight = constant_vector(body->gravity);
     Vector3 push = vector_scaled(h, vector_add(load.mean.force, vector_scaled(body->mass, weight)));
