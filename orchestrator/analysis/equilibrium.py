@@ -86,13 +86,31 @@ def equilibrium(
     adjusted: cable loops have exactly their preload, as when a run begins with static equilibrium. swept: those of
     the held lines that a sweep holds, which the advice of an error leaves out.
     """
-    mechanism = placed(scene, rigid, flexible, target)
-    mechanism.command(HOLD.name, 1.0, hinges_of(scene, held))
-    if adjusted:
-        lines = hinges_of(scene, [line.name for line in scene.hinge_lines])
-        mechanism.command(HOLD.name, 1.0, mechanism.connections.keys() - lines)
-    settle(mechanism, _advice(scene, target, held, swept))
+    advice = _advice(scene, target, held, swept)
+    # as in a run, joints carry no torque about their lines, unless nothing else keeps them in place
+    for joints_held in (False, True) if adjusted else (True,):
+        mechanism = placed(scene, rigid, flexible, target)
+        mechanism.command(HOLD.name, 1.0, hinges_of(scene, held))
+        if adjusted:
+            mechanism.command(HOLD.name, 1.0, _besides_lines(scene, mechanism, joints=joints_held))
+        try:
+            settle(mechanism, advice)
+        except SceneError:
+            if joints_held:
+                raise
+        else:
+            break
     return mechanism, _found(scene, mechanism, held)
+
+
+def _besides_lines(scene: CheckedScene, mechanism: Mechanism, *, joints: bool) -> set[str]:
+    """Connections that are no hinges of lines; joints: those of a preset among them."""
+    lines = hinges_of(scene, [line.name for line in scene.hinge_lines])
+    return {
+        name
+        for name, one in mechanism.connections.items()
+        if name not in lines and (joints or one.component.kind != Hinge.kind)
+    }
 
 
 def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:

@@ -1,6 +1,7 @@
 """Linkages with preload start in the equilibrium of their pins, which carry no torque; pendulums stay held."""
 
 import numpy as np
+import pytest
 
 import orchestrator as fanfold
 
@@ -32,6 +33,15 @@ def test_a_pin_is_free_where_something_else_carries_its_body():
     """
     run = fanfold.simulate(carried(by_motion=True), estimate=False)
     np.testing.assert_allclose(run["ground", "interface_force"][:, 2], -98.1, rtol=1e-3)
+
+
+def test_the_equilibrium_with_preload_is_the_one_runs_begin_with():
+    """Statics, as above, and 49.05 N.m of a pendulum that only its pin holds. Regression: 90.1 N, as pins were held."""
+    found = fanfold.equilibrium(carried(by_motion=True), preload=True)
+    assert found.loads["carrier"]["motion_force"][0] == pytest.approx(98.1, rel=1e-9)
+    assert found.loads["pin"]["radial_force"][0] == pytest.approx(0.0, abs=1e-9)
+    pendulum = fanfold.equilibrium(carried(by_motion=False), preload=True)
+    assert pendulum.loads["pin"]["hinge_torque[1]"][0] == pytest.approx(-49.05, rel=1e-9)
 
 
 def test_a_pendulum_starts_where_it_was_drawn():
