@@ -74,6 +74,7 @@ def modes(
     steady spin, whose modes are those in axes that turn along. count: modes beyond the free motions.
     """
     from ..analysis.modes import find_modes
+    from ..analysis.unstated_joints import unstated_joint_sentences
 
     checked = _for_small_motion(scene, rigid, spinning=True)
     target = _configuration(checked, configuration, angles, latched)
@@ -94,6 +95,8 @@ def modes(
     )
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
+    for sentence in unstated_joint_sentences(checked, found.model, found.shapes):
+        warn(sentence)
     return found
 
 

@@ -1,0 +1,71 @@
+"""How much of a mode hangs on joints whose stiffness a scene does not state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from components import rotation_matrix
+from components.contract.component import Vector
+from components.hinge import Hinge
+
+from ..assembly.statics.linear_model import LinearModel, NormalModes
+from ..assembly.statics.mechanism import Mechanism
+from ..scene import CheckedScene
+from ..scene.hinge_line_tables import Joint
+
+_TOLD = 0.1
+"""Of a mode's strain energy: stiff joints in their place raise its frequency by half as much."""
+_MODES = 6
+"""The first ones, that a scene is judged by."""
+_NAMED = 3
+
+
+def unstated_joint_sentences(scene: CheckedScene, model: LinearModel, modes: NormalModes) -> Iterator[str]:
+    """A sentence for the mode of the first ones that joints stiff by default bend most, where that is a tenth."""
+    if np.iscomplexobj(modes.shapes):
+        return
+    first = np.flatnonzero(~modes.is_free & (modes.eigenvalues > 0.0))[:_MODES]
+    found = {
+        name: _strain(model.mechanism, name, stiffness, modes.shapes[:, first]) / modes.eigenvalues[first]
+        for name, stiffness in _stiff_by_default(scene, model.mechanism)
+    }
+    whole = sum(found.values(), np.zeros(first.size))
+    if not whole.max(initial=0.0) > _TOLD:
+        return
+    k = int(whole.argmax())
+    names = sorted(found, key=lambda name: -found[name][k])
+    several = ", ".join(names[:_NAMED]) + (" and others" if len(names) > _NAMED else "")
+    mode = f"mode {first[k] + 1} ({modes.frequencies[first[k]]:.4g} Hz)"
+    yield (
+        f"{scene.header.name}: {whole[k]:.0%} of the strain energy of {mode} is in joints that are as stiff as [joint] "
+        f"has them by default ({several}); state their stiffness, as the frequency hangs on it"
+    )
+
+
+def _stiff_by_default(scene: CheckedScene, mechanism: Mechanism) -> Iterator[tuple[str, Vector]]:
+    """Joints with their stiffness (6,) along and about their axes, zero where the scene states it."""
+    default = Joint()
+    unstated = set(Joint.model_fields) - scene.joint.model_fields_set
+    along = [getattr(default, name) for name in ("axial_stiffness", "radial_stiffness") if name in unstated]
+    about = [default.cross_stiffness] if "cross_stiffness" in unstated else []
+    for name, one in mechanism.connections.items():
+        if one.component.kind != Hinge.kind:
+            continue
+        layout, values = one.component.parameter_layout, one.parameters
+        stiffness = [values[layout[f"{way}_stiffness"]] for way in ("translational", "rotational")]
+        kept = [np.where(np.isin(k, of), k, 0.0) for k, of in zip(stiffness, (along, about), strict=True)]
+        if (both := np.concatenate(kept)).any():
+            yield name, both
+
+
+def _strain(mechanism: Mechanism, joint: str, stiffness: Vector, shapes: Vector) -> Vector:
+    """Twice the strain energy (k,) in a joint's springs."""
+    connection = mechanism.connections[joint]
+    axes = rotation_matrix(Hinge.states.read(connection.state).frame)
+    inboard, outboard = (mechanism.jacobian(joint, port) for port in (0, 1))
+    apart = (outboard - inboard) @ shapes
+    own = np.concatenate([axes.T @ apart[:3], axes.T @ apart[3:]])
+    strain: Vector = stiffness @ own**2
+    return strain
