@@ -176,7 +176,15 @@ class _Search:
         return self.linear.matrix
 
     def slopes(self, point: Vector) -> Vector:
-        """Derivatives of residuals (rows) by the shares of the ranges (columns)."""
+        """Derivatives of residuals (rows) by the shares of the ranges (columns).
+
+        What moves no target by the accuracy over its range gets zeros: rounding there would send the search far along.
+        """
+        found = self._slopes(point)
+        found[:, np.linalg.norm(found, axis=0) < self.accuracy] = 0.0
+        return found
+
+    def _slopes(self, point: Vector) -> Vector:
         if not self.curves and self._costs_of_neighbours < len(self.varied):
             with suppress(FanfoldError):
                 return self._by_neighbours(point)
