@@ -35,6 +35,8 @@ _OF_A_NEIGHBOUR = 0.6
 _BEYOND_END = 1.0 + 1e-9
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
+_TIE = 0.01
+"""Of the accuracy, what the whole range of a key weighs: of all values that meet the targets, those next to the start."""
 _BLIND = 1e-4
 """Of the largest singular value: a combination of keys that moves all targets less is not told by them."""
 
@@ -98,6 +100,7 @@ class _Search:
     most_runs: int
     executor: Executor | None
     watch: Callable[[int, float], None]
+    start: Vector
     runs: int = 0
     known: dict[tuple[float, ...], tuple[Sample, Vector]] = field(default_factory=dict)
     linear: _Linear | None = None
@@ -159,7 +162,12 @@ class _Search:
         found = self.at([np.clip(point, 0.0, 1.0)])[0][1]
         if self.size(found) <= self.accuracy or self.runs >= self.most_runs:
             raise _ReachedError
-        return found
+        return np.concatenate((found, self._tie * (point - self.start)))
+
+    @property
+    def _tie(self) -> float:
+        """What leaving the start weighs beside targets, so that a search goes nowhere for nothing."""
+        return _TIE * self.accuracy
 
     def jacobian(self, point: Vector) -> Vector:
         """For SciPy: slopes of residuals; the last ones, brought up to date by Broyden, where they led well."""
@@ -173,12 +181,12 @@ class _Search:
                 self.linear = _Linear(here, residual, matrix)
         if self.linear is None:
             self.linear = _Linear(here, residual, self.slopes(here))
-        return self.linear.matrix
+        return np.vstack((self.linear.matrix, self._tie * np.eye(len(here))))
 
     def slopes(self, point: Vector) -> Vector:
         """Derivatives of residuals (rows) by the shares of the ranges (columns).
 
-        What moves no target by the accuracy over its range gets zeros: rounding there would send the search far along.
+        What moves no target by the accuracy over its range gets zeros: what stands there is rounding.
         """
         found = self._slopes(point)
         found[:, np.linalg.norm(found, axis=0) < self.accuracy] = 0.0
@@ -262,7 +270,7 @@ def tune(
     task = replace(task, signals=patterns, times=curves[0].times if curves else ())
     start = np.array([_start(task, one) for one in varied])
     with nullcontext(None) if workers == 1 else local(workers) as executor:
-        search = _Search(task, varied, targets, curves, accuracy, most_runs, executor, watch)
+        search = _Search(task, varied, targets, curves, accuracy, most_runs, executor, watch, start)
         # the run at the start tells of numbers that there are not, before a residual is asked for
         first = run_sample(task, 0, search.settings(start))
         if first.message:
