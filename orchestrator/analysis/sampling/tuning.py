@@ -36,7 +36,7 @@ _BEYOND_END = 1.0 + 1e-9
 _WELL = 0.3
 """Of a residual, what a step may leave of it for the derivatives that it was made with to be kept."""
 _TIE = 0.01
-"""Of the accuracy, what the whole range of a key weighs: of all values that meet the targets, those next to the start."""
+"""Of the accuracy, what the whole range of a key weighs: values that meet the targets are those next to the start."""
 _BLIND = 1e-4
 """Of the largest singular value: a combination of keys that moves all targets less is not told by them."""
 
