@@ -62,9 +62,10 @@ def is_slender(inertia: Vector) -> bool:
 
 def newton_turn(end: Ending, load: Load, omega: Vector, missing: Vector, h: float) -> Vector:
     """What takes the mean angular velocity omega of a step h (s) on, from by how much the next one misses it."""
-    force = (0.5 * load.force + load.force_slope / 6.0) @ end.axes
+    # slopes change the mean moment and their own by turns that cancel
+    force = load.force @ end.axes
     lever = end.arms.T @ force - np.diag((float(np.vdot(end.arms, force)),) * 3)
-    by_end = skew(0.5 * h * end.momentum) + (0.5 * h * h) * lever
+    by_end = skew(0.5 * h * end.momentum) + (0.25 * h * h) * lever
     tangent = end.inertia - by_end @ _turn_of_end(h * omega) + skew((h * h / 12.0) * end.moment_slope)
     return solved(tangent, end.inertia @ missing)
 

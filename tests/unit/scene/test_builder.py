@@ -114,6 +114,8 @@ def test_a_hand_written_file_and_code_are_one():
     points = {"hl_left": ["0 m", "0.565 m", "0 m"], "hl_right": ["0 m", "-0.565 m", "0 m"]}
     table = wing.base("workbench_table", points=points)
     panel = wing.body("panel", catalogue="workbench_panel", fixed_interface_modes=10)
+    stiffness = {"axial": "2e6 N/m", "radial": "5e6 N/m", "cross": "2e4 N.m/rad"}
+    wing.joint(**{f"{way}_stiffness": value for way, value in stiffness.items()})
     wing.hinge_line(
         "HL", table, panel, axis="+y", aligned_angle="180 deg",
         motor={"stowed": "2.304 N.m", "deployed": "1.434 N.m"},

@@ -75,10 +75,9 @@ static inline Vector3 newton_turn(const Body *body, const Load *load, const Axes
     double tangent[9] = {0.0};
     add_cross(-0.5 * h, momentum, tangent);
     for (size_t k = 0; k < body->ports; k++) {
-        Vector3 force = vector_scaled(0.5, vector_of(load->wrenches + WRENCH_SIZE * k));
-        if (load->sloped)
-            force = vector_add(force, vector_scaled(1.0 / 6.0, vector_of(load->slopes + WRENCH_SIZE * k)));
-        add_lever(-0.5 * h * h, vector_of(work->arms + 3 * k), transposed_times(axes->end, force), tangent);
+        /* slopes change the mean moment and their own by turns that cancel */
+        Vector3 force = transposed_times(axes->end, vector_of(load->wrenches + WRENCH_SIZE * k));
+        add_lever(-0.25 * h * h, vector_of(work->arms + 3 * k), force, tangent);
     }
     at_end_of_turn(h, turned->omega, tangent);
     for (size_t i = 0; i < 9; i++) tangent[i] += value_of(inertia[entry[i]]);
