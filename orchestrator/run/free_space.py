@@ -1,6 +1,6 @@
-"""Whether the disk has room for what a run is going to write: told of while one can still act, not when it is full.
+"""How large a result is going to be, and whether the disk has room for it: told of while one can still act.
 
-A result that meets a full disk is readable up to there, but the night is lost.
+A result that meets a full disk is readable up to there, but the night is lost; one of many gigabytes is hard to read.
 """
 
 from __future__ import annotations
@@ -17,11 +17,13 @@ _SECONDS = 1.0
 """Between two looks."""
 _SHORTEST = 0.01
 """Part of a run by which it must have gone on between two looks, for its pace to say something of the rest."""
-_MEGABYTE = 1e6
+_MEGABYTE, _GIGABYTE = 1e6, 1e9
+_LARGE = 5.0 * _GIGABYTE
+"""Of a result, from where on its size is told: views read whole signals into memory."""
 
 
 class FreeSpace:
-    """A watch that tells once that a result grows so that it will not fit until the run's end (s).
+    """A watch that tells once that a result grows so that it will not fit, or is large, until the run's end (s).
 
     Room is reserved for many rows at a time, so that growth is counted from one such moment to a later one. What is
     left of the run is expected to grow as it did.
@@ -32,7 +34,7 @@ class FreeSpace:
         self._looked = monotonic()
         self._size: int | None = None
         self._first: tuple[float, int] | None = None
-        self._told = False
+        self._told = self._told_large = False
 
     def __call__(self, time: float, h: float) -> None:
         """Show a step, and look at the disk if none did for a second."""
@@ -61,4 +63,11 @@ class FreeSpace:
                 f"{self._path}: at t = {time:.6g} s the disk has {free / _MEGABYTE:.3g} MB free, and the result will "
                 f"take about {needed / _MEGABYTE:.3g} MB more; make room while the run goes on, or stop it and name a "
                 "file elsewhere. What is written stays readable"
+            )
+        elif size + needed > _LARGE and not self._told_large:
+            self._told_large = True
+            self._warn(
+                f"{self._path}: the result will take about {(size + needed) / _GIGABYTE:.3g} GB by "
+                f"{self._end:.6g} s, as it keeps all rows while the run goes on; --record SECONDS leaves fewer of them "
+                "in the end, and a looser tolerance or an earlier end makes fewer"
             )

@@ -57,3 +57,18 @@ def test_a_run_tells_once(tmp_path, disk, monkeypatch):
     found = [str(one.message) for one in told if "MB free" in str(one.message)]
     assert len(found) == 1
     assert str(tmp_path / "result.h5") in found[0]
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(5000.0, []), (5002.0, ["5 GB by 5002 s"])])
+def test_a_large_result_is_told_of_once(tmp_path, disk, monkeypatch, seconds, told):
+    """Closed form: a megabyte a second comes to five gigabytes after 5,000 s."""
+    monkeypatch.setattr(free_space, "_SHORTEST", 0.0)
+    path, sentences = tmp_path / "result.h5", []
+    watch = FreeSpace(path, seconds, sentences.append, lambda time, h: None)
+    disk(1e12)
+    for time in (1.0, 2.0, 3.0, 4.0):
+        path.write_bytes(bytes(CHUNK * int(time)))
+        watch(time, 1.0)
+    assert len(sentences) == len(told)
+    for part, sentence in zip(told, sentences, strict=True):
+        assert part in sentence
