@@ -80,7 +80,7 @@ static int is_done(Neighbour *b, const Sizes2 *s, size_t kind) {
     if (s->change[kind] <= fmax(little ? NEIGHBOUR_SMALL * s->difference[kind] : 0.0, b->rounding[kind])) return 1;
     if (b->network->iteration <= 2 || s->change[kind] < NEIGHBOUR_RATIO * b->last[kind]) return 0;
     const double least = kind ? b->network->tolerance.torque : b->network->tolerance.force; /* of what rests there is none */
-    if (b->left[kind] > 0.0 && !(s->change[kind] <= NEIGHBOUR_ROUNDING * (least + s->wrench[kind]))) return 0;
+    if (!little && !(s->change[kind] <= NEIGHBOUR_ROUNDING * (least + s->wrench[kind]))) return 0;
     b->rounding[kind] = s->change[kind];
     return 1;
 }

@@ -85,7 +85,7 @@ def command(
 def _report(found: Gradients, verified: bool) -> None:
     from ..tables import Column, tables_that_fit, terminal
 
-    console, round_off = terminal(), found.round_off.tolist()
+    console, round_off, doubtful = terminal(), found.round_off.tolist(), {*found.doubtful}
     fixed = [
         Column("", found.names),
         Column("value", [f"{one.value:.6g} {one.unit}" for one in found.numbers]),
@@ -102,8 +102,10 @@ def _report(found: Gradients, verified: bool) -> None:
         Column(
             _heading(key, unit),
             [
-                "" if nothing and not error <= _REAL * abs(value) else _sure(value, error)
-                for nothing, value, error in zip(round_off, values, errors, strict=True)
+                ""
+                if nothing and not error <= _REAL * abs(value)
+                else _sure(value, error, believed=name not in doubtful)
+                for name, nothing, value, error in zip(found.names, round_off, values, errors, strict=True)
             ],
         )
         for key, unit, (values, errors) in zip(found.keys, found.units, singles, strict=True)
@@ -112,10 +114,15 @@ def _report(found: Gradients, verified: bool) -> None:
         console.print(table)
 
 
-def _sure(value: float, error: float) -> str:
-    """A derivative, and by what part of it it may be off where that is more than a hundredth."""
+def _sure(value: float, error: float, *, believed: bool) -> str:
+    """A derivative, and by what part of it it may be off where that is more than a hundredth.
+
+    None that is off by more where nobody vouches for its number: not even its size means something there.
+    """
     if not error > _SURE * abs(value):
         return f"{value:.5g}"
+    if not believed:
+        return "not told"
     share = error / abs(value) if value else inf
     return f"{value:.3g} ±{share:.0%}" if share < _MOST else f"{value:.3g} ±all"
 
