@@ -18,7 +18,7 @@ from .options import (
     plugin_option,
     scene_choice,
 )
-from .types import Count, Number, OutputFile
+from .types import Count, Number, OutputFile, Seconds
 
 if TYPE_CHECKING:
     from fmus import Backend, FmiVersion
@@ -150,7 +150,7 @@ def body_command(choice: SceneChoice, body: str, output: Path, modes: int | None
     help="csv, mat: signals, with commas between, such as 'hl1_*,panel1.frame_*'; by default all.",
 )  # fmt: skip
 @click.option(
-    "--every", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    "--every", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
     help="csv, mat: rows at equal spacing, linear between recorded ones; by default these.",
 )  # fmt: skip
 @click.option("--replace", is_flag=True, help="Replace what is there already.")

@@ -12,7 +12,7 @@ import orchestrator as fanfold
 
 from .options import SceneChoice, backend_option, large_deformation_option, ordered_names, scene_choice
 from .progress import progress
-from .types import Number, OutputFile, Spacing
+from .types import Number, OutputFile, Seconds, Spacing
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -32,9 +32,11 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 @large_deformation_option
 @backend_option
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy asked for.")
-@click.option("--until", type=Number(min=0.0, min_open=True), help="End time in seconds.")
+@click.option("--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time in seconds.")
 @click.option("--output", type=OutputFile(), help="Result file (HDF5).")
-@click.option("--step", type=Number(min=1e-7), help="Fixed communication step size in seconds.")
+@click.option(
+    "--step", type=Seconds(min=1e-7), metavar="SECONDS", help="Fixed communication step size in seconds."
+)
 @click.option(
     "--order", type=click.Choice(["auto", "2", "4"]), default="auto", show_default=True,
     help="Order of the coupling: wrenches constant or linear in time over a step; auto: 4.",
@@ -46,7 +48,7 @@ _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
     show_default=True,
 )
 @click.option(
-    "--checkpoint", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    "--checkpoint", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
     help="Keep a checkpoint after so much simulated time, from which `fanfold resume` goes on; last digits differ from "
     "those of a run without.",
 )  # fmt: skip

@@ -13,7 +13,7 @@ import click
 import orchestrator as fanfold
 
 from .options import SceneChoice, large_deformation_option, ordered_names, refuse_idle, scene_choice
-from .types import Number, OutputFile
+from .types import Number, OutputFile, Seconds
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -45,7 +45,12 @@ _LINES = 12
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--cluster", metavar="ADDRESS", help="Scheduler of a Dask cluster, such as tcp://host:8786.")
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
-@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of every run in seconds.")
+@click.option(
+    "--until",
+    type=Seconds(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="End time of every run in seconds.",
+)
 @click.option("--estimate", is_flag=True, help="Estimate the errors of headline numbers in every run.")
 @click.option(
     "--signals", multiple=True, callback=ordered_names, metavar="PATTERNS",

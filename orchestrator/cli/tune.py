@@ -14,7 +14,7 @@ import click
 import orchestrator as fanfold
 
 from .options import SceneChoice, large_deformation_option, scene_choice
-from .types import Number
+from .types import Number, Seconds
 
 if TYPE_CHECKING:
     from ..analysis.sampling.tuning import Tuned
@@ -49,7 +49,12 @@ _NOT_REACHED = 2
 @click.option("--most-runs", type=click.IntRange(min=2), default=100, show_default=True)
 @click.option("--workers", type=click.IntRange(min=1), default=1, show_default=True, help="Processes.")
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of every run.")
-@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of every run in seconds.")
+@click.option(
+    "--until",
+    type=Seconds(min=0.0, min_open=True),
+    metavar="SECONDS",
+    help="End time of every run in seconds.",
+)
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 @click.pass_context
 def command(

@@ -45,7 +45,24 @@ class Number(click.FloatRange):
         return _range(self.min, self.max, self.min_open)
 
 
-class Spacing(Number):
+class Seconds(Number):
+    """A time in a range, a plain number or one with its unit, such as 8ms."""
+
+    name = "number of seconds"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
+        """Seconds, or click's own refusal."""
+        from ..scene.units import QUANTITY, UNITS, to_si  # takes its time, which --help need not
+
+        if isinstance(value, str) and (found := QUANTITY.fullmatch(value)) and found[2] in UNITS["s"]:
+            try:
+                value = to_si(f"{found[1]} {found[2]}", "s")
+            except ValueError as error:
+                self.fail(f"{value!r}: it {error}.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
+class Spacing(Seconds):
     """Seconds between rows, None where "all" are meant."""
 
     name = "spacing in seconds"
@@ -54,7 +71,7 @@ class Spacing(Number):
         super().__init__(min=0.0, min_open=True)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:  # noqa: ANN401
-        """The number, None, or click's own refusal."""
+        """Seconds, None, or click's own refusal."""
         return None if value == "all" else super().convert(value, param, ctx)
 
 

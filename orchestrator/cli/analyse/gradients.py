@@ -13,7 +13,7 @@ import orchestrator as fanfold
 
 from ..options import SceneChoice, large_deformation_option, scene_choice
 from ..progress import progress
-from ..types import Number, Picture
+from ..types import Number, Picture, Seconds
 
 if TYPE_CHECKING:
     from ...analysis.sampling.gradients import Gradients
@@ -41,7 +41,9 @@ the third it means something of a number that is round-off itself."""
     "its neighbours.",
 )
 @click.option("--tolerance", type=Number(min=1e-10, max=0.1), help="Relative accuracy of the run.")
-@click.option("--until", type=Number(min=0.0, min_open=True), help="End time of the run in seconds.")
+@click.option(
+    "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS", help="End time of the run in seconds."
+)
 @click.option(
     "--output", type=Picture(), metavar="FILE", default=None,
     help="Picture to write; by default named after SCENE, with .gradients.png.",

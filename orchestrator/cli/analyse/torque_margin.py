@@ -14,7 +14,7 @@ import orchestrator as fanfold
 from ...analysis.torque_margin.standard import DEMANDS, FACTORS, FactorKind
 from ..options import SceneChoice, layered_scene, ordered_names, refuse_idle
 from ..progress import progress
-from ..types import Count, Number, given_quantity
+from ..types import Count, Seconds, given_quantity
 
 if TYPE_CHECKING:
     from ...analysis.torque_margin.sweep import FrictionKind
@@ -70,7 +70,7 @@ def _extra_torques(
     help="Run from rest at these, such as 25%,50% of the travel, or 45deg of the first line with a motor.",
 )  # fmt: skip
 @click.option(
-    "--until", type=Number(min=0.0, min_open=True), metavar="SECONDS",
+    "--until", type=Seconds(min=0.0, min_open=True), metavar="SECONDS",
     help="End time of restarts; by default that of the scene.",
 )  # fmt: skip
 @click.option(

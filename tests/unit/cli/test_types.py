@@ -7,7 +7,7 @@ from math import pi
 import click
 import pytest
 
-from orchestrator.cli.types import Count, Number, OutputFile, Picture, given_quantity
+from orchestrator.cli.types import Count, Number, OutputFile, Picture, Seconds, Spacing, given_quantity
 
 
 @pytest.mark.parametrize(
@@ -45,6 +45,19 @@ def test_what_is_no_quantity_is_told(text, unit, sentence):
     with pytest.raises(click.BadParameter) as refused:
         given_quantity(text, unit, "it", "zero or positive")
     assert sentence in refused.value.message
+
+
+@pytest.mark.parametrize(("text", "value"), [("8ms", 0.008), ("1.5 s", 1.5), ("0.02", 0.02), (3.0, 3.0)])
+def test_times_have_a_unit_or_are_seconds(text, value):
+    assert Seconds(min=1e-7).convert(text, None, None) == pytest.approx(value, rel=1e-15)
+    assert Spacing().convert(text, None, None) == pytest.approx(value, rel=1e-15)
+    assert Spacing().convert("all", None, None) is None
+
+
+@pytest.mark.parametrize("text", ["8mm", "ms", "-8ms", "nan s", "1e-9 s", ""])
+def test_what_is_no_time_is_refused(text):
+    with pytest.raises(click.BadParameter):
+        Seconds(min=1e-7).convert(text, None, None)
 
 
 @pytest.mark.parametrize(
