@@ -46,8 +46,9 @@ typedef struct {
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
    then those of conditions; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
-   is at release_time; steps (capacity,): sizes made; position: steps of the segment; parts, stood: of a fixed step, as in DividedStep; status: of the coupled step at
-   hand; neighbours: runs beside this one or NULL, guess (size,): room for them. */
+   is at release_time; steps (capacity,): sizes made; position: steps of the segment; parts, stood: of a fixed
+   step, as in DividedStep of stepping.py; status: of the coupled step at hand; neighbours: runs beside this one or NULL,
+   guess (size,): room for them. */
 typedef struct {
     Network *network;
     StepSizes *sizes;
