@@ -67,20 +67,32 @@ def _lowest_modes(
 
 
 def _lowest_whole(stiffness: SparseMatrix, mass: SparseMatrix, count: int, factor: SuperLU) -> Vector:
-    """The same vectors, but that modes of one frequency which the count parts are turned in a way of their own.
+    """The same vectors, and with them all those of the frequency of the last one.
 
-    A solver returns any of them, another one each time, and bodies with half of a pair would not be the same.
+    With half of a pair a round boom would swing out of the plane that it is moved in.
     """
     size = stiffness.shape[0]
     asked = min(count + _ALIKE, size) if 0 < count < size else count
     values, vectors = _lowest_modes(stiffness, mass, asked, factor)
-    if asked == count or values[count] - values[count - 1] > _EQUAL * values[count]:
-        return vectors[:, :count]
-    group = np.flatnonzero(np.abs(values - values[count]) <= _EQUAL * values[count])
-    marks = np.random.default_rng(2).standard_normal((size, group.size))
-    turn, sizes = np.linalg.qr(vectors[:, group].T @ _times(mass, marks))
-    vectors[:, group] = vectors[:, group] @ (turn * np.sign(np.diag(sizes)))
-    return vectors[:, :count]
+    if asked == count:
+        return vectors
+    return vectors[:, np.flatnonzero(values <= (1.0 + _EQUAL) * values[count - 1])]
+
+
+def _told_apart(values: Vector, vectors: Vector, mass: SparseMatrix) -> Vector:
+    """Mass-normalised vectors (n, k) of rising eigenvalues (k,), those of one value turned in a way of their own.
+
+    A solver returns any vectors of a pair, others each time, and bodies would not be the same.
+    """
+    found, k = vectors.copy(), 0
+    while k < values.size:
+        last = int(np.searchsorted(values, (1.0 + _EQUAL) * values[k], side="right"))
+        if last - k > 1:
+            marks = np.random.default_rng(2).standard_normal((len(vectors), last - k))
+            turn, sizes = np.linalg.qr(vectors[:, k:last].T @ _times(mass, marks))
+            found[:, k:last] = vectors[:, k:last] @ (turn * np.sign(np.diag(sizes)))
+        k = last
+    return found
 
 
 def fixed_interface_frequencies(
@@ -138,7 +150,7 @@ def orthonormal_modes(
         raise ComponentError(
             "some motions have no kinetic energy, or a negative one, by the mass matrix; it is not that of a body"
         ) from None
-    modes = model.without_rigid_motions(elastic @ vectors)
+    modes = _told_apart(values, model.without_rigid_motions(elastic @ vectors), model.mass_matrix)
     return np.sqrt(values), modes * _signs(modes)
 
 
