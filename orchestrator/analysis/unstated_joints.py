@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from components import rotation_matrix
 from components.contract.component import Vector
@@ -13,7 +14,9 @@ from components.hinge import Hinge
 from ..assembly.statics.linear_model import LinearModel, NormalModes
 from ..assembly.statics.mechanism import Mechanism
 from ..scene import CheckedScene
+from ..scene.expansion.presets import CONSTRAINED
 from ..scene.hinge_line_tables import Joint
+from ..scene.reader import whole_tree
 
 _TOLD = 0.1
 """Of a mode's strain energy: stiff joints in their place raise its frequency by half as much."""
@@ -29,7 +32,8 @@ def unstated_joint_sentences(scene: CheckedScene, model: LinearModel, modes: Nor
     first = np.flatnonzero(~modes.is_free & (modes.eigenvalues > 0.0))[:_MODES]
     found = {
         name: _strain(model.mechanism, name, stiffness, modes.shapes[:, first]) / modes.eigenvalues[first]
-        for name, stiffness in _stiff_by_default(scene, model.mechanism)
+        for name, stiffness in _stiff_by_default(scene)
+        if name in model.mechanism.connections and stiffness.any()
     }
     whole = sum(found.values(), np.zeros(first.size))
     if not whole.max(initial=0.0) > _TOLD:
@@ -44,20 +48,39 @@ def unstated_joint_sentences(scene: CheckedScene, model: LinearModel, modes: Nor
     )
 
 
-def _stiff_by_default(scene: CheckedScene, mechanism: Mechanism) -> Iterator[tuple[str, Vector]]:
+def _stiff_by_default(scene: CheckedScene) -> Iterator[tuple[str, Vector]]:
     """Joints with their stiffness (6,) along and about their axes, zero where the scene states it."""
-    default = Joint()
-    unstated = set(Joint.model_fields) - scene.joint.model_fields_set
-    along = [getattr(default, name) for name in ("axial_stiffness", "radial_stiffness") if name in unstated]
-    about = [default.cross_stiffness] if "cross_stiffness" in unstated else []
-    for name, one in mechanism.connections.items():
-        if one.component.kind != Hinge.kind:
+    default, stated = Joint(), scene.joint.model_fields_set
+    axial, radial, cross = (
+        0.0 if f"{way}_stiffness" in stated else float(getattr(default, f"{way}_stiffness"))
+        for way in ("axial", "radial", "cross")
+    )
+    for hinge in (hinge for line in scene.hinge_lines for hinge in line.hinges):
+        along = (axial * (hinge.kind != "cylindrical"), radial, radial)
+        about = np.multiply((0.0, cross, cross), hinge.kind != "spherical")
+        yield hinge.name, _unless((hinge.translational_stiffness, along), (hinge.rotational_stiffness, about))
+    written = {
+        entry["name"]: entry.get("parameters", {})
+        for entry in whole_tree(dict(scene.tree)).get("connection", ())
+    }
+    for joint in scene.connections:
+        if joint.preset is None:
             continue
-        layout, values = one.component.parameter_layout, one.parameters
-        stiffness = [values[layout[f"{way}_stiffness"]] for way in ("translational", "rotational")]
-        kept = [np.where(np.isin(k, of), k, 0.0) for k, of in zip(stiffness, (along, about), strict=True)]
-        if (both := np.concatenate(kept)).any():
-            yield name, both
+        given, (along, about) = written[joint.name], CONSTRAINED[joint.preset]
+        yield (
+            joint.name,
+            _unless(
+                (given.get("translational_stiffness"), np.multiply(along, radial)),
+                (given.get("rotational_stiffness"), np.multiply(about, cross)),
+            ),
+        )
+
+
+def _unless(*ways: tuple[object, ArrayLike]) -> Vector:
+    """Stiffnesses of several ways, each zero where something is given."""
+    return np.concatenate(
+        [np.zeros(3) if given is not None else np.asarray(own, float) for given, own in ways]
+    )
 
 
 def _strain(mechanism: Mechanism, joint: str, stiffness: Vector, shapes: Vector) -> Vector:

@@ -142,6 +142,11 @@ def read_scene(file: str, tree: Tree) -> CheckedScene:
     return scene
 
 
+def whole_tree(tree: Tree) -> Tree:
+    """The tree of a scene with arrays written out and entries that are like others completed."""
+    return resolved(expanded(tree)[0])[0]
+
+
 def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[CheckedScene | None, list[str]]:
     """The scene of a tree, None where it has problems, and these."""
     repeated, wrong_arrays = expanded(tree)

@@ -16,7 +16,7 @@ STATED = {"axial_stiffness": 2e6, "radial_stiffness": 5e6, "cross_stiffness": 2e
 """The defaults."""
 
 
-def mast(**joint):
+def mast(parameters=None, **joint):
     """A tube of 2 m, about as stiff in bending as the joint of preset fixed that clamps it to the ground."""
     scene = fanfold.Scene("mast", until="1 s")
     ground = scene.base("ground", points={"o": (0, 0, 0)})
@@ -25,7 +25,8 @@ def mast(**joint):
         place={"body": ground, "point": "o"},
         beam={"length": 2.0, "tube": TUBE, "attachment_points": {"root": 0.0, "tip": 2.0}},
     )
-    scene.connection("clamp", preset="fixed", ports={"inboard": (ground, "o"), "outboard": (beam, "root")})
+    ports = {"inboard": (ground, "o"), "outboard": (beam, "root")}
+    scene.connection("clamp", preset="fixed", ports=ports, parameters=parameters or {})
     if joint:
         scene.joint(**joint)
     return scene
@@ -53,6 +54,13 @@ def test_a_share_tells_what_stiffness_does_to_the_frequency():
 def test_stated_joints_are_believed():
     """The same stiffness as by default, stated."""
     assert not modes_and_sentences(mast(**STATED))[1]
+
+
+def test_what_a_joint_says_itself_is_believed():
+    """Rule: the numbers of the default, stated by the joint; a radial stiffness that is the axial one by default."""
+    own = {"translational_stiffness": (5e6,) * 3, "rotational_stiffness": (2e4,) * 3}
+    assert not modes_and_sentences(mast(own))[1]
+    assert not modes_and_sentences(mast(radial_stiffness=STATED["axial_stiffness"], cross_stiffness=3e4))[1]
 
 
 @pytest.mark.parametrize("scene", ["workbench", "bepicolombo", "amos3"])
