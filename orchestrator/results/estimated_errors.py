@@ -91,12 +91,26 @@ def doubts(
     advice = f"a smaller {'step' if fixed_step else 'tolerance'} makes it surer"
     if refined is not None:
         advice = f"a run at {refined:.2g} did not make it surer"
+    shares: dict[Key, float] = {}
+    for (quantity, of), size in _sizes(numbers, errors):
+        if errors[quantity, of].most > MOST_TOLERANCES * tolerance * size:
+            shares[quantity, of] = errors[quantity, of].most / size
     return [
-        f"the {quantity} of {of} may be off by {errors[quantity, of].most / size:.1g} of its size, more than ten "
-        f"times the tolerance of {tolerance:g}; {advice}"
-        for (quantity, of), size in _sizes(numbers, errors)
-        if errors[quantity, of].most > MOST_TOLERANCES * tolerance * size
+        f"{subject} may be off by {share:.1g} of {whole}, more than ten times the tolerance of {tolerance:g}; {advice}"
+        for subject, share, whole in _together(shares)
     ]
+
+
+def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
+    """In words what is off, all components of a load at once, by the largest part, and of what it is one."""
+    for quantity, of in shares:
+        if quantity not in _LOADS:
+            yield f"the {quantity} of {of}", shares[quantity, of], "its size"
+            continue
+        components = [axis for load, axis in shares if load == quantity]
+        if of == components[0]:
+            most = max(shares[quantity, axis] for axis in components)
+            yield f"the {quantity} of {', '.join(components)}", most, "its largest component"
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:

@@ -167,6 +167,17 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
     assert doubts(numbers, errors, None) == []
 
 
+def test_components_of_a_load_are_doubted_in_one_sentence():
+    """Rule: a component that is nothing has no size of its own that it could be off by."""
+    load = "interface force peak"
+    numbers = [((load, axis), value) for axis, value in zip("xyz", (1000.0, 0.0, 500.0), strict=True)]
+    errors = {(load, "y"): EstimatedError(10.0, 40.0), (load, "z"): EstimatedError(5.0, 20.0)}
+    (sentence,) = doubts(numbers, errors, 1e-3)
+    assert sentence.startswith(
+        "the interface force peak of y, z may be off by 0.04 of its largest component, more"
+    )
+
+
 def test_components_of_one_load_ring_together():
     """Wing 60 of the campaign: torque about x was off by 12 tolerances, of which neighbours told and it did not."""
     load = "interface torque peak"
