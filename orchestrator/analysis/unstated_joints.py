@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from components import rotation_matrix
 from components.contract.component import Vector
@@ -55,32 +54,27 @@ def _stiff_by_default(scene: CheckedScene) -> Iterator[tuple[str, Vector]]:
         0.0 if f"{way}_stiffness" in stated else float(getattr(default, f"{way}_stiffness"))
         for way in ("axial", "radial", "cross")
     )
+
+    def of(kind: str, first: float, own: tuple[object, object]) -> Vector:
+        along, about = CONSTRAINED[kind]
+        parts = np.multiply(along, (first, radial, radial)), np.multiply(about, cross)
+        return np.concatenate([part * (given is None) for part, given in zip(parts, own, strict=True)])
+
+    # a hinge of a line is softer along it than across, a joint of a preset as stiff
     for hinge in (hinge for line in scene.hinge_lines for hinge in line.hinges):
-        along = (axial * (hinge.kind != "cylindrical"), radial, radial)
-        about = np.multiply((0.0, cross, cross), hinge.kind != "spherical")
-        yield hinge.name, _unless((hinge.translational_stiffness, along), (hinge.rotational_stiffness, about))
-    written = {
-        entry["name"]: entry.get("parameters", {})
-        for entry in whole_tree(dict(scene.tree)).get("connection", ())
-    }
+        yield hinge.name, of(hinge.kind, axial, (hinge.translational_stiffness, hinge.rotational_stiffness))
+    written = {entry["name"]: entry for entry in whole_tree(dict(scene.tree)).get("connection", ())}
     for joint in scene.connections:
-        if joint.preset is None:
-            continue
-        given, (along, about) = written[joint.name], CONSTRAINED[joint.preset]
-        yield (
-            joint.name,
-            _unless(
-                (given.get("translational_stiffness"), np.multiply(along, radial)),
-                (given.get("rotational_stiffness"), np.multiply(about, cross)),
-            ),
-        )
-
-
-def _unless(*ways: tuple[object, ArrayLike]) -> Vector:
-    """Stiffnesses of several ways, each zero where something is given."""
-    return np.concatenate(
-        [np.zeros(3) if given is not None else np.asarray(own, float) for given, own in ways]
-    )
+        if joint.preset is not None:
+            own = written[joint.name].get("parameters", {})
+            yield (
+                joint.name,
+                of(
+                    joint.preset,
+                    radial,
+                    (own.get("translational_stiffness"), own.get("rotational_stiffness")),
+                ),
+            )
 
 
 def _strain(mechanism: Mechanism, joint: str, stiffness: Vector, shapes: Vector) -> Vector:
