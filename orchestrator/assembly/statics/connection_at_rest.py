@@ -99,11 +99,6 @@ class Connection:
     def state(self, state: Vector) -> None:
         self._instance.state = state
 
-    @property
-    def parameters(self) -> Vector:
-        """All parameters, as the component lays them out."""
-        return self._instance.parameters
-
     def parameter(self, name: str) -> float:
         """Value of a scalar parameter."""
         return self._instance.parameter(name)
