@@ -23,6 +23,8 @@ _STEPS = (0.005, 0.01, 0.02, *(0.03,) * 6, *(0.06,) * 6, *(0.12,) * 5)
 DURATION = sum(_STEPS)
 """Seconds before the start of a run that the search takes by the participants' clocks."""
 _PARTS = 4
+_KEPT = 16
+"""Steps of a size that had to be found by dividing before a longer one is tried again."""
 _SHORTEST = 1e-5
 _MOST_DIVIDED = 1000
 """Steps that the whole search may divide: where no size leads on, four times as many fail at every smaller one."""
@@ -48,6 +50,8 @@ class StaticSearch:
         self._solver = solver
         self._before = solver.accepted.copy()
         self._divided = 0
+        self._longest = np.inf
+        self._kept = 0
         network = solver.network
         self._ports = [
             (body, port)
@@ -133,19 +137,30 @@ class StaticSearch:
         )
 
     def _follow(self, time: float, h: float) -> None:
-        """A step, or several short ones in its place where it does not converge."""
+        """A step, or several short ones in its place where it does not converge, or lately did not."""
+        if h <= self._longest and self._made(time, h):
+            return
+        for part in range(_PARTS):
+            self._follow(time + part * h / _PARTS, h / _PARTS)
+
+    def _made(self, time: float, h: float) -> bool:
+        """Make a step; where it does not converge, False, and none as long is tried for a while."""
         solver = self._solver
         self._before[:] = solver.accepted
+        solver.persistent = h <= _STEPS[0]
         solution = solver.solve(time, h, solver.accepted)
         if solution.converged:
             solver.accepted[:] = solver.wrenches
             solver.save(time + h)
-            return
+            self._kept += 1
+            if self._kept == _KEPT:
+                self._longest, self._kept = _PARTS * self._longest, 0
+            return True
         self._divided += 1
         if h < _SHORTEST or self._divided > _MOST_DIVIDED:
             raise failure(solver, solution, time, h)
-        for part in range(_PARTS):
-            self._follow(time + part * h / _PARTS, h / _PARTS)
+        self._longest, self._kept = 0.5 * h, 0
+        return False
 
     def _poses(self) -> list[Vector]:
         """Position and quaternion (7,) of every port of all bodies."""
