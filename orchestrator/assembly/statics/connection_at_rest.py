@@ -138,27 +138,33 @@ class Connection:
         self.put(held)
         return result
 
-    def tangents(self) -> tuple[Vector, Vector]:
-        """Stiffness and damping, each (6 ports, 6 ports): minus the derivatives of the wrenches.
+    def stiffness(self) -> Vector:
+        """(6 ports, 6 ports): minus the derivatives of the wrenches by small motions of the ports, in world axes.
 
-        Columns are small translations and rotations of the ports, and their rates, in world axes. What connects
-        bodies depends on their relative motion only: there the first port's columns follow from the others', so
-        that a stiff connection resists no rigid motion by round-off.
+        What connects bodies depends on their relative motion only: there the first port's columns follow from the
+        others', so that a stiff connection resists no rigid motion by round-off.
         """
         motions = self.motions
-        if len(self.ports) < 2 or not self._is_relative(motions):
-            return self._differences(motions, False, 0), self._differences(motions, True, 0)
+        if not self._is_relative(motions):
+            return self._differences(motions, False, 0)
         motions[:, :3] -= motions[0, :3]
-        arms = motions[:, :3]
-        stiffness, damping = self._differences(motions, False, 1), self._differences(motions, True, 1)
-        moved = np.concatenate([_rigid(arm) for arm in arms])
-        turned = np.zeros((6 * len(arms), 6))
+        result = self._differences(motions, False, 1)
+        turned = np.zeros((6 * len(motions), 6))
         for k, wrench in enumerate(self.wrenches()):
             turned[6 * k : 6 * k + 3, 3:] = -skew(wrench[:3])
             turned[6 * k + 3 : 6 * k + 6, 3:] = -skew(wrench[3:])
-        stiffness[:, :6] = -turned - stiffness @ moved
-        damping[:, :6] = -damping @ moved
-        return stiffness, damping
+        result[:, :6] = -turned - result @ _rigid_motions(motions[:, :3])
+        return result
+
+    def damping(self) -> Vector:
+        """(6 ports, 6 ports): the same by the rates of the ports."""
+        motions = self.motions
+        if not self._is_relative(motions):
+            return self._differences(motions, True, 0)
+        motions[:, :3] -= motions[0, :3]
+        result = self._differences(motions, True, 1)
+        result[:, :6] = -result @ _rigid_motions(motions[:, :3])
+        return result
 
     def _differences(self, motions: Vector, of_rates: bool, first: int) -> Vector:
         """Minus the derivatives by the motions (or rates) of the ports from `first` on; other columns are zero.
@@ -194,7 +200,9 @@ class Connection:
         return found[0], found[1]
 
     def _is_relative(self, motions: Vector) -> bool:
-        """Whether the wrenches go with a rigid motion of all ports, and take no note of a common rate."""
+        """Whether the wrenches go with a rigid motion of all ports, two or more, and take no note of a common rate."""
+        if len(self.ports) < 2:
+            return False
         step = np.array(_RIGID_MOTION)
         turn = rotation_matrix(exponential((step[3], step[4], step[5])))
         before = self.wrenches()
@@ -228,3 +236,8 @@ def _rigid(arm: Vector) -> Vector:
     result = np.eye(6)
     result[:3, 3:] = -skew(arm)
     return result
+
+
+def _rigid_motions(arms: Vector) -> Vector:
+    """The same (6 points, 6) of points at arms (points, 3)."""
+    return np.concatenate([_rigid(arm) for arm in arms])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,8 @@ _DRIVEN = 1e-9
 """Of the largest force out of balance, that drives no free motion."""
 _TOLERANCE = 1e-9
 """m and rad that the last iteration may move a port"""
+_ALIKE, _FALLING = 1e-6, 1e-4
+"""m and rad of an iteration that leaves the stiffness as it is, if the work fell to so much of the one before"""
 
 
 def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
@@ -39,10 +42,11 @@ def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
                 f"unique; {advice}"
             ]
         )
-    kept, before = _without(model, free), np.inf
+    kept, before, alike = _without(model, free), np.inf, False
     for iteration in range(_MOST_ITERATIONS):
         if iteration:
-            model = linearise(mechanism)
+            stiffness = model.stiffness if alike else mechanism.stiffness()
+            model = replace(model, stiffness=stiffness, residual=mechanism.forces())
         try:
             step = _step(model, kept)
         except np.linalg.LinAlgError:
@@ -50,14 +54,16 @@ def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
         work, motion = abs(float(step @ model.residual)), _port_motions(mechanism, step)
         if not np.isfinite(motion).all():
             break
+        way = float(np.abs(motion).max(initial=0.0))
         turn = float(np.abs(motion[:, 3:]).max(initial=0.0))
         step *= min(1.0, _LARGEST_TURN / max(turn, 1e-300))
         mechanism.move(step)
         moved += step
         # beside a stiff clamp ports hardly move; what is out of balance falls with the work until it is round-off
-        if float(np.abs(motion).max(initial=0.0)) < _TOLERANCE and work >= 0.5 * before:
+        if way < _TOLERANCE and work >= 0.5 * before:
             mechanism.follow()
             return
+        alike = way < _ALIKE and work < _FALLING * before < np.inf
         before = work
         if float(np.abs(_port_motions(mechanism, moved)[:, 3:]).max(initial=0.0)) > _FARTHEST:
             break

@@ -129,9 +129,13 @@ class NormalModes(NamedTuple):
 def linearise(mechanism: Mechanism) -> LinearModel:
     """The linear model about the present pose."""
     mechanism.carry()
-    stiffness, damping = mechanism.tangents()
     return LinearModel(
-        mechanism, mechanism.mass(), damping, mechanism.gyroscopic(), stiffness, mechanism.forces()
+        mechanism,
+        mechanism.mass(),
+        mechanism.damping(),
+        mechanism.gyroscopic(),
+        mechanism.stiffness(),
+        mechanism.forces(),
     )
 
 

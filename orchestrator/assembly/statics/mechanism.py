@@ -129,22 +129,30 @@ class Mechanism:
             found += np.concatenate([self.spin.forces(body) for body in self.bodies.values()])
         return found
 
-    def tangents(self) -> tuple[Vector, Vector]:
-        """Stiffness and damping (size, size): minus the derivatives of the generalised forces."""
+    def stiffness(self) -> Vector:
+        """(size, size): minus the derivatives of the generalised forces by the coordinates."""
         wrenches = self._wrenches_on_bodies()
-        stiffness, damping = np.zeros((self.size, self.size)), np.zeros((self.size, self.size))
+        result = np.zeros((self.size, self.size))
         for name, body in self.bodies.items():
             rows = self.rows[name]
-            damping[rows, rows], stiffness[rows, rows] = body.modal_matrices()
-            stiffness[rows, rows] += body.geometric_stiffness(wrenches[name]) + body.tension_stiffness()
+            result[rows, rows] = body.modal_matrices()[1]
+            result[rows, rows] += body.geometric_stiffness(wrenches[name]) + body.tension_stiffness()
             if self.spin is not None:
-                stiffness[rows, rows] += self.spin.stiffness(body)
+                result[rows, rows] += self.spin.stiffness(body)
         for name, connection in self.connections.items():
             motion = self._port_motions(name)
-            elastic, viscous = connection.tangents()
-            stiffness += motion.T @ elastic @ motion
-            damping += motion.T @ viscous @ motion
-        return stiffness, damping
+            result += motion.T @ connection.stiffness() @ motion
+        return result
+
+    def damping(self) -> Vector:
+        """(size, size): the same by the rates of the coordinates."""
+        result = np.zeros((self.size, self.size))
+        for name, body in self.bodies.items():
+            result[self.rows[name], self.rows[name]] = body.modal_matrices()[0]
+        for name, connection in self.connections.items():
+            motion = self._port_motions(name)
+            result += motion.T @ connection.damping() @ motion
+        return result
 
     def damping_parts(self) -> Iterator[tuple[str, Vector, Vector]]:
         """Name, motion (m, size) and damping (m, m) in these motions of every body with modes and every connection."""
@@ -152,7 +160,7 @@ class Mechanism:
             if body.modes:
                 yield name, np.eye(self.size)[self.rows[name]], body.modal_matrices()[0]
         for name, connection in self.connections.items():
-            yield name, self._port_motions(name), connection.tangents()[1]
+            yield name, self._port_motions(name), connection.damping()
 
     def _port_motions(self, connection: str) -> Vector:
         """Motion (6 ports, size) of all ports of a connection."""
