@@ -223,7 +223,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         return moved.heated(loads.heat)._replace(
             memories=memories,
             slide=MidStep.starting(moved.rate) if is_impulse else slide,
-            latched_angle=moved.angle if is_impulse and self._locks else old.latched_angle,
+            latched_angle=moved.angle if is_impulse and self._locks and not s.latched else old.latched_angle,
             wrench=wrench,
             slopes=slopes,
             loads=lasting,

@@ -4,6 +4,7 @@ from math import sqrt
 
 import pytest
 
+import orchestrator as fanfold
 from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
@@ -38,3 +39,30 @@ def test_a_short_step_before_it_does_not_show(assembly, latch_time, short, compi
     at = result.time.searchsorted(latch_time + 5e-9)
     braking = 2.0 * DAMPING_RATIO * sqrt(STIFFNESS * INERTIA) * sqrt(2.0 * ANGLE / INERTIA)
     assert result.signal("base", "interface_torque")[at, 1] == pytest.approx(braking - 1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_a_lock_keeps_its_load_when_another_line_locks(backend):
+    """Statics: what does not move any more rests on the first lock, which the motor of its line presses with 50 N.m.
+
+    The second panel opens slowly and stops dead, so next to nothing changes for the first lock. Regression: all locks
+    were engaged anew in the impulse of the second, so that the first began without load, and swung to 100 N.m.
+    """
+    scene = fanfold.Scene("two_locks", until="2 s")
+    base = scene.base(points={"root": (0, 0, 0)})
+    panel = {"mass": 5.0, "center_of_mass": (0.5, 0, 0), "inertia": (0.2, 0.5, 0.7)}
+    inner = scene.body("inner", rigid={**panel, "points": {"root": (0, 0, 0), "tip": (1, 0, 0)}})
+    outer = scene.body("outer", rigid={**panel, "points": {"root": (0, 0, 0)}})
+    for name, inboard, outboard, start, torque, point in (
+        ("HL1", base, inner, "89.99 deg", 50.0, "root"),
+        ("HL2", inner, outer, "89.5 deg", 0.02, "tip"),
+    ):
+        scene.hinge_line(
+            name, inboard, outboard, axis="+y", aligned_angle="90 deg", start_angle=start, latch={"kind": "kinematic", "stiffness": 1e3},
+            motor={"stowed": torque, "deployed": torque}, hinges={f"{name.lower()}_hinge": (point, "root")},
+        )  # fmt: skip
+    result = fanfold.simulate(scene, backend=backend, estimate=False)
+    first, second = result.latch_times["HL1"], result.latch_times["HL2"]
+    assert first < second - 0.2
+    torque = result.signal("hl1_hinge", "latch_torque")[result.time > second + 1e-6]
+    assert torque == pytest.approx(-50.0, abs=0.1)

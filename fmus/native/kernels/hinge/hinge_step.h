@@ -105,7 +105,7 @@ static inline void mean_step(const Hinge *hinge, const double *x, const real *u,
     store_mid_step_slope_start(new->rates[HINGE_ANGLE], x_next + X_SLIDING);
     if (commanded(u, U_IMPULSE)) {
         loads = impulse_loads(hinge, x, grip, new, h);
-        if (hinge->locks) grip->latched_angle = new->coordinates[HINGE_ANGLE];
+        if (hinge->locks && x[X_LATCHED] == 0.0) grip->latched_angle = new->coordinates[HINGE_ANGLE];
         store_rates_after_impulse(new, x_next);
     } else {
         StepMotion motions[COORDINATE_COUNT];
