@@ -38,9 +38,9 @@ def tune(
     or {"HL2.latch_torque_peak": 40}, in the unit that headline numbers are told in. curve: a CSV file, times (s) in the
     first column, others headed COMPONENT.VARIABLE, with [1] for the first of several. Bounded least squares from the
     scene's own values, with derivatives as `gradients` has them or by differences of runs. accuracy:
-    largest relative difference to end with. most_runs: after which the best so far is returned, with `reached` False.
-    workers: processes. watch: takes how many runs were made and the smallest residual. rigid ... tolerance: as for
-    `simulate`; let it be well below the accuracy.
+    largest relative difference to end with. most_runs: what it may cost, derivatives included; the best so far is
+    returned then, with `reached` False. workers: processes. watch: takes how many runs were made and the smallest
+    residual. rigid ... tolerance: as for `simulate`; let it be well below the accuracy.
 
     StudyError or SceneError where it cannot begin.
     """

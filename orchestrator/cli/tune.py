@@ -124,6 +124,8 @@ def _report(found: Tuned) -> None:
     console.print(table)
     told = "within" if found.reached else "not within what was asked:"
     console.print(f"targets are met {told} {found.residual:.2g}, at the start {found.start_residual:.2g}")
+    for sentence in found.jumps:
+        console.print(f"Warning: {sentence}")
     for name in found.blind:
         console.print(f"Warning: the targets do not tell {name}: other values of it would do as well")
     console.print(" ".join(f"--set '{key}={value}'" for key, value in found.settings.items()))

@@ -39,6 +39,8 @@ _TIE = 0.01
 """Of the accuracy, what the whole range of a key weighs: values that meet the targets are those next to the start."""
 _BLIND = 1e-4
 """Of the largest singular value: a combination of keys that moves all targets less is not told by them."""
+_NEAR, _JUMP = 0.01, 100.0
+"""Shares of ranges between two runs, and how many times what derivatives say their numbers differ where one jumps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +61,7 @@ class Tuned:
     settings: keys of the scene with the values that were found. residual, start_residual: largest relative difference
     from a target, of a curve the root of the mean square over its range. derivatives: of the numbers wanted (rows, in
     their units) by what was varied (columns). blind: what was varied that the targets do not tell. runs: deployments,
-    or what took as long.
+    or what took as long. jumps: sentences of what keeps targets from being met, numbers that change at once.
     """
 
     scene: str
@@ -73,6 +75,7 @@ class Tuned:
     derivatives: Vector
     reached: bool
     blind: tuple[str, ...]
+    jumps: tuple[str, ...]
     runs: int
 
 
@@ -104,6 +107,12 @@ class _Search:
     runs: int = 0
     known: dict[tuple[float, ...], tuple[Sample, Vector]] = field(default_factory=dict)
     linear: _Linear | None = None
+    known_slopes: dict[tuple[float, ...], Vector] = field(default_factory=dict)
+    cost_of_slopes: int = 0
+    """In runs, of one set of derivatives, as far as is known"""
+
+    def __post_init__(self) -> None:
+        self.cost_of_slopes = min([len(self.varied)] + [self._costs_of_neighbours] * (not self.curves))
 
     def settings(self, point: Vector) -> Settings:
         """The settings that a point means."""
@@ -140,7 +149,8 @@ class _Search:
         parts += [one.off(sample) for one in self.curves]
         return np.concatenate(parts)
 
-    def _named(self, point: Vector) -> str:
+    def named(self, point: Vector) -> str:
+        """The settings of a point in words."""
         return ", ".join(f"{key} = {value}" for key, value in self.settings(point).items())
 
     @property
@@ -158,9 +168,9 @@ class _Search:
         return max(parts)
 
     def residual(self, point: Vector) -> Vector:
-        """For SciPy; ends the search where all is met, or where it has cost what it may."""
+        """For SciPy; ends the search where all is met, or where no run is left beside derivatives at its end."""
         found = self.at([np.clip(point, 0.0, 1.0)])[0][1]
-        if self.size(found) <= self.accuracy or self.runs >= self.most_runs:
+        if self.size(found) <= self.accuracy or self.runs + self.cost_of_slopes >= self.most_runs:
             raise _ReachedError
         return np.concatenate((found, self._tie * (point - self.start)))
 
@@ -170,7 +180,10 @@ class _Search:
         return _TIE * self.accuracy
 
     def jacobian(self, point: Vector) -> Vector:
-        """For SciPy: slopes of residuals; the last ones, brought up to date by Broyden, where they led well."""
+        """For SciPy: slopes of residuals; the last ones, brought up to date by Broyden, where they led well.
+
+        Ends the search where none are left beside a run, and derivatives at the end.
+        """
         here = np.clip(point, 0.0, 1.0)
         residual = self.at([here])[0][1]
         known, self.linear = self.linear, None
@@ -180,6 +193,8 @@ class _Search:
                 matrix = known.matrix + np.outer(change - known.matrix @ way, way) / (way @ way)
                 self.linear = _Linear(here, residual, matrix)
         if self.linear is None:
+            if self.runs + 2 * self.cost_of_slopes >= self.most_runs:
+                raise _ReachedError
             self.linear = _Linear(here, residual, self.slopes(here))
         return np.vstack((self.linear.matrix, self._tie * np.eye(len(here))))
 
@@ -188,9 +203,14 @@ class _Search:
 
         What moves no target by the accuracy over its range gets zeros: what stands there is rounding.
         """
-        found = self._slopes(point)
-        found[:, np.linalg.norm(found, axis=0) < self.accuracy] = 0.0
-        return found
+        key = tuple(point.tolist())
+        if key not in self.known_slopes:
+            before = self.runs
+            found = self._slopes(point)
+            self.cost_of_slopes = max(self.cost_of_slopes, self.runs - before)
+            found[:, np.linalg.norm(found, axis=0) < self.accuracy] = 0.0
+            self.known_slopes[key] = found
+        return self.known_slopes[key]
 
     def _slopes(self, point: Vector) -> Vector:
         if not self.curves and self._costs_of_neighbours < len(self.varied):
@@ -211,7 +231,7 @@ class _Search:
         self.watch(self.runs, self.best[1])
         names = [one.number for one in self.targets]
         if missing := sorted({*names} - {*found.names}):
-            raise StudyError(f"{self._named(point)}: the run has no {', '.join(missing)}")
+            raise StudyError(f"{self.named(point)}: the run has no {', '.join(missing)}")
         if {*names} & {*found.doubtful}:
             raise StudyError(found.warning)
         rows = found.derivatives[[found.names.index(name) for name in names]]
@@ -227,7 +247,7 @@ class _Search:
         found = self.at([point, *ends])
         for end, (sample, _) in zip((point, *ends), found, strict=True):
             if sample.message:
-                raise StudyError(f"a run of the search failed, with {self._named(end)}: {sample.message}")
+                raise StudyError(f"a run of the search failed, with {self.named(end)}: {sample.message}")
         here, *others = (off for _, off in found)
         return np.column_stack(
             [(other - here) / step for other, step in zip(others, _steps(point), strict=True)]
@@ -278,6 +298,11 @@ def tune(
         refuse_unknown(targets, curves, first, task)
         search.known[tuple(start.tolist())] = first, search._residual(first)
         search.runs = 1
+        if most_runs < 1 + search.cost_of_slopes:
+            raise StudyError(
+                f"{most_runs} runs are too few: the first and its derivatives cost {1 + search.cost_of_slopes}; let "
+                "the search make more, or vary less"
+            )
         with suppress(_ReachedError):
             least_squares(search.residual, start, search.jacobian, bounds=(0.0, 1.0), x_scale=1.0, xtol=1e-10)
         return _told(search, start)
@@ -313,8 +338,31 @@ def _told(search: _Search, start: Vector) -> Tuned:
         derivatives=rows,
         reached=residual <= search.accuracy,
         blind=_blind(search.varied, moved, search.accuracy),
+        jumps=() if residual <= search.accuracy else _jumps(search, best, moved),
         runs=search.runs,
     )
+
+
+def _jumps(search: _Search, best: Vector, moved: Vector) -> tuple[str, ...]:
+    """Sentences of numbers that differ, between the best run and one with nearly its values, by no derivative."""
+    count, told = len(search.targets), {}
+    here, residual = search.known[tuple(best.tolist())]
+    for point, (sample, other) in search.known.items():
+        way = np.array(point) - best
+        if sample.message or not 0.0 < np.abs(way).max() <= _NEAR:
+            continue
+        change = np.abs(other - residual)[:count]
+        expected = _JUMP * np.abs(moved[:count]) @ np.abs(way) + _JUMP * search.accuracy * np.abs(way).max()
+        for k in np.flatnonzero((change > expected) & (change > 10.0 * search.accuracy)).tolist():
+            name = search.targets[k].number
+            values = [one.numbers[name][0] for one in (here, sample) if name in one.numbers]
+            if len(values) == 2:
+                told[name] = (
+                    f"{name} jumps from {values[0]:.6g} to {values[1]:.6g} {here.numbers[name][1]} between "
+                    f"{search.named(best)} and {search.named(np.array(point))}, as a line does that latches a swing "
+                    "earlier or later: what lies between cannot be met there"
+                )
+    return tuple(told.values())
 
 
 def _blind(varied: Sequence[Varied], moved: Vector, accuracy: float) -> tuple[str, ...]:

@@ -58,8 +58,9 @@ def test_a_lock_keeps_its_load_when_another_line_locks(backend):
         ("HL2", inner, outer, "89.5 deg", 0.02, "tip"),
     ):
         scene.hinge_line(
-            name, inboard, outboard, axis="+y", aligned_angle="90 deg", start_angle=start, latch={"kind": "kinematic", "stiffness": 1e3},
-            motor={"stowed": torque, "deployed": torque}, hinges={f"{name.lower()}_hinge": (point, "root")},
+            name, inboard, outboard, axis="+y", aligned_angle="90 deg", start_angle=start,
+            motor={"stowed": torque, "deployed": torque}, latch={"kind": "kinematic", "stiffness": 1e3},
+            hinges={f"{name.lower()}_hinge": (point, "root")},
         )  # fmt: skip
     result = fanfold.simulate(scene, backend=backend, estimate=False)
     first, second = result.latch_times["HL1"], result.latch_times["HL2"]

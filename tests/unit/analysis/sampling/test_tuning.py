@@ -139,6 +139,40 @@ def test_a_target_beyond_the_range_is_not_reached():
     assert found.values[MOTOR] == pytest.approx(3.0, abs=0.02)
 
 
+@pytest.mark.filterwarnings("ignore:hinge_line.line. at 4")  # the motor turns back half way
+def test_a_number_that_jumps_is_named():
+    """Energy: a motor that falls to -1 N.m carries the flap to its latch if it begins with more than 1 N.m.
+
+    With less it swings back, and latches when a second torque comes at 6 s: no motor latches it at 5.5 s.
+    """
+    scene = flap().with_settings({ENDS[1]: "-1 N.m", "scene.until": "15 s"})
+    late = {"profile": "ramp", "start": 6.0, "duration": 0.5, "change": 0.6}
+    scene.connection(
+        "push",
+        "load",
+        ports={"body": ("flap", "left")},
+        structure={"direction": (0.0, 1.0, 0.0), "torque": [late]},
+    )
+    found = fanfold.tune(
+        scene, {ENDS[0]: "uniform(0.9 N.m, 1.1 N.m)"}, {"line.latch_time": 5.5}, most_runs=20
+    )
+    assert not found.reached
+    (sentence,) = found.jumps
+    assert re.match(r"latch time line jumps from 3\.9\d* to 9\.6\d* s between .*stowed = 1\.0000", sentence)
+    assert found.runs <= 20
+
+
+def test_runs_are_no_more_than_asked():
+    """Derivatives at the end are among them, by differences of three keys here."""
+    latch = {f"hinge_line.line.latch.{key}*": "uniform(0.5, 2)" for key in ("stiffness", "effective_inertia")}
+    vary = {MOTOR: RANGE, **latch}
+    assert fanfold.tune(flap(), vary, {"line.latch_time": 1.4}, accuracy=1e-9, most_runs=9).runs <= 9
+    with pytest.raises(
+        fanfold.FanfoldError, match=r"3 runs are too few: the first and its derivatives cost 4"
+    ):
+        fanfold.tune(flap(), vary, {"line.latch_time": 1.4}, most_runs=3)
+
+
 WRONG = {
     "form": ({"targets": ["line=3"]}, "is not of the form NAME.QUANTITY=VALUE"),
     "no such number": (
