@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -93,7 +93,9 @@ class Record(Generic[T]):
 
     def write(self, record: T) -> Vector:
         """The flat array (size,) of a named tuple; ValueError where a field has not its declared size."""
-        values = np.fromiter(_scalars(record), dtype=float)
+        found: list[float] = []
+        _append_scalars(record, found)
+        values = np.array(found, dtype=float)
         if values.size != self.size:
             raise ValueError(f"{self._kind.__name__} has {values.size} numbers; {self.size} are declared")
         return values
@@ -148,9 +150,9 @@ def _tuple(inner: Sequence[_Field], kind: Callable[..., Any] | None = None) -> _
     return _Field(ends[-1], make)
 
 
-def _scalars(value: Any) -> Iterator[float]:  # noqa: ANN401 - a tree of tuples
+def _append_scalars(value: Any, found: list[float]) -> None:  # noqa: ANN401 - a tree of tuples
     for item in value:
         if isinstance(item, tuple):
-            yield from _scalars(item)
+            _append_scalars(item, found)
         else:
-            yield item
+            found.append(item)

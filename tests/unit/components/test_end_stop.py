@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from components.contract.component import ComponentError
 from components.end_stop import EndStop
+from fmus import native_library
 from orchestrator.assembly import Event, Part
 from orchestrator.cosim.settings import Settings
 from tests.references.coupled import base, between, completed, rigid
@@ -40,7 +41,8 @@ def thrown(until, settings, damping=0.0, events=()):
         ),
     ]  # fmt: skip
     links = [*between("hinge", "base.hinge", "rotor.hinge"), *between("stop", "base.stop", "rotor.stop")]
-    return completed(until, parts, links, settings=settings, events=events)
+    native = native_library() is not None
+    return completed(until, parts, links, settings=settings, events=events, native=native)
 
 
 def test_a_rotor_is_thrown_back():
