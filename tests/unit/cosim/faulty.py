@@ -12,11 +12,13 @@ from components import REGISTRY, ComponentError
 from components.contract.component import Vector
 from components.damper import EddyCurrentDamper
 
+FAILS_AT = 0.03
+"""s"""
 FAULTS = ("none", "error", "nan", "observation", "load", "noise")
 
 
 class FaultyDamper(EddyCurrentDamper):
-    """An eddy-current damper that fails as `fault` says, and after 0.1 s where time matters.
+    """An eddy-current damper that fails as `fault` says, and after `FAILS_AT` where time matters.
 
     error: a step is refused. nan: one output is no number; observation: one
     observation. load: an FMU of it cannot be made an instance.
@@ -39,13 +41,13 @@ class FaultyDamper(EddyCurrentDamper):
         return np.append(super().initial(c, u), 0.0)
 
     def step(self, c: Any, x: Vector, u: Vector, h: float) -> Vector:
-        if self.fault == "error" and x[-1] + h > 0.1:
+        if self.fault == "error" and x[-1] + h > FAILS_AT:
             raise ComponentError("the magnet has come off")
         return np.append(super().step(c, x[:-1], u, h), x[-1] + h)
 
     def outputs(self, c: Any, x: Vector, u: Vector) -> Vector:
         y = super().outputs(c, x[:-1], u)
-        if self.fault == "nan" and x[-1] > 0.1:
+        if self.fault == "nan" and x[-1] > FAILS_AT:
             y[4] = np.nan
         if self.fault == "noise":
             y[7] += (-1.0) ** next(self._calls)
@@ -53,7 +55,7 @@ class FaultyDamper(EddyCurrentDamper):
 
     def observe(self, c: Any, x: Vector, u: Vector) -> Vector:
         found = super().observe(c, x[:-1], u)
-        if self.fault == "observation" and x[-1] > 0.1:
+        if self.fault == "observation" and x[-1] > FAILS_AT:
             found[self.observation_layout["dissipated_energy"]] = np.nan
         return found
 

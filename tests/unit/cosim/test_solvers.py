@@ -420,7 +420,7 @@ def follow(solver):
 
 
 def failing(folder, fault, monkeypatch, *, native):
-    """The sentence of two panels whose brake, an FMU like everything else, fails at 0.1 s."""
+    """The sentence of two panels whose brake, an FMU like everything else, fails."""
     path = folder / "scene.toml"
     path.write_text(TWO_PANELS + DAMPER, encoding="utf-8")
     assembly = assemble(load_scene(path))
