@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cache
+from tempfile import TemporaryDirectory
+
 import fmpy
 import numpy as np
 from fmpy.fmi2 import (
@@ -54,6 +57,14 @@ def latching(events=None, **scene):
     return fanfold.Scene.of_tree("latching.toml", tree)
 
 
+@cache
+def unpacked(path: str) -> TemporaryDirectory[str]:
+    """The folder of an FMU's files, which goes when the process ends."""
+    folder = TemporaryDirectory()
+    fmpy.extract(path, folder.name)
+    return folder
+
+
 class Host:
     """One instance, at `time` (s)."""
 
@@ -64,7 +75,7 @@ class Host:
         self.outputs = [v.name for v in self.description.modelVariables if v.causality == "output"]
         self.fmu = FMU2Slave(
             guid=self.description.guid,
-            unzipDirectory=str(fmpy.extract(str(path))),
+            unzipDirectory=unpacked(str(path)).name,
             modelIdentifier=identifier,
             instanceName=identifier,
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import fmpy
 from fmpy.fmi3 import FMU3Slave
 
+from tests.unit.run.as_one.host import unpacked
+
 
 class Host3:
     """One instance, started, at `time` (s). events: whether event mode is used; early: whether it may return early."""
@@ -15,7 +17,7 @@ class Host3:
         self._references = {v.name: v.valueReference for v in description.modelVariables}
         self.fmu = FMU3Slave(
             guid=description.guid,
-            unzipDirectory=str(fmpy.extract(str(path))),
+            unzipDirectory=unpacked(str(path)).name,
             modelIdentifier=self.interface.modelIdentifier,
             instanceName=self.interface.modelIdentifier,
         )
