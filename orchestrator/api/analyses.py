@@ -12,7 +12,6 @@ from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
-from ..scene.bodies import motions
 from ..scene.builder import Names, listed
 from .documents import ResultLike, opened
 from .progress import chosen
@@ -446,25 +445,15 @@ def impacts(result: ResultLike) -> list[Impact]:
 
 
 def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) -> CheckedScene:
-    """The scene checked; a FanfoldWarning tells of beams of large deformation, which are modal here, and of turning.
+    """The scene checked; a FanfoldWarning tells of what the analysis leaves out.
 
     spinning: whether the analysis is about the steady spin of a base.
     """
+    from ..analysis.small_motion import left_out
+
     checked = load(scene).check_one_run()
-    bodies = [body.name for body in checked.bodies if body.default_fidelity == "large_deformation"]
-    beams = [] if "all" in listed(rigid) else [name for name in bodies if name not in listed(rigid)]
-    if beams:
-        warn(
-            f"{checked.header.name}: analyses take {', '.join(beams)} as modal, which bend linearly; what a beam of "
-            "large deformation does under static loads, a run that starts with preload finds"
-        )
-    turning = [name for name, motion in motions(checked).items() if motion.laws[1].rate(0.0)]
-    still = [name for name in turning if not (spinning and name == checked.base.name)]
-    if still:
-        warn(
-            f"{checked.header.name}: analyses take {', '.join(still)} as at rest, though it turns where its law "
-            "begins; what spin stiffens and what rates do is left out"
-        )
+    for sentence in left_out(checked, listed(rigid), spinning):
+        warn(sentence)
     return checked
 
 

@@ -15,7 +15,11 @@ from components.contract.component import Vector
 from components.contract.frames import skew
 
 from ...scene import CheckedScene
+from ...scene.bodies import motions
 from .placed_body import PlacedBody
+
+_STILL = 1e-9
+"""Rate (rad/s) of what does not turn: smooth laws begin at rest but for rounding."""
 
 
 class Spin(NamedTuple):
@@ -70,7 +74,12 @@ def spin_at_start(scene: CheckedScene) -> Spin | None:
     """That of a base that turns by a law, where the law begins; None where it does not turn."""
     motion = scene.base.motion
     rate = 0.0 if motion is None else motion.laws[1].rate(0.0)
-    if motion is None or rate == 0.0:
+    if motion is None or abs(rate) <= _STILL:
         return None
     axis, along = (np.array(a) / np.linalg.norm(a) for a in (motion.rotation_axis, motion.translation_axis))
     return Spin(rate * axis, np.array(motion.pivot) + motion.laws[0].value(0.0) * along)
+
+
+def turning_at(scene: CheckedScene, time: float) -> list[str]:
+    """Names of what turns by a law at a time (s), the base among them."""
+    return [name for name, motion in motions(scene).items() if abs(motion.laws[1].rate(time)) > _STILL]

@@ -177,3 +177,16 @@ def test_damping_is_no_stiffness_in_a_spin():
     turns = {"rotation": [{"profile": "ramp", "duration": 100, "change": 200}]}
     damped, free = (fanfold.modes(hung(turns, damping), "deployed").frequencies for damping in (20.0, 0.0))
     assert damped == pytest.approx(free, rel=1e-9)
+
+
+def test_what_spins_up_is_at_rest_where_its_law_begins():
+    """Regression: rounding of a law that begins at rest was taken for a steady spin."""
+    spinning_up = spun(0.0)
+    law = [{"profile": "spin_up", "duration": 15.0, "rate": 4.0}]
+    scene = spinning_up.with_settings({"base.motion.rotation": law})
+    with pytest.warns(
+        fanfold.FanfoldWarning, match="base begins at rest, as analyses take it, and turns at 1 s"
+    ):
+        found = fanfold.modes(scene)
+    assert not found.turns
+    assert found.frequencies == pytest.approx(fanfold.modes(spinning_up).frequencies, rel=1e-12)
