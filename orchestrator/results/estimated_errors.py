@@ -90,7 +90,7 @@ def doubts(
         return []
     advice = f"a smaller {'step' if fixed_step else 'tolerance'} makes it surer"
     if refined is not None:
-        advice = f"a run at {refined:.2g} did not make it surer"
+        advice = f"a run at {refined:.2g} made it no surer than that"
     shares: dict[Key, float] = {}
     for (quantity, of), size in _sizes(numbers, errors):
         if errors[quantity, of].most > MOST_TOLERANCES * tolerance * size:

@@ -170,7 +170,7 @@ def test_doubts_of_a_repeated_run(outcome):
     result = replace(outcome.result, provenance={**outcome.result.provenance, "refined_tolerance": "1e-05"})
     (sentence,) = headline(off_by(replace(outcome, result=result), 60.0).result).warnings
     assert sentence.endswith(
-        "more than ten times the tolerance of 0.001; a run at 1e-05 did not make it surer"
+        "more than ten times the tolerance of 0.001; a run at 1e-05 made it no surer than that"
     )
 
 
