@@ -15,6 +15,10 @@ INSTANT = 1e-7
 """Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
 INSTANT_SHARE = 1e-3
 """Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
+AGAIN = 5e-8
+"""Step (s) of the impulse that takes what a latch impulse leaves: its size over the numerical inertia of a lock."""
+AGAIN_ITERATED = 1e-4
+"""Relative tolerance of the iteration in that impulse, which rounding of the one before goes into."""
 IMPULSE_ITERATED = 1e-10
 """Relative tolerance of the iteration in an impulse."""
 IMPULSE_RESIDUAL = 1.0

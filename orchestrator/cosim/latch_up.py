@@ -7,7 +7,7 @@ theta. At a small h more of a flexible body's inertia stays behind: the frequenc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -74,6 +74,11 @@ def stiffened_line_of(numbers: Numbers) -> StiffenedLine:
             ),
         }
     )
+
+
+def still_held(lines: Sequence[StiffenedLine], released: Collection[int]) -> list[StiffenedLine]:
+    """The latched lines none of whose hinges, by the number of their connection, was released."""
+    return [line for line in lines if not any(hinge.connection in released for hinge in line.hinges)]
 
 
 class Slope(NamedTuple):

@@ -8,10 +8,10 @@ from math import inf, sqrt
 import numpy as np
 
 from components.contract.roles import IMPULSE, LATCH_COMMAND
-from components.numerics.scheme import IMPULSE_ITERATED, IMPULSE_RESIDUAL, INSTANT, INSTANT_SHARE
+from components.numerics.scheme import AGAIN, INSTANT, INSTANT_SHARE
 
 from ..assembly import Event, HingeLine
-from . import stepping
+from . import latch_up, stepping
 from .cosimulation import CoSimulation, Statistics
 from .energy_balance import Energies
 from .energy_guard import EnergyGuard
@@ -22,15 +22,7 @@ from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
 from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
-from .latch_up import (
-    StiffenedLine,
-    resolving,
-    slopes,
-    stiffened_line_of,
-    stiffenings,
-    swinging,
-    watched_torques,
-)
+from .impulse import impulse
 from .network import Network
 from .participant import ParticipantError, Vector
 from .rows import Recorder
@@ -38,7 +30,6 @@ from .settings import Settings
 from .signals.process import SignalProcess
 from .stepping import DividedStep, ErrorEstimate, StepError, StepSizes, failure
 
-_IMPULSE_TOLERANCE = Tolerance(IMPULSE_ITERATED, residual=IMPULSE_RESIDUAL)
 _LEAST_LATCH_SHARE = 1e-3
 
 
@@ -72,7 +63,8 @@ class Master(CoSimulation):
         self._guard = EnergyGuard(self._energies)
         self._divided = DividedStep()
         self._plan = stepping.StepPlan(settings.step_plan or ())
-        self._latched: list[StiffenedLine] = []
+        self._latched: list[latch_up.StiffenedLine] = []
+        self._reached: list[HingeLine | Event] = []
         self._laws = times_to_break(network.participants)
         self._hold_downs = HoldDowns(network.participants)
         self._break = inf
@@ -118,11 +110,11 @@ class Master(CoSimulation):
                     continue
                 h, solution = found
                 self._observe(h)
-            reached = [] if crossed is None else met_with(crossed, self._falls(), h)
+            self._reached = reached = [] if crossed is None else met_with(crossed, self._falls(), h)
             is_break = not reached and self.time + h >= self._break - stepping.BREAK_REACHED
             self._accept(h, solution)
             for one in reached:
-                self._let_act(one, reached)
+                self._let_act(one)
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._pass_break()
             self._keep_snapshot(h)
@@ -201,7 +193,7 @@ class Master(CoSimulation):
         self._sizes = StepSizes(**numbers["sizes"])
         self._guard = EnergyGuard.of(numbers["guard"])
         self._divided = DividedStep(**numbers["divided"])
-        self._latched = [stiffened_line_of(one) for one in numbers["latched"]]
+        self._latched = [latch_up.stiffened_line_of(one) for one in numbers["latched"]]
         self._watched = [WatchedTorque(**{**one, "axis": tuple(one["axis"])}) for one in numbers["watched"]]
         self.solver.watch(self._watched)
         self._before, self._break = numbers["before"], numbers["break"]
@@ -264,11 +256,11 @@ class Master(CoSimulation):
             return self._plan.divide(self.segments, self._sizes.least(to_converge=to_converge))
         return self._divided.divide()
 
-    def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
+    def _let_act(self, one: HingeLine | Event) -> None:
         """An event happens, or a line latches, with those that lock with it, unless another has let go of it."""
         if isinstance(one, Event):
             self._happen(one)
-        elif lines := still_to_latch(one, reached, self._pending):
+        elif lines := still_to_latch(one, self._reached, self._pending):
             self._latch(*lines)
 
     def _awaited(self) -> list[HingeLine | Event]:
@@ -316,15 +308,12 @@ class Master(CoSimulation):
         roughness = self._roughness()
         self._act(event)
         free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
-        self._latched = [
-            one for one in self._latched if not free & {hinge.connection for hinge in one.hinges}
-        ]
+        self._latched = latch_up.still_held(self._latched, free)
         self.solver.forget_all()
         self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, roughness)
         self._hold_downs.note()
         self._watch()
-        for line in [line for line in self._pending if line.name in event.latches]:
-            self._latch(line)
+        self._latch_all([line for line in self._pending if line.name in event.latches])
         self._judge_latches()
         self._renew()
 
@@ -354,10 +343,10 @@ class Master(CoSimulation):
         """Engage all latches of a line; kinematic ones, of others too, take relative rates away in an impulse."""
         lines = (line, *others)
         self._pending = [one for one in self._pending if one not in lines]
-        roughness = None
+        roughness, passed = None, []
         if line.kinematic:
             # bushings leave the joints rates of the order H^2; the latch must meet joints that move as such
-            self._impulse()
+            passed += self._impulse()
         elif self.settings.fixed_step is None:
             roughness = self._roughness()
         for one in lines:
@@ -365,12 +354,22 @@ class Master(CoSimulation):
         size = min(self._engage(one) for one in lines)
         self.solver.forget()
         if line.kinematic:
-            self._impulse()
+            # a lock would ring with the rate that an impulse leaves
+            passed += [*self._impulse(), *self._impulse(AGAIN)]
         elif self.settings.fixed_step is None:
             self._record_jump(self._instant(size), self.solver.forget_all, roughness)
         self.solver.restart()
         self._sizes.restart(size, stirred=False)
         self._begin_segment()
+        self._latch_all(passed)
+
+    def _latch_all(self, lines: Sequence[HingeLine]) -> None:
+        """Latch the lines that are pending at this instant, kinematic ones in one impulse."""
+        reached, self._reached = self._reached, [*self._reached, *lines]
+        for line in lines:
+            if joined := still_to_latch(line, lines, self._pending):
+                self._latch(*joined)
+        self._reached = reached
 
     def _renew(self, known: float = 0.0) -> None:
         """Go on with short steps (s), or what is known to be short enough; nothing before tells of what follows."""
@@ -434,19 +433,19 @@ class Master(CoSimulation):
         if line.kinematic or not self._controlled:
             self._command(LATCH_COMMAND.name, 1.0, line.hinges)
             return min(h, self._event_step)
-        before = slopes(solver, line.hinges, self.time, h)
+        before = latch_up.slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
-        after = slopes(solver, line.hinges, self.time, h)
+        after = latch_up.slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
-        hinges = stiffenings(solver, line.hinges, before, after, h)
+        hinges = latch_up.stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            whole, _ = swinging(solver, self.time, hinges, self.settings.largest_step)
+            whole, _ = latch_up.swinging(solver, self.time, hinges, self.settings.largest_step)
             self.statistics.latch_frequencies[line.name] = whole.frequency
-            slow, size = swinging(solver, self.time, hinges, self._sizes.largest)
+            slow, size = latch_up.swinging(solver, self.time, hinges, self._sizes.largest)
             self._latched.append(slow)
             self._judge_latches()
             if slow.fastest:
-                h = resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
+                h = latch_up.resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
             else:
                 h = min(h, self._event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
@@ -458,29 +457,27 @@ class Master(CoSimulation):
         self._watched = [
             torque
             for line in self._latched
-            for torque in watched_torques(
+            for torque in latch_up.watched_torques(
                 self.solver, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
             )
         ]
         self.solver.watch(self._watched)
 
-    def _impulse(self) -> None:
-        """A vanishing step in which every joint takes away the rates that it does not allow."""
+    def _impulse(self, h: float = INSTANT) -> list[HingeLine]:
+        """A vanishing step h (s) that stills joints; lines that pass their latches in it, of which no step tells."""
         self._command(IMPULSE.name, 1.0)
-        solver = self.solver
-        usual = solver.tolerance, solver.persistent
-        solver.tolerance, solver.persistent = _IMPULSE_TOLERANCE, True
-        solver.forget()
-        solution = solver.solve(self.time, INSTANT, solver.accepted)
-        solver.tolerance, solver.persistent = usual
-        if not solution.converged:
-            raise failure(solver, solution, self.time, INSTANT)
-        self.time += INSTANT
-        self._save()
+        solution, passed = impulse(self.solver, self.time, h), []
+        if solution is not None:
+            self.time += h
+            waiting = (line for line in self._pending if line not in self._reached)
+            passed = [line for line in waiting if self._before[line.name] > 0.0 >= self._left(line)]
+            self._save()
         self._command(IMPULSE.name, 0.0)
         self.solver.forget()
-        self._observe(0.0)
-        self._record(INSTANT, solution.iterations)
+        if solution is not None:
+            self._observe(0.0)
+            self._record(h, solution.iterations)
+        return passed
 
     def _save(self) -> None:
         """The present states are those to return to."""

@@ -82,9 +82,13 @@ struct Master {
     char said[512];
 };
 
-/* Of `pending`: it acts at this instant; it locks with another. */
+/* Of `pending`: it waits; it acts at this instant; it locks with another; it passed its latch in an impulse; an event
+   latches it. */
+#define WAITING 1.0
 #define REACHED 2.0
 #define LOCKING 3.0
+#define PASSED 4.0
+#define COMMANDED 5.0
 
 static int is_pending_condition(const Event *e) { return *e->pending && isnan(e->time); }
 
@@ -275,28 +279,40 @@ static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     return 1;
 }
 
-/* A vanishing step in which every joint takes away the rates that it does not allow. */
-static int make_impulse(Master *m) {
+/* A vanishing step h (s) in which every joint takes away the rates that it does not allow. Lines that pass their latches
+   in it, of which no step tells, are marked. */
+static int make_impulse(Master *m, double h) {
     Network *n = &m->network;
     Solver *s = &m->solver;
     const Tolerance usual = n->tolerance;
     command_all(m, 1.0);
-    n->tolerance.relative = IMPULSE_ITERATED;
+    n->tolerance.relative = h == INSTANT ? IMPULSE_ITERATED : AGAIN_ITERATED;
     n->tolerance.residual = IMPULSE_RESIDUAL;
-    s->persistent = 1;
+    s->persistent = h == INSTANT;
     forget_stiffnesses(s);
-    const int status = solve(s, INSTANT, n->accepted);
+    const int status = solve(s, h, n->accepted);
     n->tolerance = usual;
     s->persistent = 0;
-    if (status != CONVERGED) return say_failure(m, INSTANT);
-    m->loop.time += INSTANT;
+    if (status != CONVERGED) {
+        if (h == INSTANT) return say_failure(m, h);
+        /* what little it was to take stays */
+        m->said[0] = '\0';
+        if (!restore_all(n)) return 0;
+        command_all(m, 0.0);
+        forget_stiffnesses(s);
+        return 1;
+    }
+    m->loop.time += h;
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending == WAITING && m->before_lines[i] > 0.0 && *sensed(m, m->line + i) <= 0.0)
+            *m->line[i].pending = PASSED;
     if (!coupling_save(n)) return 0;
     watch_all(m);
     command_all(m, 0.0);
     forget_stiffnesses(s);
     if (!observe_all(m)) return 0;
     note_energies(&m->loop);
-    add_row(m, m->loop.time, INSTANT);
+    add_row(m, m->loop.time, h);
     return 1;
 }
 
@@ -359,10 +375,10 @@ static double engage(Master *m, HingeLine *line) {
     return h;
 }
 
-/* Have others that lock at this instant do so with a line. */
-static void join_locks(Master *m) {
+/* Have others that lock at this instant do so with a line: those with the same mark. */
+static void join_locks(Master *m, double mark) {
     for (HingeLine *other = m->line; other < m->line + m->lines; other++)
-        if (*other->pending == REACHED && other->is_kinematic) {
+        if (*other->pending == mark && other->is_kinematic) {
             *other->pending = LOCKING;
             *other->latch_time = m->loop.time;
         }
@@ -378,20 +394,25 @@ static double engage_joined(Master *m, double size) {
     return size;
 }
 
-/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse, with others at once. */
-static int latch_line(Master *m, HingeLine *line) {
+/* Engage all latches of a line; a kinematic one takes the relative rate away in an impulse, with others of its mark. */
+static int latch_line(Master *m, HingeLine *line, double mark) {
     *line->pending = 0.0;
     *line->latch_time = m->loop.time;
-    if (line->is_kinematic) join_locks(m);
+    if (line->is_kinematic) join_locks(m, mark);
     /* bushings leave the joints rates of the order H^2; the latch must meet joints that move as such */
-    if (line->is_kinematic ? !make_impulse(m) : !note_roughness(m)) return 0;
+    if (line->is_kinematic ? !make_impulse(m, INSTANT) : !note_roughness(m)) return 0;
     const double size = engage_joined(m, engage(m, line));
     if (size == 0.0) return 0;
     forget_stiffnesses(&m->solver);
-    if (line->is_kinematic ? !make_impulse(m) : !record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;
+    if (line->is_kinematic) {
+        /* a lock would ring with the rate that an impulse leaves */
+        if (!make_impulse(m, INSTANT) || !make_impulse(m, AGAIN)) return 0;
+    } else if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size), forget_all)) return 0;
     coupling_restart(&m->network);
     restart_sizes(m, size, 0);
     begin_segment(m);
+    for (size_t i = 0; i < m->lines; i++)
+        if (*m->line[i].pending == PASSED && !latch_line(m, m->line + i, PASSED)) return 0;
     return 1;
 }
 
@@ -430,7 +451,9 @@ static int go_on(Master *m, const size_t *latch, size_t latches) {
     if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
     watch_all(m);
     for (size_t i = 0; i < latches; i++)
-        if (*m->line[latch[i]].pending && !latch_line(m, m->line + latch[i])) return 0;
+        if (*m->line[latch[i]].pending) *m->line[latch[i]].pending = COMMANDED;
+    for (size_t i = 0; i < latches; i++)
+        if (*m->line[latch[i]].pending == COMMANDED && !latch_line(m, m->line + latch[i], COMMANDED)) return 0;
     judge_latches(m);
     renew(m);
     return 1;
@@ -544,7 +567,7 @@ static void mark_reached(Master *m, double h) {
 static int let_act(Master *m) {
     int fine = 1;
     for (size_t i = 0; fine && i < m->lines; i++)
-        if (*m->line[i].pending == REACHED) fine = latch_line(m, m->line + i);
+        if (*m->line[i].pending == REACHED) fine = latch_line(m, m->line + i, REACHED);
     for (size_t i = 0; fine && i < m->events; i++)
         if (*m->event[i].pending == REACHED) fine = happen(m, m->event + i);
     return fine;
@@ -592,7 +615,7 @@ static int end_step(Master *m) {
     m->is_crossed = 1.0;
     mark_reached(m, l->h);
     for (size_t i = 0; i < m->lines; i++)
-        if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i) && let_act(m);
+        if (*m->line[i].pending && k++ == number) return latch_line(m, m->line + i, REACHED) && let_act(m);
     for (size_t i = 0; i < m->events; i++)
         if (is_pending_condition(m->event + i) && k++ == number) return happen(m, m->event + i) && let_act(m);
     return 1;

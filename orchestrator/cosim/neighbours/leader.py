@@ -81,15 +81,15 @@ class Leader(CompiledMaster):
             one.follow(solved, meets, until, to_break=to_break)
         super()._accept(h, solution)
 
-    def _let_act(self, one: HingeLine | Event, reached: Sequence[HingeLine | Event]) -> None:
+    def _let_act(self, one: HingeLine | Event) -> None:
         """StepError where something else has acted at this instant: neighbours would meet it sooner or later."""
-        if len(reached) > 1:
-            names = " and ".join(other.name for other in reached)
+        if len(self._reached) > 1:
+            names = " and ".join(other.name for other in self._reached)
             raise StepError(
                 f"{names} come at one instant, t = {self.time:.6g} s: with other values one of them comes first, so "
                 "that numbers have no derivatives there"
             )
-        super()._let_act(one, reached)
+        super()._let_act(one)
 
     def _happen(self, event: Event) -> None:
         with self._one_event() as is_whole:

@@ -1,0 +1,62 @@
+"""Kinematic latches of two wings on one base: close together, commanded at once, and what locks carry afterwards."""
+
+import pytest
+
+import orchestrator as fanfold
+from tests.unit.run.as_one.host import Host
+
+TORQUE = 1.5
+PANEL = {"mass": 5.0, "inertia": (0.6, 1.5, 2.0), "points": {"root": (0, 0, 0)}}
+FREE = {"mass": 40.0, "center_of_mass": (0, 0, 0), "inertia": (12, 12, 12)}
+
+
+def wings(earlier=0.0, **base):
+    """Mirrored wings; the second latches so many degrees earlier."""
+    scene = fanfold.Scene("wings", until="4 s")
+    body = scene.base(points={"plus": (0.5, 0, 0.3), "minus": (-0.5, 0, 0.3)}, **base)
+    for name, side in (("plus", 1.0), ("minus", -1.0)):
+        wing = scene.body(f"wing_{name}", rigid={**PANEL, "center_of_mass": (0.8 * side, 0, 0)})
+        scene.hinge_line(
+            name, body, wing, axis="+y" if side > 0.0 else "-y", aligned_angle="90 deg",
+            latch_angle=f"{90.0 - (earlier if side < 0.0 else 0.0)!r} deg",
+            motor={"stowed": TORQUE, "deployed": TORQUE}, latch={"kind": "kinematic", "stiffness": 1e4},
+            hinges={f"hinge_{name}": (name, "root")},
+        )  # fmt: skip
+    return scene
+
+
+@pytest.mark.parametrize("earlier", [6e-6, 8e-6, 1e-5])
+def test_a_line_that_passes_its_latch_in_the_impulse_of_another_locks(earlier):
+    """Symmetry: with latches 0.1 to 0.2 us apart both take the same impulse. Regression: one swung through."""
+    found = fanfold.simulate(wings(earlier), estimate=False)
+    impulses = found.headline.latch_impulses
+    assert impulses["plus"] == pytest.approx(impulses["minus"], rel=1e-5)
+    assert found.signal("hinge_plus", "angular_rate")[-1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_it_locks_in_the_one_fmu_too(tmp_path):
+    """The same master in C: latch times of both."""
+    (path,) = fanfold.export(wings(8e-6), tmp_path, as_one=True)
+    host = Host(path).start().to(4.0, 0.5)
+    assert host["plus.latch_time"] == pytest.approx(host["minus.latch_time"], abs=1e-6)
+    assert host["minus.latch_time"] > 0.0
+
+
+def test_lines_that_an_event_latches_lock_in_one_impulse():
+    """Symmetry: a free base does not turn, so both wings lose the rate they have. Regression: 1.70 and 2.94 N.m.s."""
+    scene = wings(free=FREE)
+    scene.event("both", time="2 s", set={name: {"latch_command": 1} for name in ("plus", "minus")})
+    impulses = fanfold.simulate(scene, estimate=False).headline.latch_impulses
+    assert impulses["plus"] == pytest.approx(impulses["minus"], rel=1e-6)
+
+
+@pytest.mark.parametrize("backend", ["native", "python"])
+def test_an_impulse_leaves_a_lock_no_rate_to_ring_with(backend):
+    """Closed form: a torque that a lock at rest takes all at once swings it to twice the torque, and no further.
+
+    Regression: the impulse over the numerical inertia of a lock was left as a rate, worth more than the motor's torque.
+    """
+    motors = {f"hinge_line.{name}.motor": {"stowed": 6.0, "deployed": 0.1} for name in ("plus", "minus")}
+    scene = wings().with_settings(motors)
+    found = fanfold.simulate(scene, until=2.4, tolerance=1e-5, estimate=False, backend=backend)
+    assert 0.1 < found.headline.latch_torque_peaks["plus"] < 0.2
