@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import degrees
 
 import numpy as np
 
@@ -20,6 +21,8 @@ _STARTED = {
 }
 """Parameters of bodies that say where they start, by what is recorded of them."""
 _INSTANT = 1e-5
+_MOVED = 0.05
+"""rad, by which equilibrium may turn a body before that is told: cables give way by a degree."""
 _LOST = 0.1
 """Of a preload, by which equilibrium may change it before that is told: stacks give way a little."""
 
@@ -58,3 +61,25 @@ def lost_preloads(assembly: Assembly, result: Result) -> Iterator[str]:
                 f"{part.name} has {left} of its preload of {given:.4g} N where the run starts, in static equilibrium: "
                 "what it pulls against gives way, or there is nothing, such as a snubber"
             )
+
+
+def moved_starts(assembly: Assembly, result: Result) -> Iterator[str]:
+    """A sentence for what static equilibrium turns most from where it is placed, where that is far."""
+    turns = {part.name: _turned(part, result) for part in assembly.parts} if assembly.preload else {}
+    name = max(turns, key=lambda part: turns[part], default="")
+    if turns.get(name, 0.0) > _MOVED:
+        yield (
+            f"{name} starts {degrees(turns[name]):.3g} deg from where it is placed, in static equilibrium, as "
+            "preload lets loads take joints there; start without preload where it is to begin as placed"
+        )
+
+
+def _turned(part: Part, result: Result) -> float:
+    """How far (rad) a body is turned where the run starts."""
+    parameter = "initial_orientation"
+    if parameter not in part.start or not result.has(part.name, _STARTED[parameter]):
+        return 0.0
+    placed = np.array(part.start[parameter])
+    found = result.signal(part.name, _STARTED[parameter])[0]
+    share = float(np.abs(placed @ found) / (np.linalg.norm(placed) * np.linalg.norm(found)))
+    return 2.0 * float(np.arccos(min(1.0, share)))

@@ -29,7 +29,7 @@ from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .linear_range import linear_range_sentences
 from .open_joints import open_joint_sentences
-from .preload import lost_preloads
+from .preload import lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
 from .refinement import refined
@@ -200,6 +200,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     if outcome.restless:
         yield f"{assembly.name}: {outcome.restless}"
     yield from lost_preloads(assembly, outcome.result)
+    yield from moved_starts(assembly, outcome.result)
     yield from _absent_sentences(assembly, outcome)
     yield from _damped_sentences(scene, assembly, outcome)
     yield from open_joint_sentences(scene, assembly, outcome.result)

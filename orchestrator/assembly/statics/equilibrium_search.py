@@ -70,6 +70,15 @@ def settle(mechanism: Mechanism, advice: str, *, idle: bool = False) -> None:
     raise SceneError([f"there is no static equilibrium near this configuration; {advice}"])
 
 
+def driven_motion(mechanism: Mechanism) -> Vector | None:
+    """What loads drive away (n,) once joints carry what they can: of motions without stiffness; None where none are."""
+    start = _with_loaded_joints(mechanism)
+    if not start.free.size or _is_idle(start.model, start.free):
+        return None
+    found: Vector = start.free @ (start.free.T @ start.model.residual)
+    return found
+
+
 class _Start(NamedTuple):
     """A tangent, the motion (n,) up to it, and shapes (n, k) of what moves there without force."""
 
