@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Collection, Iterator, Mapping
+from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from components import ComponentError
+from components.flexible.plate import Panel
 
 from ..assembly import Assembly, Part
 from ..assembly.fidelities import has_beam
@@ -102,9 +104,12 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
     """A sentence for each plate without stretching that bent by more than its thickness between its joints."""
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
-        thickness = _thickness(bodies.get(part.name)) if part.name in assembly.flexible else None
-        bend = None if thickness is None else _largest_bend(assembly, part, result)
-        if bend is None or thickness is None or bend.deflection <= _THICKNESSES * thickness:
+        panel = _linear_panel(bodies.get(part.name)) if part.name in assembly.flexible else None
+        bend = None if panel is None else _largest_bend(assembly, part, panel, result)
+        if panel is None or bend is None:
+            continue
+        thickness = float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
+        if bend.deflection <= _THICKNESSES * thickness:
             continue
         yield (
             f"{part.name} bent by {1e3 * bend.deflection:.3g} mm between its joints, at {bend.time:.4g} s, "
@@ -114,40 +119,61 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
         )
 
 
-def _thickness(body: Body | None) -> float | None:
-    """Of a plate of its bending and membrane stiffness (m); None for what is no plate, or stretches."""
+def _linear_panel(body: Body | None) -> Panel | None:
+    """None for what is no panel, or stretches as it bends."""
     if body is None or body.rigid is not None:
         return None
     try:
         panel = body_definition(body).panel
     except ComponentError:
         return None
-    if panel is None or panel.plate.geometry != "linear":
-        return None
-    return float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
+    return panel if panel is not None and panel.plate.geometry == "linear" else None
 
 
-def _largest_bend(assembly: Assembly, part: Part, result: Result) -> _Bend | None:
-    """None where fewer than three points, or points on one line, hold the body: it then bends without stretching."""
+def _largest_bend(assembly: Assembly, part: Part, panel: Panel, result: Result) -> _Bend | None:
+    """None where what holds the body surrounds nothing of it: it then bends without stretching."""
+    from scipy.spatial import Delaunay  # which takes a while to load, and few scenes need
+
     modal, shown = part.structure["modal"], assembly.geometry.get(part.name)
     held = {end[1] for link in assembly.links if (end := link.body)[0] == part.name}
     points = {port["point"] for port in part.structure["ports"] if port["name"] in held}
-    rows = [row for row, name in enumerate(modal["point_names"]) if name in points]
-    plane = _with_ones(np.asarray(modal["point_positions"])[rows])
-    if (
-        shown is None
-        or len(rows) < _FEWEST_HOLDERS
-        or np.linalg.matrix_rank(plane, tol=1e-6) < _FEWEST_HOLDERS
-    ):
+    places, lifts = _held(panel, modal, points)
+    plane = _with_ones(places)
+    if shown is None or np.linalg.matrix_rank(plane, tol=1e-6) < _FEWEST_HOLDERS:
         return None
+    surface = np.asarray(shown.positions)
+    between = Delaunay(places).find_simplex(surface[:, :2], tol=1e-9) >= 0
     # the deflection of the surface less that of the plane, both linear in the modes
-    tilt = np.linalg.pinv(plane) @ np.asarray(modal["translation"])[rows, 2]
-    shapes = np.asarray(shown.shapes)[:, 2] - _with_ones(np.asarray(shown.positions)) @ tilt
+    tilt = np.linalg.pinv(plane) @ lifts
+    shapes = np.asarray(shown.shapes)[between, 2] - _with_ones(surface[between]) @ tilt
     eta = np.asarray(result.signal(part.name, "modal_coordinate")).reshape(result.time.size, -1)
     chosen = _some_rows(len(eta))
     size = np.abs(shapes @ eta[chosen].T).max(axis=0, initial=0.0)
     top = int(np.argmax(size))
     return _Bend(float(size[top]), float(result.time[chosen[top]]))
+
+
+def _held(
+    panel: Panel, modal: Mapping[str, Any], points: Collection[str]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Places (k, 2) where these points hold a panel, corners of rigid inserts among them, and shapes (k, M) along z."""
+    arms = {arm.name: arm for arm in panel.arms if arm.section is None}
+    places, lifts = [], []
+    for row, name in enumerate(modal["point_names"]):
+        if name not in points:
+            continue
+        position = np.asarray(modal["point_positions"])[row, :2]
+        lift, turn = np.asarray(modal["translation"])[row, 2], np.asarray(modal["rotation"])[row]
+        corners = (
+            [corner for patch in panel.patches(arms[name]) for corner in product(*patch)]
+            if name in arms
+            else []
+        )
+        for corner in (position, *np.array(corners).reshape(-1, 2)):
+            arm = corner - position
+            places.append(corner)
+            lifts.append(lift + turn[0] * arm[1] - turn[1] * arm[0])
+    return np.array(places).reshape(-1, 2), np.array(lifts).reshape(len(places), -1)
 
 
 def _with_ones(positions: NDArray[np.float64]) -> NDArray[np.float64]:
