@@ -116,6 +116,10 @@ def _besides_lines(scene: CheckedScene, mechanism: Mechanism, *, joints: bool) -
 def _advice(scene: CheckedScene, target: Configuration, held: Collection[str], swept: Collection[str]) -> str:
     """What to do where there is no equilibrium."""
     free = free_lines(scene, target, held)
+    if not scene.hinge_lines:
+        return (
+            "it has no hinge lines to turn or hold, so what moves needs springs, or something that holds it"
+        )
     if not free:
         loops = " that stretch no cable loop" if scene.loops else ""
         return f"its hinge lines are all held or latched, so choose other angles or sweeps{loops}"

@@ -118,7 +118,9 @@ class Event:
         """What it does, for people."""
         done = [f"{name} released" for name in self.releases]
         done += [f"{name} locked" for name in self.latches]
-        done += [f"{s.part}.{s.parameter} set to {s.value} {s.unit}" for s in self.settings]
+        for s in self.settings:
+            unit = "" if s.unit == "1" else f" {s.unit}"
+            done.append(f"{s.part}.{s.parameter} set to {s.value}{unit}")
         return ", ".join(done)
 
 

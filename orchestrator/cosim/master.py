@@ -18,11 +18,11 @@ from .energy_guard import EnergyGuard
 from .events.breaks import HoldDowns, times_to_break
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
 from .implicit.convergence import Solution, Tolerance
+from .implicit.impulse import impulse
 from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
 from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
-from .impulse import impulse
 from .network import Network
 from .participant import ParticipantError, Vector
 from .rows import Recorder
@@ -467,14 +467,16 @@ class Master(CoSimulation):
         """A vanishing step h (s) that stills joints; lines that pass their latches in it, of which no step tells."""
         self._command(IMPULSE.name, 1.0)
         solution, passed = impulse(self.solver, self.time, h), []
-        if solution is not None:
+        if not solution.converged and h == INSTANT:
+            raise failure(self.solver, solution, self.time, h)
+        if solution.converged:
             self.time += h
             waiting = (line for line in self._pending if line not in self._reached)
             passed = [line for line in waiting if self._before[line.name] > 0.0 >= self._left(line)]
             self._save()
         self._command(IMPULSE.name, 0.0)
         self.solver.forget()
-        if solution is not None:
+        if solution.converged:
             self._observe(0.0)
             self._record(h, solution.iterations)
         return passed

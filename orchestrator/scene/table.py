@@ -179,7 +179,10 @@ class Orientation(Table):
     @model_validator(mode="after")
     def _spans(self) -> Self:
         if norm(cross(self.z, self.x)) < _PARALLEL * norm(self.z) * norm(self.x):
-            raise ValueError("x and z have one direction; give two that differ")
+            raise ValueError(
+                f"x and z{'' if 'z' in self.model_fields_set else ', by default (0, 0, 1),'} have one direction; give "
+                "two that differ"
+            )
         return self
 
 

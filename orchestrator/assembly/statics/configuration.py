@@ -192,7 +192,7 @@ def loaded(
         hinges = hinges_of(scene, free_lines(scene, target, kept | pressed))
         mechanism.command(HOLD.name, 1.0, hinges)
         try:
-            settle(mechanism, "as posed, the hinge angles are taken as they are, without equilibrium")
+            settle(mechanism, "--as-posed (as_posed=True) takes all where it is placed, without equilibrium")
         except SceneError:
             if not pressed:
                 raise

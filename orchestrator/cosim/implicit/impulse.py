@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from components.numerics.scheme import AGAIN, AGAIN_ITERATED, IMPULSE_ITERATED, IMPULSE_RESIDUAL, INSTANT
 
-from .implicit.convergence import Solution, Tolerance
-from .implicit.solver import Solver
-from .stepping import failure
+from .convergence import Solution, Tolerance
+from .solver import Solver
 
 _TOLERANCES = {
     size: Tolerance(iterated, residual=IMPULSE_RESIDUAL)
@@ -14,19 +13,16 @@ _TOLERANCES = {
 }
 
 
-def impulse(solver: Solver, time: float, h: float) -> Solution | None:
+def impulse(solver: Solver, time: float, h: float) -> Solution:
     """The step h (s), `INSTANT` or `AGAIN`, which participants were commanded to take as an impulse.
 
-    StepError where it does not converge; None if it is one that takes what little another left: all is as before it.
+    The second one takes what little the first one left, and gives in sooner: all is as before it then.
     """
     usual = solver.tolerance, solver.persistent
     solver.tolerance, solver.persistent = _TOLERANCES[h], h == INSTANT
     solver.forget()
     solution = solver.solve(time, h, solver.accepted)
     solver.tolerance, solver.persistent = usual
-    if solution.converged:
-        return solution
-    if h == INSTANT:
-        raise failure(solver, solution, time, h)
-    solver.restore()
-    return None
+    if not solution.converged:
+        solver.restore()
+    return solution
