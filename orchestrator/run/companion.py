@@ -43,7 +43,8 @@ _ASTRAY = 1e3
 _LOADS = ("N", "N.m")
 _BY_CHANCE = 3.0
 """Times which two numbers may differ by less than the rows around them; beyond, a swing came later in one of both."""
-_NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched")
+_NOT_ESTIMATED = ("end time", "energy residual", "angle, not latched", "lock torque peak")
+"""That of a lock between rigid bodies rings as its own stiffness lets it, which no step is meant to follow."""
 
 
 def doubled(segments: Sequence[Sequence[float]]) -> list[list[float]]:

@@ -27,8 +27,9 @@ from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
-from .linear_range import linear_range_sentences
-from .open_joints import open_joint_sentences
+from .limits.compression import compressed_sentences
+from .limits.linear_range import linear_range_sentences
+from .limits.open_joints import open_joint_sentences
 from .preload import lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
@@ -205,6 +206,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     yield from _damped_sentences(scene, assembly, outcome)
     yield from open_joint_sentences(scene, assembly, outcome.result)
     yield from linear_range_sentences(scene, assembly, outcome.result)
+    yield from compressed_sentences(scene, assembly, outcome.result)
     yield from turned_over(outcome.result)
 
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from components.contract.frames import norm, subtract
 
-from ..assembly import Assembly
-from ..results.result import Result
-from ..scene import CheckedScene
-from ..scene.bodies import motions, scene_points
+from ...assembly import Assembly
+from ...results.result import Result
+from ...scene import CheckedScene
+from ...scene.bodies import motions, scene_points
 
 _FAR = 1e-3
 """Of the largest distance of two points of a body that a joint holds: motion is wrong by as much."""

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from components import ComponentError
 from components.flexible.plate import Panel
 
-from ..assembly import Assembly, Part
-from ..assembly.fidelities import has_beam
-from ..assembly.spin import unstiffened_rates, unstiffened_spins
-from ..results.result import Result
-from ..scene import CheckedScene
-from ..scene.bodies import body_definition
-from ..scene.body_tables import Body
+from ...assembly import Assembly, Part
+from ...assembly.fidelities import has_beam
+from ...assembly.spin import unstiffened_rates, unstiffened_spins
+from ...results.result import Result
+from ...scene import CheckedScene
+from ...scene.bodies import body_definition
+from ...scene.body_tables import Body
 
 _THICKNESSES = 1.0
 """Of deflection; a clamped square plate is at 0.90 of them where linear theory has it at 1.3 (Levy, 1942)."""

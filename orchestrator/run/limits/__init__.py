@@ -1,0 +1,1 @@
+"""Where a run went beyond what its models are made for."""
