@@ -50,15 +50,14 @@ def test_lines_that_an_event_latches_lock_in_one_impulse():
     assert impulses["plus"] == pytest.approx(impulses["minus"], rel=1e-6)
 
 
-@pytest.mark.parametrize("backend", ["native", "python"])
-def test_an_impulse_leaves_a_lock_no_rate_to_ring_with(backend):
+def test_an_impulse_leaves_a_lock_no_rate_to_ring_with():
     """Closed form: a torque that a lock at rest takes all at once swings it to twice the torque, and no further.
 
     Regression: the impulse over the numerical inertia of a lock was left as a rate, worth more than the motor's torque.
     """
     motors = {f"hinge_line.{name}.motor": {"stowed": 6.0, "deployed": 0.1} for name in ("plus", "minus")}
     scene = wings().with_settings(motors)
-    found = fanfold.simulate(scene, until=2.4, tolerance=1e-5, estimate=False, backend=backend)
+    found = fanfold.simulate(scene, until=2.4, tolerance=1e-5, estimate=False)
     assert 0.1 < found.headline.latch_torque_peaks["plus"] < 0.2
 
 
