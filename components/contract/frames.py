@@ -79,6 +79,14 @@ def rotate(q: Quaternion, v: Vector3) -> Vector3:
     )
 
 
+def rotated(quaternions: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors (..., 3) turned by unit quaternions (..., 4), of shapes that broadcast."""
+    scalar, axis = quaternions[..., :1], quaternions[..., 1:]
+    twice = 2.0 * np.cross(axis, vectors)
+    found: NDArray[np.float64] = vectors + scalar * twice + np.cross(axis, twice)
+    return found
+
+
 def rotate_back(q: Quaternion, v: Vector3) -> Vector3:
     """The vector v turned by the inverse of q."""
     return rotate((q[0], -q[1], -q[2], -q[3]), v)

@@ -8,6 +8,8 @@ from math import degrees
 
 import numpy as np
 
+from components.contract.frames import norm, normalized, rotation_between
+
 from ..assembly import Assembly, Part
 from ..assembly.start_values import led_to
 from ..cosim.settings import Settings
@@ -79,7 +81,5 @@ def _turned(part: Part, result: Result) -> float:
     parameter = "initial_orientation"
     if parameter not in part.start or not result.has(part.name, _STARTED[parameter]):
         return 0.0
-    placed = np.array(part.start[parameter])
-    found = result.signal(part.name, _STARTED[parameter])[0]
-    share = float(np.abs(placed @ found) / (np.linalg.norm(placed) * np.linalg.norm(found)))
-    return 2.0 * float(np.arccos(min(1.0, share)))
+    placed = normalized(tuple(np.ravel(part.start[parameter]).tolist()))
+    return norm(rotation_between(placed, tuple(result.signal(part.name, _STARTED[parameter])[0].tolist())))

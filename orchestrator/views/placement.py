@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from components.contract.component import Vector
+from components.contract.frames import rotated
 
 from ..assembly import Geometry
 from ..results.result import Result
@@ -31,7 +32,5 @@ def placed(result: Result, name: str, body: Geometry, rows: NDArray[np.int64]) -
     if result.has(name, "modal_coordinate"):
         coordinates = result.signal(name, "modal_coordinate").reshape(result.time.size, -1)[rows]
         nodes = nodes + np.einsum("dam,rm->rda", np.asarray(body.shapes), coordinates)
-    w, vector = np.split(result.signal(name, "frame_orientation")[rows][:, None, :], [1], axis=2)
-    twice = 2.0 * np.cross(vector, nodes)
-    turned: Vector = nodes + w * twice + np.cross(vector, twice)
+    turned = rotated(result.signal(name, "frame_orientation")[rows][:, None, :], nodes)
     return turned + result.signal(name, "frame_position")[rows][:, None, :]

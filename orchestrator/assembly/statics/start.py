@@ -36,7 +36,8 @@ def in_equilibrium(assembly: Assembly) -> Assembly:
     falls with all it carries, as here bases stand still.
     """
     try:
-        mechanism = _settled(assembly, idle=True)
+        mechanism = _held(assembly)
+        settle(mechanism, "", idle=True)
     except SceneError:
         return assembly
     base = mechanism.bodies[mechanism.base]
@@ -101,13 +102,6 @@ def _turn(mechanism: Mechanism, joint: str, motion: Vector) -> float:
     """How far a joint's sides turn against each other in a motion (n,)."""
     inboard, outboard = (mechanism.jacobian(joint, port)[3:] @ motion for port in (0, 1))
     return float(np.linalg.norm(outboard - inboard))
-
-
-def _settled(assembly: Assembly, *, idle: bool = False) -> Mechanism:
-    """Its mechanism in equilibrium with all held that can be; SceneError where there is none near."""
-    mechanism = _held(assembly)
-    settle(mechanism, "", idle=idle)
-    return mechanism
 
 
 def _held(assembly: Assembly) -> Mechanism:

@@ -8,6 +8,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
+from components.contract.frames import rotated
 from components.end_stop import OF_HINGE
 
 from ...assembly import HingeLine
@@ -104,7 +105,4 @@ def _carried(result: Result, part: str, direction: Vector) -> Vector:
     if not result.has(part, "frame_orientation"):
         return np.broadcast_to(direction, (result.time.size, 3))
     turns = result.signal(part, "frame_orientation")
-    scalar, vector = turns[:, :1], turns[:, 1:]
-    own = direction + 2.0 * np.cross(vector[0], np.cross(vector[0], direction) - scalar[0] * direction)
-    turned: Vector = own + 2.0 * np.cross(vector, np.cross(vector, own) + scalar * own)
-    return turned
+    return rotated(turns, rotated(turns[0] * (1.0, -1.0, -1.0, -1.0), direction))

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from components.contract.frames import rotated
 from components.hinge import Hinge
 from components.moving_base import MovingBase
 
@@ -15,6 +16,7 @@ from ...assembly.fidelities import has_beam
 from ...results.result import Result
 from ...scene import CheckedScene
 from ...scene.bodies import body_definition
+from .holders import holding_points
 
 _TOLD = 0.2
 """Of Euler's load: it takes so much of the stiffness against bending, which modes of first order keep."""
@@ -26,7 +28,7 @@ def compressed_sentences(scene: CheckedScene, assembly: Assembly, result: Result
     beams = [body for body in scene.bodies if not body.second_order_modes and has_beam(body)]
     parts = {part.name: part for part in assembly.parts}
     for body in beams:
-        held = _held(parts[body.name], assembly) if body.name in assembly.flexible else {}
+        held = dict(holding_points(parts[body.name], assembly)) if body.name in assembly.flexible else {}
         if len(held) < 2:
             continue
         beam, places = body_definition(body).beam, _places(parts[body.name])
@@ -49,12 +51,6 @@ def compressed_sentences(scene: CheckedScene, assembly: Assembly, result: Result
             f"{most / critical:.2g} of Euler's load between pinned ends ({critical:.4g} N), which takes as much of its "
             "stiffness; its modes are of first order and keep all of it; give it second_order_modes"
         )
-
-
-def _held(part: Part, assembly: Assembly) -> dict[str, str]:
-    """Point of a body that each connection has a port at."""
-    points = {port["name"]: port["point"] for port in part.structure["ports"]}
-    return {link.connection[0]: points[link.body[1]] for link in assembly.links if link.body[0] == part.name}
 
 
 def _places(part: Part) -> dict[str, Rows]:
@@ -84,9 +80,9 @@ def _pressed(
     turn = np.broadcast_to(
         np.array(port.get("orientation", (1.0, 0.0, 0.0, 0.0)), dtype=float), (len(force), 4)
     )
-    in_world = _rotated(_orientation(inboard.name, result), _rotated(turn, force))
+    in_world = rotated(_orientation(inboard.name, result), rotated(turn, force))
     along = (middle - place) / max(float(np.linalg.norm(middle - place)), 1e-9)
-    axis = _rotated(_orientation(body, result), np.broadcast_to(along, force.shape))
+    axis = rotated(_orientation(body, result), np.broadcast_to(along, force.shape))
     on_body: Rows = np.sum(in_world * axis, axis=1) * (1.0 if sides["outboard"][0] == body else -1.0)
     return on_body
 
@@ -96,11 +92,3 @@ def _orientation(body: str, result: Result) -> Rows:
     if result.has(body, "frame_orientation"):
         return np.asarray(result.signal(body, "frame_orientation")).reshape(-1, 4)
     return np.tile((1.0, 0.0, 0.0, 0.0), (result.time.size, 1))
-
-
-def _rotated(quaternions: Rows, vectors: Rows) -> Rows:
-    """Vectors (n, 3) rotated by unit quaternions (n, 4)."""
-    scalar, axis = quaternions[:, :1], quaternions[:, 1:]
-    twice = 2.0 * np.cross(axis, vectors)
-    turned: Rows = vectors + scalar * twice + np.cross(axis, twice)
-    return turned

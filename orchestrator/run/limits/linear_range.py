@@ -19,6 +19,7 @@ from ...results.result import Result
 from ...scene import CheckedScene
 from ...scene.bodies import body_definition
 from ...scene.body_tables import Body
+from .holders import holding_points
 
 _THICKNESSES = 1.0
 """Of deflection; a clamped square plate is at 0.90 of them where linear theory has it at 1.3 (Levy, 1942)."""
@@ -135,9 +136,7 @@ def _largest_bend(assembly: Assembly, part: Part, panel: Panel, result: Result) 
     from scipy.spatial import Delaunay  # which takes a while to load, and few scenes need
 
     modal, shown = part.structure["modal"], assembly.geometry.get(part.name)
-    held = {end[1] for link in assembly.links if (end := link.body)[0] == part.name}
-    points = {port["point"] for port in part.structure["ports"] if port["name"] in held}
-    places, lifts = _held(panel, modal, points)
+    places, lifts = _held(panel, modal, {point for _, point in holding_points(part, assembly)})
     plane = _with_ones(places)
     if shown is None or np.linalg.matrix_rank(plane, tol=1e-6) < _FEWEST_HOLDERS:
         return None

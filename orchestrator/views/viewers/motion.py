@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from components.contract.component import Vector
+from components.contract.frames import rotated
 
 from ...assembly import Geometry
 from ...results.result import Result, ResultError
@@ -59,10 +60,7 @@ class Motion:
 
     def _placed(self, position: Vector, orientation: Vector, amplitudes: Vector) -> Vector:
         bent = self.nodes + np.einsum("dam,rm->rda", self.forms, amplitudes, optimize=True)
-        w, vector = orientation[:, None, :1], orientation[:, None, 1:]
-        twice = 2.0 * np.cross(vector, bent)
-        found: Vector = bent + w * twice + np.cross(vector, twice) + position[:, None, :]
-        return found
+        return rotated(orientation[:, None, :], bent) + position[:, None, :]
 
 
 def motion(result: Result, name: str, body: Geometry, rows: Rows, tolerance: float) -> Motion:
