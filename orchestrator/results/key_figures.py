@@ -30,7 +30,9 @@ from .signal import EVENT_WIDTH, Peak, maxima_near
 Vector = NDArray[np.float64]
 T = TypeVar("T")
 
-POINT_PEAKS = ("port force peak", "port torque peak", "hinge force peak", "hinge torque peak")
+TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
+"""Of single hinges, with the torque about their line."""
+POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
 """Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
 
 _NEAR_PEAK = 0.1

@@ -28,7 +28,7 @@ from ..results.estimated_errors import (
     beside_their_vector,
     errors_text,
 )
-from ..results.key_figures import headline
+from ..results.key_figures import TORQUE_PEAKS, headline
 from ..results.result_file import with_statistics
 from .errors import InterruptedRunError
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -110,10 +110,14 @@ def _errors(
         errors_of_step_ends(told.result, peaks),
         differences_near(told.result, peaks, companion.result),
     )
+    locked = told.headline.latch_impulses
+    in_locks = {hinge for line in told.result.hinge_lines if line.name in locked for hinge in line.hinges}
     found = {
         number.key: abs(number.value - others[number.key])
         for number in told.headline.numbers()
-        if number.key in others and number.quantity not in _NOT_ESTIMATED
+        if number.key in others
+        and number.quantity not in _NOT_ESTIMATED
+        and (number.quantity not in TORQUE_PEAKS or number.of not in in_locks)
     }
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
     return beside_their_vector(
