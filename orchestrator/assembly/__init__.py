@@ -113,6 +113,11 @@ class Event:
             settings=(*self.settings, *settings),
         )
 
+    def with_another(self, event: Event) -> Self:
+        """The event with all that another one does at the same time, and both names."""
+        both = replace(self, name=f"{self.name} and {event.name}")
+        return both.also(event.releases, event.latches, event.settings)
+
     @property
     def text(self) -> str:
         """What it does, for people."""

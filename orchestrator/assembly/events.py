@@ -39,12 +39,31 @@ _OF_THE_MASTER = tuple(one.name for one in OF_THE_MASTER)
 def assembly_events(
     scene: CheckedScene, parts: Sequence[Part], lines: Sequence[HingeLine]
 ) -> tuple[Event, ...]:
-    """The events of a scene; SceneError with everything that its components do not know or cannot do."""
+    """The events of a scene, those of one time as one; SceneError with what its components do not know or cannot do."""
     reader = _EventReader(parts, lines)
-    events = tuple(reader.event(table) for table in scene.events)
+    events = _of_one_time([reader.event(table) for table in scene.events])
+    reader.problems += _released_and_locked(events, lines)
     if reader.problems:
         raise SceneError([f"{scene.file}: event.{problem}" for problem in dict.fromkeys(reader.problems)])
     return events
+
+
+def _of_one_time(events: Sequence[Event]) -> tuple[Event, ...]:
+    """Events; in place of the first of those that come at one time, which have no order, all of them."""
+    found: dict[float | str, Event] = {}
+    for event in events:
+        key = event.name if event.time is None else event.time
+        found[key] = found[key].with_another(event) if key in found else event
+    return tuple(found.values())
+
+
+def _released_and_locked(events: Sequence[Event], lines: Sequence[HingeLine]) -> Iterator[str]:
+    """Problems of events that lock what they let go of."""
+    hinges = {line.name: line.hinges for line in lines}
+    for event in events:
+        for line in event.latches:
+            if set(hinges[line]) <= set(event.releases):
+                yield f"{event.name}: locks {line}, which it releases as well; leave one of both out"
 
 
 class _EventReader:

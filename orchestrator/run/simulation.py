@@ -27,6 +27,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
+from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.linear_range import linear_range_sentences
 from .limits.open_joints import open_joint_sentences
@@ -202,7 +203,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
         yield f"{assembly.name}: {outcome.restless}"
     yield from lost_preloads(assembly, outcome.result)
     yield from moved_starts(assembly, outcome.result)
-    yield from _absent_sentences(assembly, outcome)
+    yield from idle_events(assembly, outcome.result)
     yield from _damped_sentences(scene, assembly, outcome)
     yield from open_joint_sentences(scene, assembly, outcome.result)
     yield from linear_range_sentences(scene, assembly, outcome.result)
@@ -258,28 +259,6 @@ def _refuse_wings(assembly: Assembly) -> None:
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
     for name in sorted({*bending} - {"all", *assembly.flexible, *assembly.large_deformation}):
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
-
-
-def _absent_sentences(assembly: Assembly, outcome: Outcome) -> Iterator[str]:
-    """Events that have not happened, and how far their conditions were from holding."""
-    result = outcome.result
-    happened = {name for _, name, _ in result.events}
-    for event in assembly.events:
-        if event.name in happened:
-            continue
-        if (condition := event.condition) is None:
-            yield f"event {event.name} has not happened: it comes at {event.time:g} s, when the run has ended"
-            continue
-        values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
-        seen = values[:, condition.index]
-        variable, unit = (
-            f"{condition.part}.{condition.variable}",
-            result.unit(condition.part, condition.variable),
-        )
-        yield (
-            f"event {event.name} has not happened: it waits for {variable} {'above' if condition.rising else 'below'} "
-            f"{condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
-        )
 
 
 def _damped_sentences(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:

@@ -63,6 +63,55 @@ def test_what_never_happened_is_told(tmp_path):
     assert "waits for root.angular_rate above 1.5708 rad/s, which goes from -0.0" in unreached
 
 
+def test_events_of_one_time_are_one(tmp_path):
+    """Rule: they have no order. Regression: two that latched a line each locked one after the other."""
+    path = scene_with(
+        tmp_path, f"time = 2\n{RELEASE}", "time = '2000 ms'\nset = { middle_line = { motor_stiffness = 1 } }"
+    )
+    (event,) = assemble(load_scene(path)).events
+    assert event.name == "a and b"
+    assert event.releases == ("root",)
+    assert {setting.part for setting in event.settings} == {"middle_left", "middle_right"}
+
+
+LATE = {
+    "latched before": (
+        (
+            "time = 0.2\nset = { root = { latch_command = 1 } }",
+            "time = 0.3\nset = { root = { latch_command = 1 } }",
+        ),
+        "event b: root_line had latched at 0.2 s already",
+    ),
+    "released before": (
+        (f"time = 0.2\n{RELEASE}", "time = 0.3\nset = { root = { latch_command = 1 } }"),
+        "event b: root_line was not latched, as its hinges had been released",
+    ),
+    "an angle that held it": (
+        (
+            "time = 0.2\nset = { root = { latch_command = 1 } }",
+            "time = 0.3\nset = { root = { latch_angle = '1 deg' } }",
+        ),
+        "event b: root_line had latched at 0.2 s, where it stays",
+    ),
+    "an angle behind it": (
+        ("time = 0.3\nset = { root = { latch_angle = '0.001 deg' } }",),
+        "beyond the latch_angle of 0.00 deg that it got then",
+    ),
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")
+@pytest.mark.parametrize("name", LATE)
+def test_what_came_too_late_is_told(name, tmp_path):
+    """Bad input. Regression: an event that did nothing was recorded as if it had."""
+    events, expected = LATE[name]
+    latch = "[[hinge_line]]\nname = 'root_line'\nlatch = { stiffness = 2000, effective_inertia = 5 }"
+    path = scene_with(tmp_path, *events[:-1], f"{events[-1]}\n{latch}")
+    with pytest.warns(fanfold.FanfoldWarning) as told:
+        fanfold.simulate(path, until=0.4, rigid="all", estimate=False)
+    assert any(expected in str(one.message) for one in told), [str(one.message) for one in told]
+
+
 BAD = {
     "no cause": (RELEASE, "event.a: give either time or when, a condition"),
     "two causes": (
@@ -141,6 +190,11 @@ BAD = {
     "no latch": (
         "time = 1\nset = { root = { latch_command = 1 } }",
         "event.a.set.root.latch_command: root is no hinge of a line that has a latch",
+    ),
+    "let go and locked": (
+        f"time = 1\n{RELEASE}\nset = {{ root = {{ latch_command = 1 }} }}\n[[hinge_line]]\nname = 'root_line'\n"
+        "latch = { stiffness = 2000, effective_inertia = 5 }",
+        "event.a: locks root_line, which it releases as well",
     ),
     "taken back": (
         "time = 1\nset = { root = { failure_command = 0 } }",
