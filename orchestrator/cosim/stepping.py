@@ -43,7 +43,9 @@ LEAST_ERROR = 1e-9
 TIME_ROUNDING, BREAK_REACHED = 1e-12, 1e-9  # s, what sums of step sizes may leave
 STRETCHED, SHARED = 1.001, 1.5
 """Steps in which a remainder that would be a tiny step is taken in one, or where a step may be chosen in two."""
-_TO_CONVERGE = 1.0 / 64.0
+_TO_CONVERGE = 1.0 / 1024.0
+"""Of the smallest step for accuracy: friction that breaks away below a light body in a lock converges where it moves
+little in a step."""
 _LONGER = 1.1
 _PLAN_TAIL, _PARTS, _MOST_PARTS = 8, 4, 1024
 _SEARCH = "the static search before the run"

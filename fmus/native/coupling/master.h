@@ -14,7 +14,7 @@ enum { CHANNELS = 7, FREQUENCY_SEARCH = 6, EVENT_SEARCH = 40, TELLING_STEPS = 2 
 #define LEAST_KINETIC 1e-17 /* J, see orchestrator/cosim/energy_guard.py */
 #define LONGEST_SWING 0.02 /* s, over which a latched wing swings as a whole */
 #define EVENT_TOLERANCE 1e-11
-#define TO_CONVERGE (1.0 / 64.0)
+#define TO_CONVERGE (1.0 / 1024.0)
 #define EVENT_REACHED 1e-9 /* s, what sums of step sizes may leave */
 
 /* An input or parameter of a participant. */
