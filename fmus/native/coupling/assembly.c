@@ -435,13 +435,14 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->standing = allocate(memory, (a->standing_size + 1) * sizeof(double));
     a->wanted = allocate(memory, (a->parameter_count + 1) * sizeof(double));
     a->applied = allocate(memory, (a->parameter_count + 1) * sizeof(double));
+    a->noted.wanted = allocate(memory, (a->parameter_count + 1) * sizeof(double));
     a->inputs = allocate(memory, (a->inputs_count + 1) * sizeof(double));
     a->peaks = allocate(memory, (a->peak_count + 1) * sizeof(double));
     a->ring = allocate(memory, RING * a->row_size * sizeof(double));
     a->noted.step = allocate(memory, MOST_NOTED * sizeof *a->noted.step);
     a->snapshot = allocate(memory, (SNAPSHOTS * a->snapshot_size + 1) * sizeof(double));
     if (!a->standing || !a->wanted || !a->applied || !a->inputs || !a->peaks || !a->ring || !a->snapshot ||
-        !a->noted.step)
+        !a->noted.step || !a->noted.wanted)
         return refuse(why, "no memory for the state of an assembly");
     arrange_standing(a, a->standing);
     m->loop.energy_start = m->energy_start;
@@ -539,6 +540,13 @@ static int go_back(Assembly *a) {
     return (number == 0 || take_snapshot(a, number)) && run_to(a, a->time, 0);
 }
 
+/* What acts of a parameter from the communication point on: what the host has changed it to since it last acted, or what
+   is in force, which an event may have set. A step that repeats another one differs from it by as much as the host's. */
+static double acting(const Assembly *a, size_t at) {
+    const double before = a->noted.mode == REPEATS_STEPS ? a->noted.wanted[at] : a->wanted[at];
+    return (before != a->applied[at] ? before : a->in_force[at]) + (a->wanted[at] - before);
+}
+
 /* Go back to the communication point and let what the host has changed act there. */
 static int change(Assembly *a, const double *u) {
     Master *m = &a->master;
@@ -550,7 +558,8 @@ static int change(Assembly *a, const double *u) {
     for (size_t i = 0; i < a->participants; i++)
         for (size_t k = 0; k < a->instance[i]->sizes.parameters; k++) {
             const size_t at = a->first_parameter[i] + k;
-            if (a->wanted[at] != a->applied[at] && !set_parameter(a, i, k, a->wanted[at])) return 0;
+            const double value = acting(a, at);
+            if (value != a->in_force[at] && !set_parameter(a, i, k, value)) return 0;
         }
     memcpy(a->applied, a->wanted, a->parameter_count * sizeof(double));
     if (!supply(m, before)) return 0;
@@ -700,7 +709,10 @@ static int step_alike(void *self, const double *x, const double *u, double h, in
     noted->mode = again ? REPEATS_STEPS : NOTES_STEPS;
     noted->acts = acts;
     noted->at = 0;
-    if (!again) noted->count = 0, noted->gives = -1;
+    if (!again) {
+        noted->count = 0, noted->gives = -1;
+        memcpy(noted->wanted, a->wanted, a->parameter_count * sizeof(double));
+    }
     if (again) usual = set_exactness(&a->master, exact);
     const int fine = make_alike(a, x, u, h);
     const int strays = again && noted->at != noted->count;

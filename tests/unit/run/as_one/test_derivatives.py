@@ -121,6 +121,24 @@ def test_an_event_at_a_time_moves_with_nothing(tmp_path):
     assert derivatives(host, [ENERGY], TORQUE)[0] == pytest.approx(-angle, rel=1e-5)
 
 
+def test_they_are_about_what_an_event_has_set(tmp_path):
+    """Differences about that value. Regression: about the host's own, which acts no more, 12 % off in an energy."""
+    event = {"name": "rougher", "time": "0.2 s", "set": {"root": {"friction_preload": "12 N.m"}}}
+    scene = latching([event])
+    (path,) = fanfold.export(scene, tmp_path, as_one=True)
+    known, told = "root.friction_preload", ["root.angle", ENERGY]
+    host = Host(path).start().to(0.3, 0.1)
+    state = host.fmu.getFMUstate()
+    host.fmu.doStep(0.3, 0.4)
+    found, ends = derivatives(host, told, known), []
+    for value in (12.0 + WIDTH, 12.0 - WIDTH):
+        host.fmu.setFMUstate(state)
+        host[known] = value
+        host.fmu.doStep(0.3, 0.4)
+        ends.append(np.array([host[name] for name in told]))
+    np.testing.assert_allclose(found, (ends[0] - ends[1]) / (2.0 * WIDTH), rtol=1e-5)
+
+
 def test_a_step_that_ends_at_latch_up_has_none(path):
     time = Host(path).start().to(1.0, 0.1)["HL.latch_time"]
     host = Host(path).start()
