@@ -17,13 +17,13 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import fmpy
-from fmpy import platform, platform_tuple, sharedLibraryExtension
 from fmpy.model_description import ValidationError, read_model_description
 from lxml import etree
 
 from components.cache.temporary import process_folder
 
 from ..archive import archive_problems
+from ..description.binaries import binary_member
 from .names import name_problems
 from .smoke_run import DOING
 
@@ -223,8 +223,7 @@ def _terminal_problems(root: Element, text: bytes | None) -> Iterator[str]:
 
 def _missing_binary(root: Element, members: set[str]) -> Iterator[str]:
     identifier = root.find("CoSimulation").get("modelIdentifier")  # type: ignore[union-attr] # checked
-    folder = platform if root.get("fmiVersion") == "2.0" else platform_tuple
-    binary = f"binaries/{folder}/{identifier}{sharedLibraryExtension}"
+    binary = binary_member(root.get("fmiVersion", ""), identifier or "")
     if binary not in members:
         yield Problem(f"there is no binary for this platform, {binary}", "Fanfold needs")
 

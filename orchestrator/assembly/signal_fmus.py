@@ -14,6 +14,7 @@ from fmpy import read_model_description
 
 from components import LAGGED, ComponentError, FanfoldError
 from components.contract.errors import unknown
+from fmus.description.binaries import binary_member, folder_here
 from fmus.description.units import base_unit
 
 from ..scene.schema import SMALLEST_STEP, CheckedScene
@@ -139,7 +140,7 @@ class _Reader:
             )
         return True
 
-    def _is_start(self, name: str, value: object) -> bool:
+    def _is_start(self, name: str, value: Any) -> bool:  # noqa: ANN401 - of any type
         try:
             variable = self._scalar_variable(name, ("parameter", "structuralParameter"))
             if variable.type == "Boolean":
@@ -148,8 +149,9 @@ class _Reader:
                 sound, kind = isinstance(value, str), "a text"
             else:
                 whole = variable.type in _WHOLE
-                sound = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
-                kind = "a whole number" if whole else f"a number of {_unit(variable) or '1'}"
+                number = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
+                sound = number and isfinite(value)
+                kind = "a whole number" if whole else f"a finite number of {_unit(variable)}".removesuffix(" of ")
             if not sound:
                 raise ValueError(f"is {value!r}; it must be {kind}")
         except ValueError as error:
@@ -200,7 +202,7 @@ class _Reader:
             return
         yield Signal(
             name, variable.type, sensor, quantity.name, index, 1.0 / factor, -offset / factor,
-            _unit(variable) or quantity.unit, variable.description or "", says_unit=bool(_unit(variable)),
+            _unit(variable) or quantity.unit, variable.description or "", says_unit=_says_unit(variable),
         )  # fmt: skip
 
     def _output(self, name: str, target: str) -> Iterator[Signal]:
@@ -223,7 +225,7 @@ class _Reader:
                 yield Signal(
                     name, variable.type, part, quantity.name, index, factor, offset,
                     _unit(variable) or quantity.unit, variable.description or "", tuple(start.tolist()), impulse,
-                    bool(_unit(variable)),
+                    _says_unit(variable),
                 )  # fmt: skip
         except ValueError as error:
             self._note(key, str(error))
@@ -299,6 +301,11 @@ def _unit(variable: Any) -> str:  # noqa: ANN401 - of FMPy
     return variable.unit or getattr(variable.declaredType, "unit", None) or ""
 
 
+def _says_unit(variable: Any) -> bool:  # noqa: ANN401 - of FMPy
+    """Whether nothing is left to guess: whole numbers and truth values have no attribute for a unit."""
+    return bool(_unit(variable)) or variable.type not in _NUMBERS
+
+
 def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
     """The model description; _NoFmuError where there is none, or where it is of another kind of FMU."""
     try:
@@ -309,6 +316,12 @@ def _description(path: Path) -> Any:  # noqa: ANN401 - of FMPy
         raise _NoFmuError(f"is of FMI {found.fmiVersion}; 2.0 and 3.0 can take part")
     if found.coSimulation is None:
         raise _NoFmuError("is no co-simulation FMU; export it as one")
+    with zipfile.ZipFile(path) as archive:
+        members = archive.namelist()
+    if binary_member(found.fmiVersion, found.coSimulation.modelIdentifier) not in members:
+        others = sorted({name.split("/")[1] for name in members if re.match(r"binaries/[^/]+/.", name)})
+        has = f"only for {', '.join(others)}" if others else "nor for any other"
+        raise _NoFmuError(f"has no binary for this platform, {folder_here(found.fmiVersion)}, {has}")
     return found
 
 

@@ -339,7 +339,7 @@ def _follow(
             raise _broken_off(sentence, writer, InterruptedRunError) from None
         wall = perf_counter() - start
         statistics = runner.statistics
-        fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time
+        fmu_time = sum(clock[0] for clock in clocks) + statistics.fmu_time + sum(s.seconds for s in signals)
         costs = Costs(statistics.steps, statistics.sweeps, statistics.rejected, wall, fmu_time / wall)
         writer.statistics(costs.as_dict(end))
     if output is not None:

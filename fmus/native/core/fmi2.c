@@ -127,13 +127,17 @@ FMI2_EXPORT fmi2Status fmi2Reset(fmi2Component component) {
 FMI2_EXPORT fmi2Status fmi2GetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                    fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_get(instance, references, count, values) : fmi2Error;
+    if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
+        return fmi2Error;
+    return (fmi2Status)instance_get(instance, references, count, values);
 }
 
 FMI2_EXPORT fmi2Status fmi2SetReal(fmi2Component component, const fmi2ValueReference references[], size_t count,
                                    const fmi2Real values[]) {
     Instance *instance = fmi2_instance_of(component);
-    return instance ? (fmi2Status)instance_set(instance, references, count, values) : fmi2Error;
+    if (!instance || instance_refuse_missing(instance, references, values, count) != STATUS_OK)
+        return fmi2Error;
+    return (fmi2Status)instance_set(instance, references, count, values);
 }
 
 /* There are no variables of other types; asking for none of them is no error. */

@@ -128,9 +128,12 @@ FMI3_EXPORT fmi3Status fmi3Reset(fmi3Instance instance) {
     return core ? (fmi3Status)instance_reset(core) : fmi3Error;
 }
 
-/* STATUS_OK when the references are those of variables with `scalars` scalars in all. */
-static Status check_sizes(Fmu *fmu, const fmi3ValueReference *references, size_t count, size_t scalars) {
+/* STATUS_OK when the references are those of variables with `scalars` scalars in all, for which there are values. */
+static Status check_sizes(Fmu *fmu, const fmi3ValueReference *references, size_t count, const fmi3Float64 *values,
+                          size_t scalars) {
     size_t sum = 0;
+    if (instance_refuse_missing(fmu->instance, references, values, count) != STATUS_OK)
+        return STATUS_ERROR;
     for (size_t i = 0; i < count; i++) {
         if (references[i] > fmu->scalars || !fmu->sizes[references[i]])
             return instance_fail(fmu->instance, STATUS_ERROR, "there is no variable with value reference %lu",
@@ -158,7 +161,7 @@ FMI3_EXPORT fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueRefe
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
-    Status status = check_sizes(fmu, references, count, value_count);
+    Status status = check_sizes(fmu, references, count, values, value_count);
     for (size_t i = 0, scalars = 0; status == STATUS_OK && i < count; values += scalars) {
         size_t first = references[i];
         i += run_of(fmu, references + i, count - i, &scalars);
@@ -175,7 +178,7 @@ FMI3_EXPORT fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueRefe
     Fmu *fmu = fmu_of(instance);
     if (!fmu)
         return fmi3Error;
-    Status status = check_sizes(fmu, references, count, value_count);
+    Status status = check_sizes(fmu, references, count, values, value_count);
     for (size_t i = 0, scalars = 0; status == STATUS_OK && i < count; values += scalars) {
         size_t first = references[i];
         i += run_of(fmu, references + i, count - i, &scalars);
@@ -260,9 +263,9 @@ FMI3_EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const
     if (!fmu)
         return fmi3Error;
     uint32_t *of = fmu->expanded, *by = fmu->expanded + fmu->scalars + 1;
-    Status status = check_sizes(fmu, unknowns, unknown_count, sensitivity_count);
+    Status status = check_sizes(fmu, unknowns, unknown_count, sensitivity, sensitivity_count);
     if (status == STATUS_OK)
-        status = check_sizes(fmu, knowns, known_count, seed_count);
+        status = check_sizes(fmu, knowns, known_count, seed, seed_count);
     if (status == STATUS_OK)
         status = expand(fmu, unknowns, unknown_count, sensitivity_count, of);
     if (status == STATUS_OK)

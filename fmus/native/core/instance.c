@@ -154,6 +154,12 @@ static Status set_between_events(Instance *instance, uint32_t reference, double 
                          instance->values[reference]);
 }
 
+Status instance_refuse_missing(Instance *instance, const void *references, const void *values, size_t count) {
+    if (count == 0 || (references && values)) return STATUS_OK;
+    return instance_fail(instance, STATUS_ERROR, "%s of %lu variables are missing: their array is NULL",
+                         references ? "values" : "value references", (unsigned long)count);
+}
+
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values) {
     int parameters = 0, continuous = instance->mode == MODE_CONTINUOUS;
     Status status = STATUS_OK, worst = STATUS_OK;

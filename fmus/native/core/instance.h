@@ -100,6 +100,8 @@ Status instance_exit_initialization(Instance *instance);
 Status instance_reset(Instance *instance);
 Status instance_terminate(Instance *instance);
 
+/* STATUS_OK where there are arrays for so many variables. */
+Status instance_refuse_missing(Instance *instance, const void *references, const void *values, size_t count);
 Status instance_set(Instance *instance, const uint32_t *references, size_t count, const double *values);
 Status instance_get(Instance *instance, const uint32_t *references, size_t count, double *values);
 

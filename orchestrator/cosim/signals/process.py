@@ -12,6 +12,7 @@ from contextlib import suppress
 from multiprocessing import Pipe
 from pathlib import Path
 from tempfile import mkdtemp
+from time import perf_counter
 from typing import Any, Self
 
 from components.cache.temporary import process_folder
@@ -35,11 +36,12 @@ class SignalProcess:
     """An FMU in a process of its own; a context manager. ParticipantError where it fails, crashes or hangs.
 
     tolerance: relative accuracy that it is told to have. longest_call: time (s) after which a call that has not come
-    to its end is taken to hang.
+    to its end is taken to hang. seconds: of wall time that it was waited for.
     """
 
     def __init__(self, fmu: SignalFmu, tolerance: float, longest_call: float = LONGEST_CALL) -> None:
         self.fmu, self._tolerance = fmu, tolerance
+        self.seconds = 0.0
         self._longest_call = longest_call
         self._warnings: dict[str, float] = {}  # and when (s) first
         self._inputs = tuple(signal.variable for signal in fmu.inputs)
@@ -94,6 +96,7 @@ class SignalProcess:
             yield f"{self.fmu.name}: at t = {time:.6g} s it warned: {text}"
 
     def _ask(self, name: str, time: float, action: str, *arguments: object) -> Any:  # noqa: ANN401
+        begin = perf_counter()
         try:
             self._connection.send((name, arguments))
             if not self._connection.poll(self._longest_call):
@@ -106,6 +109,8 @@ class SignalProcess:
         except (EOFError, OSError):
             self._kill()
             raise ParticipantError(f"{self.fmu.name}: at t = {time:.6g} s {self._end()}") from None
+        finally:
+            self.seconds += perf_counter() - begin
         for text in warned[: _MOST_WARNINGS - len(self._warnings)]:
             self._warnings.setdefault(" ".join(text.split()), time)
         if not answered:

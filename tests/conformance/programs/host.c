@@ -39,6 +39,8 @@ static void misuse(fmi2Component fmu, const Layout *layout) {
     expect(fmi2DoStep(fmu, 0.0, NAN, 1), fmi2Error, "a step that is no number");
     expect(fmi2GetReal(fmu, &far, 1, &value), fmi2Error, "get of no variable");
     expect(fmi2SetReal(fmu, &far, 1, &value), fmi2Error, "set of no variable");
+    expect(fmi2GetReal(fmu, &input, 1, NULL), fmi2Error, "get into nothing");
+    expect(fmi2SetReal(fmu, NULL, 1, &value), fmi2Error, "set without references");
     expect(fmi2SetReal(fmu, &output, 1, &value), fmi2Error, "set of an output");
     expect(fmi2SetRealInputDerivatives(fmu, &far, 1, &order, &value), fmi2Error, "derivative of no variable");
     expect(fmi2SetRealInputDerivatives(fmu, &output, 1, &order, &value), fmi2Error, "derivative of an output");

@@ -1,6 +1,7 @@
 """FMUs of other tools in a scene: sampled control against its recurrence, units, FMI 3.0, and what fails, by name."""
 
 import re
+import zipfile
 
 import numpy as np
 import pytest
@@ -145,7 +146,11 @@ WRONG = {
     "no such parameter": ({"parameters": {"gian": 1.0}}, "parameters.gian: .*did you mean gain"),
     "text for a number": (
         {"parameters": {"gain": "much"}},
-        "parameters.gain: is 'much'; it must be a number",
+        "parameters.gain: is 'much'; it must be a finite number",
+    ),
+    "no number": (
+        {"parameters": {"gain": float("nan")}},
+        "parameters.gain: is nan; it must be a finite number",
     ),
     "part of a whole": ({"parameters": {"mode": 1.5}}, "parameters.mode: is 1.5; it must be a whole number"),
     "number for a switch": ({"parameters": {"on": 1}}, "parameters.on: is 1; it must be true or false"),
@@ -173,6 +178,19 @@ def test_what_cannot_be_joined_is_told_before_the_run(controller, kind):
     with pytest.raises(fanfold.FanfoldError, match=rf"fmu.controller.{sentence}"):
         fanfold.simulate(scene)
     assert any(re.search(sentence, problem) for problem in fanfold.check_scene(scene).problems)
+
+
+def test_an_fmu_of_another_platform_is_refused_before_the_run(controller, tmp_path):
+    """Regression: `check` saw nothing, and a run told of a temporary folder."""
+    foreign = tmp_path / "Foreign.fmu"
+    with zipfile.ZipFile(controller) as old, zipfile.ZipFile(foreign, "w") as new:
+        for name in old.namelist():
+            if not name.startswith("binaries/") or "win64" in name:
+                new.writestr(name, old.read(name))
+    scene = spacecraft()
+    scene.fmu("controller", foreign, step=STEP, inputs={"angle": "craft.attitude[2]"})
+    (problem,) = fanfold.check_scene(scene).problems
+    assert re.search(r"has no binary for this platform, \w+, only for win64", problem)
 
 
 def test_files_that_are_no_such_fmus(tmp_path):

@@ -102,6 +102,14 @@ def panel_on_two_hinges(file, **joined):
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_whole_numbers_and_truth_values_need_no_unit(tmp_path):
+    """FMI 2.0, 2.2.7: only reals have one. Regression: they were said to have none, which nobody can mend."""
+    file = slave(tmp_path)
+    told = fanfold.check_scene(controlled(file, outputs={"count": "wheel.added_torque"})).warnings
+    assert any("says no unit" in sentence and "angle in rad" in sentence for sentence in told)
+    assert not any("count in" in sentence for sentence in told)
+
+
 def test_a_line_of_several_hinges_is_told(tmp_path):
     """Definition of a line's name: each hinge is set to the whole, the sensor alone is read."""
     joined = {"inputs": {"angle": "HL.motor_torque"}, "outputs": {"torque": "HL.motor_constant_torque"}}
