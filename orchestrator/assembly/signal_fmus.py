@@ -151,7 +151,11 @@ class _Reader:
                 whole = variable.type in _WHOLE
                 number = isinstance(value, int if whole else int | float) and not isinstance(value, bool)
                 sound = number and isfinite(value)
-                kind = "a whole number" if whole else f"a finite number of {_unit(variable)}".removesuffix(" of ")
+                kind = (
+                    "a whole number"
+                    if whole
+                    else f"a finite number of {_unit(variable)}".removesuffix(" of ")
+                )
             if not sound:
                 raise ValueError(f"is {value!r}; it must be {kind}")
         except ValueError as error:
