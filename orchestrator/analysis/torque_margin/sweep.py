@@ -19,6 +19,7 @@ from components.hinge import Hinge
 
 from ...assembly import Assembly, Part
 from ...assembly.assemble import assemble
+from ...assembly.bolted_lines import bolts_across, without_bolts
 from ...cosim.master import Master
 from ...cosim.network import Network, NetworkError
 from ...cosim.participant import InProcess, Participant, ParticipantError, Vector
@@ -74,14 +75,18 @@ def travel(scene: CheckedScene, line: HingeLine) -> float:
 
 
 def at_share(scene: CheckedScene, share: float) -> CheckedScene:
-    """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle."""
+    """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle.
+
+    Hold-downs across lines on their way have let go.
+    """
     driven = {line.name for line in driven_lines(scene)}
     lines = []
     for line in scene.hinge_lines:
         way = line.deployed_angle - line.initial_angle
         angle = line.initial_angle + share * way
         lines.append(line.model_copy(update={"start_angle": angle}) if line.name in driven else line)
-    return replace(scene, hinge_lines=tuple(lines))
+    moved = replace(scene, hinge_lines=tuple(lines))
+    return without_bolts(moved, bolts_across(scene, driven)) if share > 0.0 else moved
 
 
 def sweep(

@@ -275,6 +275,28 @@ def test_a_run_that_ends_too_early_is_told_from_a_stall(tmp_path):
     assert 0.4 / INERTIA < found.fastest < 0.4 / INERTIA + 0.0167  # while the friction rises it is smaller
 
 
+def test_a_restart_has_no_hold_down_left(tmp_path):
+    """The same kinematics with a bolt that the line has left behind. Regression: it held the panel until its release."""
+    more = """
+[[connection]]
+name = "bolt"
+kind = "hold_down"
+structure = { axis = [1, 0, 0] }
+ports = { inboard = { body = "base", point = "root" }, outboard = { body = "panel", point = "left" } }
+parameters = { translational_stiffness = [4e6, 4e6, 4e6], release_time = "1.2 s" }
+[[event]]
+name = "fires"
+time = "2 s"
+release = ["bolt"]
+"""
+    plain, bolted = (load_scene(one_line(tmp_path, more=text)) for text in ("", more))
+    times = [restart(scene, 0.5, tmp_path / "run.h5")[0].opened_at for scene in (plain, bolted)]
+    assert len(bolted.connections) == 1
+    assert times[1] == pytest.approx(times[0], rel=1e-9)
+    (stowed,) = restart(bolted, 0.0, tmp_path / "run.h5")
+    assert stowed.opened_at > 1.2
+
+
 def test_no_restart_where_friction_exceeds_the_drive(tmp_path):
     """It creeps only, below the stiction velocity: T / T_f = (3 r - r^3) / 2 gives r = 0.653 for 0.84."""
     scene = load_scene(one_line(tmp_path, motor=(2.0, 1.9999), friction=2.0 / 0.84))

@@ -61,6 +61,33 @@ def test_a_preload_that_strikes_is_told():
         assert len([one for one in told if "strikes the wing" in one]) == count
 
 
+def test_hold_downs_that_strike_or_grip_on_the_way_are_told():
+    """Bad input: a preload that nothing has settled, and a bolt where a run begins in mid-travel."""
+    tree = Scene.load("workbench").tree
+    (line,) = tree["hinge_line"]
+    seats = {
+        side: {"body": body, "point": next(iter(one["points"]))}
+        for side, body, one in (
+            ("inboard", line["inboard"], tree["base"]),
+            ("outboard", line["outboard"], {"points": ["center"]}),
+        )
+    }
+    bolt = {
+        "name": "bolt", "kind": "hold_down", "structure": {"axis": [1, 0, 0]}, "ports": seats,
+        "parameters": {"preload": "500 N", "release_time": "1 s"},
+    }  # fmt: skip
+    header = {key: value for key, value in tree["scene"].items() if key != "preload"}
+    scene = {**tree, "scene": header, "connection": [bolt]}
+    told = doubts(Scene.of_tree("bench.toml", scene).check())
+    assert any("connection.bolt: its preload of 500 N strikes" in one for one in told)
+    assert not any("from its stowed angle" in one for one in told)
+    moved = {**scene, "hinge_line": [{**line, "start_angle": "45 deg"}]}
+    told = doubts(Scene.of_tree("bench.toml", moved).check())
+    assert any(
+        f"connection.bolt: it holds bodies where the run begins, and {line['name']}" in one for one in told
+    )
+
+
 def test_lines_that_nothing_keeps_are_told(tmp_path):
     sentences = doubts(load_text(tmp_path, TWO_PANELS))
     assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]
