@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import isfinite, sqrt
 from pathlib import Path
 
@@ -23,6 +23,15 @@ _HEADING = re.compile(r"\s*(.*?)\s*(?:\(([^()]*)\)\s*)?", re.DOTALL)
 """A name, and the unit behind it."""
 _MISSED = 1.0
 """What a number counts as missed by, relative to its target, where a run does not have it: a line has not latched."""
+
+
+_OF_A_LATCH_UP = {
+    "latch time": "s",
+    "latch impulse": "N.m.s",
+    "latch torque peak": "N.m",
+    "lock torque peak": "N.m",
+}
+"""Headline numbers of a line that has latched, and their units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +83,7 @@ def _as_written(number: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s).
+    """A signal COMPONENT.VARIABLE, with [1] for the first of several, as measured at times (s); see `of_sensors`.
 
     unit: of the values, empty for that of the signal.
     """
@@ -144,6 +153,15 @@ def curves(path: Path) -> tuple[Curve, ...]:
     )
 
 
+def of_sensors(measured: Iterable[Curve], sensors: Mapping[str, str]) -> tuple[Curve, ...]:
+    """Curves; those that go by the name of a hinge line as those of its sensor."""
+    parts = [(curve, *curve.signal.partition(".")[::2]) for curve in measured]
+    return tuple(
+        replace(curve, signal=f"{sensors[name]}.{rest}") if name in sensors else curve
+        for curve, name, rest in parts
+    )
+
+
 def _number(text: str, where: str) -> float:
     try:
         found = float(text)
@@ -175,25 +193,28 @@ def signals_of(task: Task) -> list[str]:
 def _unknown(
     targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, task: Task
 ) -> Iterator[str]:
+    # what a line has of it once it latches
+    missing = {
+        f"{quantity} {line}": (line, unit)
+        for line, latched in sample.latched.items()
+        for quantity, unit in _OF_A_LATCH_UP.items()
+        if not latched
+    }
     for one in targets:
-        if one.number in sample.numbers:
-            one.value(sample.numbers[one.number][1])
-            continue
-        line = next(
-            (
-                name
-                for name, latched in sample.latched.items()
-                if one.number.endswith(f" {name}") and not latched
-            ),
-            None,
-        )
+        line, unit = missing.get(one.number, ("", ""))
         given = _as_written(one.number)
-        yield (
-            f"target {given}: {unknown(given, [_as_written(name) for name in sample.numbers], 'number')}"
-            if line is None
-            else f"target {given}: {line} does not latch with the values that the search starts from; vary it "
-            "from where it does"
-        )
+        if one.number in sample.numbers or line:
+            wanted = one.value(unit or sample.numbers[one.number][1])
+            if wanted < 0.0 and any(one.number.startswith(quantity) for quantity in _OF_A_LATCH_UP):
+                yield f"target {given}: is {one.wanted!r}; it is never negative"
+        if line:
+            yield (
+                f"target {given}: {line} does not latch with the values that the search starts from; vary it from "
+                "where it does"
+            )
+        elif one.number not in sample.numbers:
+            names = [_as_written(name) for name in (*sample.numbers, *missing)]
+            yield f"target {given}: {unknown(given, names, 'number')}"
     for curve in measured:
         if curve.signal not in sample.signals:
             yield f"curve {curve.signal}: {unknown(curve.signal, signals_of(task), 'signal')}"

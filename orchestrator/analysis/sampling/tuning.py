@@ -23,7 +23,7 @@ from ...scene.units import UNITS
 from .distributions import StudyError
 from .gradients import gradients
 from .sample import Sample, Task, run_sample
-from .targets import Curve, Target, refuse_unknown
+from .targets import Curve, Target, of_sensors, refuse_unknown
 from .varied import Settings, Varied, own_value, value_at
 from .workers import local
 
@@ -286,6 +286,8 @@ def tune(
     """
     _refuse(varied, targets, curves, workers)
     _refuse_late(curves, task.until)
+    lines = task.scene.check_one_run().hinge_lines if curves else ()
+    curves = of_sensors(curves, {line.name: line.sensor for line in lines})
     patterns = tuple(dict.fromkeys(curve.pattern for curve in curves))
     task = replace(task, signals=patterns, times=curves[0].times if curves else ())
     start = np.array([_start(task, one) for one in varied])

@@ -276,7 +276,7 @@ def test_a_run_that_ends_too_early_is_told_from_a_stall(tmp_path):
 
 
 def test_a_restart_has_no_hold_down_left(tmp_path):
-    """The same kinematics with a bolt that the line has left behind. Regression: it held the panel until its release."""
+    """The same kinematics with a bolt that the line has left behind. Regression: it held the panel until then."""
     more = """
 [[connection]]
 name = "bolt"

@@ -40,7 +40,11 @@ def test_a_torque_from_a_latch_time():
 
 @pytest.mark.parametrize(
     ("heading", "time", "angle"),
-    [("time,left.angle", 1.0, 1.0), ("time (ms),left.angle (deg)", 1e3, 180.0 / np.pi)],
+    [
+        ("time,left.angle", 1.0, 1.0),
+        ("time,line.angle", 1.0, 1.0),
+        ("time (ms),left.angle (deg)", 1e3, 180.0 / np.pi),
+    ],
 )
 def test_a_torque_from_a_measured_curve(tmp_path, heading, time, angle):
     """Closed form: the angle is T t^2 / 2 J; a factor times what the scene has. Units as other tables head columns."""
@@ -186,6 +190,12 @@ WRONG = {
     "no key": ({"vary": {}}, "nothing is varied"),
     "mistyped key": ({"vary": {"hinge_line.line.moter.stowed": RANGE}}, "moter"),
     "does not latch": ({"until": 0.5}, "line does not latch with the values that the search starts from"),
+    "no such number of a line that does not latch": (
+        {"until": 0.5, "targets": {"line.latch_tome": 2}},
+        r"target line\.latch_tome: .*did you mean line\.latch_time",
+    ),
+    "unit where it does not latch": ({"until": 0.5, "targets": {"line.latch_time": "2 kg"}}, "is '2 kg'"),
+    "negative": ({"targets": {"line.latch_time": "-2 s"}}, "is '-2 s'; it is never negative"),
     "twice": ({"vary": [f"{MOTOR}={RANGE}", f"{MOTOR}={RANGE}"]}, "varied twice"),
 }
 
