@@ -163,8 +163,10 @@ class Panel:
             for low, high in pairwise(sorted(lines)):
                 if _ROUNDING < high - low < least:
                     yield (
-                        f"edges of inserts lie {high - low:.3g} m apart at {axis} = {low:g} m; "
-                        f"make inserts and what is between them {least:.2g} m wide, or let their edges be one"
+                        f"edges of inserts, or patches of hinge arms, lie {high - low:.3g} m apart at {axis} = "
+                        f"{low:g} m; on a plate of {self.plate.length:g} x {self.plate.width:g} m make them and what "
+                        f"is between them {least:.2g} m wide, or let their edges be one; or is the plate in another "
+                        "unit?"
                     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from components import REGISTRY, Component, ComponentError, Instance, Quantity
 from components.contact import Contact
+from components.contract.errors import unknown
 from components.contract.frames import Vector3, add
 from components.hinge import Hinge
 
@@ -47,7 +48,7 @@ def connection_problems(connection: Connection) -> Iterator[str]:
     """
     key = f"connection.{connection.name}"
     if connection.kind not in REGISTRY:
-        yield f"{key}.kind: there is no component {connection.kind!r}; components are {', '.join(sorted(REGISTRY))}"
+        yield f"{key}.kind: {connection.kind!r} {unknown(connection.kind, sorted(REGISTRY), 'component')}"
         return
     try:
         component = _component(connection, "mean")

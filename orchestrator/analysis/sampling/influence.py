@@ -17,6 +17,8 @@ from .distributions import StudyError
 from .study import Study
 
 _LOW, _HIGH = 0.05, 0.95
+_MOST_SHARE = 2.0
+"""Of a variance that a parameter has in all: beyond it, noise or too few samples were divided up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +92,7 @@ def _pair(values: Vector) -> tuple[float, float]:
 
 
 def _variance_shares(study: Study, values: Vector) -> dict[str, tuple[float, float]] | None:
-    """Sobol' indices where the plan was made for them and no sample is missing."""
+    """Sobol' indices where the plan was made for them, no sample is missing, and they are shares of anything."""
     if study.plan.method != "sobol-indices" or not np.isfinite(values).all():
         return None
     n, d = study.plan.runs, len(study.parameters)
@@ -103,5 +105,7 @@ def _variance_shares(study: Study, values: Vector) -> dict[str, tuple[float, flo
         "f_AB": blocks[2:],
     }
     found = sobol_indices(func=known, n=n)
+    if np.max(found.total_order) > _MOST_SHARE:
+        return None
     pairs = zip(np.ravel(found.first_order), np.ravel(found.total_order), strict=True)
     return {name: (float(a), float(b)) for name, (a, b) in zip(study.parameters, pairs, strict=True)}

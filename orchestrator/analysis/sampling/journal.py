@@ -55,9 +55,8 @@ class Journal:
         """The one of an interrupted study, what that was asked for, and its finished samples; StudyError for none."""
         path = journal_file(study)
         if not path.is_file():
-            raise StudyError(
-                f"{study}: there is no journal {path.name} of an interrupted study to go on with"
-            )
+            absent = "there is no" if study.exists() else "there is neither such a file nor a"
+            raise StudyError(f"{study}: {absent} journal {path.name} of an interrupted study to go on with")
         try:
             first, *lines = path.read_bytes().splitlines(keepends=True)
             asked = _asked(json.loads(first))

@@ -43,6 +43,8 @@ def varied(text: str) -> Varied:
     """What KEY=DISTRIBUTION or KEY*=DISTRIBUTION means, with keys between commas; StudyError where it means nothing."""
     left, equals, right = text.partition("=")
     keys, factor = keys_of(left)
+    if any(key.endswith("*") for key in keys):
+        raise StudyError(f"{text!r}: * stands once, behind the last key, and multiplies all of them")
     if not equals or not all(keys):
         raise StudyError(f"{text!r} is not of the form KEY=DISTRIBUTION or KEY*=DISTRIBUTION")
     found = distribution(right.strip())
@@ -89,6 +91,9 @@ def _to_scale(tree: Tree, key: str) -> object:
         raise StudyError(
             f"{key}: the scene has no value there to multiply{meant(tree, key)}; give it one, or vary it without *"
         )
+    own = own_value(found)
+    if own is not None and own[0] == 0.0:
+        raise StudyError(f"{key}: the scene has {found!r} there, which no factor changes; vary it without *")
     return found
 
 

@@ -54,7 +54,7 @@ def test_the_wrench_mode_reaches_the_component(tmp_path, mode):
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [
-        ('kind = "eddy_current_damper"', 'kind = "magnet"', "connection.brake.kind: there is no component 'magnet'"),
+        ('kind = "eddy_current_damper"', 'kind = "magnet"', "connection.brake.kind: 'magnet' is not a known component"),
         ('kind = "eddy_current_damper"', 'kind = "body"', "connection.brake.structure: "),
         ("axis = [0.0, 1.0, 0.0]", "axle = 1", "connection.brake.structure: "),
         ("axis = [0.0, 1.0, 0.0]", "axis = [0.0, 0.0, 0.0]", "connection.brake.structure: axis has no length"),

@@ -169,7 +169,11 @@ BAD = {
         'kind = "contact"\npreset = ["revolute"]',
         "connection.stop.preset: ",
     ),
-    "unknown component": ('"contact"', '"springy"', "connection.stop.kind: there is no component 'springy'"),
+    "unknown component": (
+        '"contact"',
+        '"springy"',
+        "connection.stop.kind: 'springy' is not a known component",
+    ),
     "refused parameter": (
         '"1 mm"',
         '"-1 mm"',

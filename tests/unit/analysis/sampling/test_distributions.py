@@ -56,7 +56,10 @@ def test_what_is_no_distribution_is_a_sentence(text, said):
 
 def test_factors_multiply_what_the_scene_has():
     """Definition: numbers, texts with units and lists of them, each under its own key."""
-    tree = {"a": {"b": 2.0, "c": "4 N.m", "d": ["1 N.m", "3 N.m"]}, "body": [{"name": "p", "m": 5}]}
+    tree = {
+        "a": {"b": 2.0, "c": "4 N.m", "d": ["1 N.m", "3 N.m"], "z": "0 N"},
+        "body": [{"name": "p", "m": 5}],
+    }
     factor = varied("a.b,a.c,a.d,body.p.m*=uniform(0, 2)")
     assert factor.settings(tree, 0.5) == {
         "a.b": 1.0,
@@ -68,8 +71,10 @@ def test_factors_multiply_what_the_scene_has():
     assert varied("a.n=values(5, 10)").settings(tree, 5.0) == {"a.n": 5}
     for text, said in (
         ("a.x*=uniform(0, 1)", "a.x: the scene has no value there"),
+        ("a.z*=uniform(0, 1)", "a.z: the scene has '0 N' there, which no factor changes"),
         ("a*=uniform(0, 1)", "a: {"),
         ("a.b*=uniform(1 N, 2 N)", "a factor has no unit"),
+        ("a.b*,a.c*=uniform(1, 2)", "stands once, behind the last key"),
         ("a.b", "is not of the form KEY=DISTRIBUTION"),
     ):
         with pytest.raises(StudyError) as refused:

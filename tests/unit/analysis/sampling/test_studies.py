@@ -231,7 +231,7 @@ def test_what_cannot_begin_is_refused_before_the_first_run(tmp_path, monkeypatch
         with pytest.raises(fanfold.FanfoldError) as refused:
             fanfold.study(WING, vary, **options)
         assert said in str(refused.value)
-    with pytest.raises(StudyError, match=r"there is no journal no\.h5\.journal"):
+    with pytest.raises(StudyError, match=r"neither such a file nor a journal no\.h5\.journal"):
         fanfold.resume_study(tmp_path / "no.h5")
 
 

@@ -80,7 +80,7 @@ BAD_PANELS = [
     ("arm.y", 0.4, "panel: the insert patch of hinge arm 'root_left' reaches beyond the plate"),
     ("arm.y", 0.01, "panel: the insert patches of 'root_left' and 'root_right' overlap or touch"),
     ("arm.patch", 0.6, "the insert patches of 'root_left' and"),
-    ("arm.patch", 1e-8, "edges of inserts lie 1e-08 m apart at x = "),
+    ("arm.patch", 1e-8, "edges of inserts, or patches of hinge arms, lie 1e-08 m apart at x = "),
     ("arm.patch", 1.2, "the insert patch of hinge arm 'tip_left' reaches beyond the plate"),
     ("arm.stiffness", {"axial": 1.0}, "panel.arm.stiffness.bending_y: is missing"),
     ("arm.rigid", 1, "panel.arm.rigid: is 1; it must be true or false"),
