@@ -109,11 +109,14 @@ def _check_form(fmi: FmiVersion, as_one: bool, driven_base: bool, *, plain: bool
     if as_one and not plain:
         raise SceneError(
             [
-                "a scene as one FMU is native and couples its components itself; leave backend and wrench_mode out"
+                "a scene as one FMU is native and couples its components itself; leave out the back "
+                "end and the kind of wrenches (backend, wrench_mode)"
             ]
         )
     if driven_base and not as_one:
-        raise SceneError(["a driven base is part of a scene as one FMU; ask for that (as_one) as well"])
+        raise SceneError(
+            ["a driven base is part of a scene as one FMU; ask for that as well (--as-one, as_one)"]
+        )
 
 
 def _check_ssp(path: Path, fmi: FmiVersion, wrench_mode: WrenchMode) -> None:

@@ -8,6 +8,7 @@
 
 #include "evaluate.h"
 #include "input_slopes.h"
+#include "layout.h"
 
 /* What iterations of steps leave, over what they iterate. */
 #define ITERATED 1e-12
@@ -96,9 +97,12 @@ static int read_knowns(Query *query, Reason *why) {
         const int is_state = known >= ends[3] && known - ends[3] < instance->continuous.count;
         const int is_parameter = known < ends[0] && may_differ &&
                                  (instance->mode == MODE_INITIALIZATION || instance->tunable[known]);
-        if (!is_parameter && !is_state && !(known >= ends[0] && known < ends[1]))
+        if (!is_parameter && !is_state && !(known >= ends[0] && known < ends[1])) {
+            char name[200] = "the rate of a continuous state";
+            if (known < ends[3]) layout_scalar_name(instance, known, name, sizeof name);
             return refuse(why, "derivatives exist with respect to inputs and continuous states, and to parameters during "
-                               "initialization or, of steps made of steps inside, to tunable ones, not to value reference %lu", (unsigned long)known);
+                               "initialization or, of steps made of steps inside, to tunable ones, not to %s", name);
+        }
         if (is_state && instance->mode == MODE_INITIALIZATION)
             return refuse(why, "continuous states follow from the inputs during initialization");
         query->parameters |= is_parameter;

@@ -41,7 +41,9 @@ Status instance_save(Instance *instance, SavedState **state) {
 }
 
 Status instance_restore(Instance *instance, const SavedState *state) {
-    if (!state || state->known != known_of(instance) || state->states != instance->states ||
+    if (!state)
+        return instance_fail(instance, STATUS_ERROR, "there is no FMU state to return to: it is NULL");
+    if (state->known != known_of(instance) || state->states != instance->states ||
         memcmp(state->owner, instance->owner, sizeof state->owner) != 0)
         return instance_fail(instance, STATUS_ERROR, "the FMU state belongs to an FMU of other content");
     if (state->exchange != instance->continuous.used)

@@ -209,7 +209,7 @@ def test_other_tools_find_nothing_wrong(fmi, tmp_path):
 
 
 def test_what_cannot_be_one_fmu_is_told(tmp_path):
-    with pytest.raises(fanfold.FanfoldError, match="leave backend and wrench_mode out"):
+    with pytest.raises(fanfold.FanfoldError, match="leave out the back end"):
         fanfold.export(TWO_PANELS, tmp_path, as_one=True, backend="python")
 
 
