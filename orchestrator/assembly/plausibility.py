@@ -54,6 +54,8 @@ _NO_RATE = 1e-9
 """m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
 _FAR_CENTER = 100.0
 """Of the radius of gyration, that no centre of mass is from all points of its body."""
+_ROUGHEST = 2.0
+"""Coefficient of friction, of clean metals in vacuum."""
 _SMALL = 0.01
 """m, of the radius of gyration of what may stand for a point mass."""
 _BEYOND_POINTS = 5.0
@@ -64,7 +66,7 @@ def doubts(scene: CheckedScene) -> list[str]:
     """Everything about a scene that is hardly meant, as sentences with their keys."""
     return [
         *_unstopped(scene),
-        *_without_friction(scene),
+        *_unlikely_friction(scene),
         *_without_load(scene),
         *_never_stepped(scene),
         *_held_by_friction(scene),
@@ -153,8 +155,13 @@ def _never_stepped(scene: CheckedScene) -> Iterator[str]:
             )
 
 
-def _without_friction(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose friction is to stick and that have none."""
+def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
+    """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
+    if scene.friction.coefficient > _ROUGHEST:
+        yield (
+            f"friction.coefficient: is {scene.friction.coefficient:g}, and pins have {_ROUGHEST:g} at the most; "
+            f"'{scene.friction.coefficient:g} %' is a hundredth of it"
+        )
     for line in scene.hinge_lines:
         if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
             yield (

@@ -88,6 +88,13 @@ def test_hold_downs_that_strike_or_grip_on_the_way_are_told():
     )
 
 
+def test_a_coefficient_in_per_cent_is_told():
+    """Bad input: 12 for 12 %."""
+    (told,) = doubts(load_scene(find_scene("workbench"), (), ["friction.coefficient=12"]))
+    assert "friction.coefficient: is 12" in told
+    assert "'12 %'" in told
+
+
 def test_lines_that_nothing_keeps_are_told(tmp_path):
     sentences = doubts(load_text(tmp_path, TWO_PANELS))
     assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]
