@@ -35,6 +35,8 @@ _SIZES = (1e-2, 300.0)
 """m; deployable structures are longer than a hinge and shorter than a station."""
 _FREQUENCIES = (1e-3, 1e5)
 """Hz, of the first elastic mode."""
+_NOTHING = 1e-3
+"""Hz, below which a mode is one of no stiffness."""
 _DENSITIES = (1e-6, 3e4)
 """kg/m3 of the box around the nodes: osmium has 22,600, and a solar sail a thousandth."""
 _SLENDER = 0.05
@@ -174,7 +176,8 @@ def _rigid(model: FiniteElementModel, mass: Vector, first: float) -> Iterator[Fi
     energy = rigid.T @ np.asarray(model.stiffness @ rigid)
     values = linalg.eigvalsh(energy, mass)
     highest = float(np.sqrt(max(np.abs(values)))) / (2.0 * pi)
-    share = 0.0 if first == inf else (highest / max(first, np.finfo(float).tiny)) ** 2
+    # where a part moves without stiffness both are nothing, which is told as such
+    share = 0.0 if first == inf or max(first, highest) < _NOTHING else (highest / max(first, _NOTHING)) ** 2
     problem = ""
     if share > _GROUNDED:
         problem = (
@@ -244,14 +247,17 @@ def _units(data: FiniteElementData, model: FiniteElementModel, first: float) -> 
     doubts = []
     if not _SIZES[0] <= size <= _SIZES[1]:
         doubts.append(f"it would be {size:.4g} m long")
-    if first < inf and not _FREQUENCIES[0] <= first <= _FREQUENCIES[1]:
+    if _NOTHING <= first < inf and not _FREQUENCIES[0] <= first <= _FREQUENCIES[1]:
         doubts.append(f"its first mode would be at {first:.3g} Hz")
     if size and not _DENSITIES[0] <= density <= _DENSITIES[1]:
         doubts.append(f"it would have {density:.3g} kg/m3")
     problem = ""
     if doubts:
         guess = 'units = { length = "1 mm", mass = "1 t" }, or inches with { length = "25.4 mm", mass = "175.1268 kg" }'
-        problem = f"in these units {' and '.join(doubts)}; the file is hardly in m and kg: try {guess}"
+        problem = (
+            f"by the units stated (m and kg where none are) {' and '.join(doubts)}; the file is hardly in them: try "
+            f"{guess}, or none"
+        )
     yield Finding("size", f"{size:.4g} m, {density:.3g} kg/m3 of its box", problem)
 
 

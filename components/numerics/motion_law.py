@@ -16,13 +16,15 @@ from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
 from ..contract.component import ComponentError
+from ..contract.errors import unknown
 from .scheme import NEVER
 
 DEGREE = 5
 MEANING = """A motion law is a list of terms, which add up, in SI units and Hz: `change` is reached `duration` seconds
 after `start` along a straight line (`ramp`), a cubic (`step`), a polynomial of degree five (`step5`) or half a cosine
-(`havsin`). A `table` goes through points (`times`, `values`) by monotone cubics (PCHIP), a `polyline` straight from one
-to the next; both are constant before and after. A `harmonic` is amplitude sin(2 pi frequency (t - start) + phase) from
+(`havsin`). With `spin_up` the rate rises along a cycloid to `rate` in `duration` seconds, and stays. A `table` goes
+through points (`times`, `values`) by monotone cubics (PCHIP), a `polyline` straight from one to the next; both are
+constant before and after. A `harmonic` is amplitude sin(2 pi frequency (t - start) + phase) from
 `start` on, and what it is there before, so that motions do not jump: a load that begins at `start` has a `phase` of 0.
 """
 _REACHED = 1e-9  # distance (s) from a break that sums of step sizes may leave
@@ -165,12 +167,12 @@ def _term(number: int, given: Mapping[str, Any]) -> _Term:
     place = f"term {number} of the law"
     if not isinstance(given, Mapping) or given.get("profile") not in PROFILES:
         told = given.get("profile") if isinstance(given, Mapping) else given
-        raise ComponentError(f"{place} has the profile {told!r}; profiles are {', '.join(PROFILES)}")
+        raise ComponentError(f"{place}: profile {told!r} {unknown(f'{told}', list(PROFILES), 'profile')}")
     profile = PROFILES[given["profile"]]
     keys = set(given) - {"profile"}
     for key in sorted(keys - {*profile.needs, *profile.may}):
         raise ComponentError(
-            f"{place}, {given['profile']}: {key} is no number of it; it has {', '.join((*profile.needs, *profile.may))}"
+            f"{place}, {given['profile']}: {key} {unknown(key, (*profile.needs, *profile.may), 'number')}"
         )
     for key in profile.needs:
         if key not in keys:
@@ -190,7 +192,8 @@ def _numbers(place: str, value: object) -> Any:  # noqa: ANN401 - a number or a 
     if isinstance(value, list | tuple):
         return tuple(_numbers(place, entry) for entry in value)
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise ComponentError(f"{place} is {value!r}; it must be a finite number")
+        plain = ", without a unit: laws are in SI units and Hz" if isinstance(value, str) else ""
+        raise ComponentError(f"{place} is {value!r}; it must be a finite number{plain}")
     return float(value)
 
 

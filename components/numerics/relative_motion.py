@@ -49,8 +49,10 @@ class Rates(NamedTuple):
     swing: tuple[float, float]
 
 
-def unit_direction(given: Sequence[float], name: str, what: str) -> Vector3:
+def unit_direction(given: Sequence[float] | str, name: str, what: str) -> Vector3:
     """`given` with unit length; ComponentError, naming the argument and what it is, where it is no direction."""
+    if isinstance(given, str):
+        raise ComponentError(f"{name} is {given!r}; give three numbers along the axes, such as [0, 1, 0]")
     if len(given) != 3:
         raise ComponentError(f"{name} has {len(given)} numbers; give the three components of {what}")
     length = norm((float(given[0]), float(given[1]), float(given[2])))

@@ -200,9 +200,9 @@ def _bodies(
     for name, points in scene_points(scene).items():
         data = models.get(name)
         model = (
-            "fixed"
+            ("moved" if scene.base.motion is not None else "fixed")
             if data is None
-            else _model_words(bodies[name], chosen[name])
+            else _model_words(bodies[name], chosen[name], data.frequency.size)
             if name in bodies
             else "rigid"
         )
@@ -217,12 +217,14 @@ def _bodies(
     return rows
 
 
-def _model_words(body: Body, fidelity: Fidelity) -> str:
+def _model_words(body: Body, fidelity: Fidelity, modes: int) -> str:
+    """What a body is modelled by; modes: those that it has, with constraint modes and without rigid ones."""
     if fidelity == "flexible":
         second = f", {body.second_order_modes} of second order" if body.second_order_modes else ""
         panel = body_definition(body).panel
         stretching = ", stretched by bending" if panel and panel.plate.geometry == "von_karman" else ""
-        return f"flexible, {body.fixed_interface_modes} fixed-interface modes{second}{stretching}"
+        kept = modes + 6 - 6 * len(body_definition(body).attachment_points)
+        return f"flexible, {kept} fixed-interface modes{second}{stretching}"
     beam = body_definition(body).beam if fidelity == "large_deformation" else None
     return "rigid" if beam is None else f"large deformation, {beam.elements} elements"
 

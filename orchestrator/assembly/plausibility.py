@@ -11,20 +11,17 @@ import numpy as np
 from components.contract.frames import Vector3, cross, dot, norm, subtract
 from components.end_stop import EndStop
 from components.flexible.plate import Panel
-from components.hold_down import HoldDown
 
 from ..scene.bodies import body_definition, body_model, scene_points
 from ..scene.body_tables import Body, Inertial
-from ..scene.component_connections import component_values
 from ..scene.connection_tables import Ccl
-from ..scene.locked_groups import joined
 from ..scene.loops.closing import closed, left_open, start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 from . import Assembly
-from .bolted_lines import bolts_across
 from .hinges import unfollowed_curves
 from .signal_doubts import signal_sentences
+from .start_doubts import start_doubts
 
 _ANGLES = 181
 """Places on a line's way that are looked at."""
@@ -80,8 +77,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_askew_loops(scene),
         *_moving_from_rest(scene),
         *_turned_from_the_world(scene),
-        *_struck_by_preload(scene),
-        *_bolted_on_the_way(scene),
+        *start_doubts(scene),
         *_large_inertias(scene),
         *_unlikely_panels(scene),
         *_unlikely_beams(scene),
@@ -356,40 +352,6 @@ def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:
     """Turn (rad) of a body about an axis from the start until all lines are deployed."""
     lines = [line for line in scene.lines_inward(body) if not line.held]
     return sum((dot(line.axis, axis) * (line.deployed_angle - line.initial_angle) for line in lines), 0.0)
-
-
-def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
-    """Loops and hold-downs whose preload acts all at once at the start, where nothing says that this is meant."""
-    if scene.header.preload or "preload" in scene.header.model_fields_set:
-        return
-    roots = joined(scene)
-    for loop in scene.loops:
-        if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
-            yield f"ccl.{loop.name}: {_blow(loop.preload)}"
-    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
-        preload = float(np.ravel(component_values(bolt, "mean")[1].get("preload", 0.0))[0])
-        if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
-            yield f"connection.{bolt.name}: {_blow(preload)}"
-
-
-def _blow(preload: float) -> str:
-    return (
-        f"its preload of {preload:g} N strikes the wing at the start; scene.preload = true starts in the equilibrium "
-        "under it, false says that the blow is meant"
-    )
-
-
-def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
-    """Hold-downs across lines that start away from where they are stowed: they grip there."""
-    for line in scene.hinge_lines:
-        away = line.initial_angle - line.stowed_angle
-        if line.held or abs(away) <= _FLAT:
-            continue
-        for bolt in bolts_across(scene, [line.name]):
-            yield (
-                f"connection.{bolt}: it holds bodies where the run begins, and {line.name} starts "
-                f"{degrees(away):.3g} deg from its stowed angle; leave out a hold-down that has let go by then"
-            )
 
 
 def _unlike_travels(scene: CheckedScene) -> Iterator[str]:

@@ -150,7 +150,7 @@ def _parameter(component: Component, name: str) -> Quantity:
     found = {quantity.name: quantity for quantity in component.parameter_layout.quantities}
     if name not in found:
         also = "; it belongs into structure" if name in component.structure else ""
-        raise ComponentError(f"is no parameter{also}; parameters are {', '.join(found) or 'none'}")
+        raise ComponentError(f"{unknown(name, list(found), 'parameter')}{also}")
     return found[name]
 
 

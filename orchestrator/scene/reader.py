@@ -70,8 +70,9 @@ def find_scene(name_or_path: str) -> Path:
         for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
             if path.is_file():
                 return path
-    known = ", ".join(list_scenes())
-    raise SceneError([f"there is no scene and no file {name_or_path!r}; scenes are {known}"])
+    known, file = ", ".join(list_scenes()), f"{name_or_path}.toml"
+    meant = f"; did you mean {file}" if Path(file).is_file() else ""
+    raise SceneError([f"there is no scene and no file {name_or_path!r}{meant}; scenes are {known}"])
 
 
 def load_scene(path: Path, variants: Sequence[str] = (), settings: Sequence[Setting] = ()) -> CheckedScene:

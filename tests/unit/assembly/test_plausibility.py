@@ -95,6 +95,24 @@ def test_a_coefficient_in_per_cent_is_told():
     assert "'12 %'" in told
 
 
+def test_a_rail_that_rings_under_a_weight_is_told():
+    """Of scenes that do not say whether they start in equilibrium, and where nothing damps the rail."""
+    tree = Scene.load("amos3-ground").tree
+    header = {key: value for key, value in tree["scene"].items() if key != "preload"}
+    rails = sum(one["kind"] == "rail" for one in tree["connection"])
+    for damping, given, count in ((0.0, {}, rails), (50.0, {}, 0), (0.0, {"preload": True}, 0)):
+        connections = [
+            {**one, "parameters": {**one["parameters"], "normal_damping": damping}}
+            if one["kind"] == "rail"
+            else one
+            for one in tree["connection"]
+        ]
+        scene = {**tree, "scene": {**header, **given}, "connection": connections}
+        told = doubts(Scene.of_tree("rig.toml", scene).check())
+        assert len([one for one in told if "rings under the weight" in one]) == count
+    assert rails
+
+
 def test_lines_that_nothing_keeps_are_told(tmp_path):
     sentences = doubts(load_text(tmp_path, TWO_PANELS))
     assert ["root_line" in sentences[0], "middle_line" in sentences[1]] == [True, True]

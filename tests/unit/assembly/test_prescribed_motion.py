@@ -69,7 +69,7 @@ def test_modes_and_constraints_are_those_of_a_fixed_base():
     ("keys", "sentence"),
     [
         ({"motion": {"translation_axis": (0, 0, 1)}}, "neither a translation nor a rotation"),
-        ({"motion": {"translation": [{"profile": "leap"}]}}, "has the profile 'leap'"),
+        ({"motion": {"translation": [{"profile": "leap"}]}}, "profile 'leap' is not a known profile"),
         (
             {**law(STEP), "free": {"mass": 5.0, "inertia": (1.0, 1.0, 1.0)}},
             "give either free or motion",

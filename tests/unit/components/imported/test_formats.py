@@ -212,7 +212,7 @@ BROKEN = {
     "the mass matrix is 72 x 66; it must be 72 x 72": _rectangular,
     r"job\.pch: has no GRID; give coordinates": _no_grid,
     "must both name the node and component": _mixed,
-    "the file is hardly in m and kg": _millimetres,
+    "the file is hardly in them": _millimetres,
 }
 
 

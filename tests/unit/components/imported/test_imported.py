@@ -163,7 +163,7 @@ BROKEN = {
     ),
     "degrees of freedom are listed, and the matrices have": lambda d: replace(d, dofs=d.dofs[:-2]),
     "the mass matrix is": lambda d: replace(d, mass=d.mass[:-6, :-6]),
-    "the file is hardly in m and kg": lambda d: replace(
+    "the file is hardly in them": lambda d: replace(
         transformed(
             d, sparse.csr_array(sparse.diags_array(np.where(d.dofs[:, 1] <= 3, 1e-3, 1.0))), d.dofs
         ),

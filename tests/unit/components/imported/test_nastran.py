@@ -170,7 +170,7 @@ def test_damaged_files_are_sentences(tmp_path):
 
 def test_inches_taken_for_metres_are_told():
     body = ImportedBody((("file", str(PAIR / "inboard.asm")),), "inches", tuple(POINTS.items()))
-    with pytest.raises(ComponentError, match="hardly in m and kg"):
+    with pytest.raises(ComponentError, match="hardly in them"):
         body.model()
 
 

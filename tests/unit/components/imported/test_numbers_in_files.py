@@ -91,7 +91,7 @@ def test_small_models_in_millimetres_are_told(tmp_path):
     )
     path = tmp_path / "frame.npz"
     np.savez(path, **to_matrices(in_millimetres))
-    with pytest.raises(ComponentError, match="kg/m3; the file is hardly in m and kg"):
+    with pytest.raises(ComponentError, match="kg/m3; the file is hardly in them"):
         imported(path).model()
 
 

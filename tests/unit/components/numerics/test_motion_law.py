@@ -127,7 +127,10 @@ def test_breaks():
         ([{"profile": "step", "change": 1.0, "duration": 0}], "it must be positive"),
         ([{"profile": "step", "change": "1", "duration": 1}], "change is '1'; it must be a finite number"),
         ([{"profile": "ramp", "change": np.inf, "duration": 1}], "it must be a finite number"),
-        ([{"profile": "ramp", "change": 1, "duration": 1, "end": 2}], "end is no number of it; it has"),
+        (
+            [{"profile": "ramp", "change": 1, "duration": 1, "end": 2}],
+            "end is not a known number; numbers are",
+        ),
         ([{"profile": "table", "times": [0, 0], "values": [1, 2]}], "the times rising"),
         ([{"profile": "table", "times": 1.0, "values": 2.0}], "as many values as times"),
     ],

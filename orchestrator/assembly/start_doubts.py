@@ -1,0 +1,76 @@
+"""What a scene begins with that is hardly meant: blows of preloads and weight, hold-downs in mid-travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees
+
+import numpy as np
+
+from components.hold_down import HoldDown
+from components.rail import Rail
+
+from ..scene.component_connections import component_values
+from ..scene.connection_tables import Connection
+from ..scene.locked_groups import joined
+from ..scene.schema import CheckedScene
+from .bolted_lines import bolts_across
+
+_AWAY = 1e-3
+"""rad, from the stowed angle, where a line starts in mid-travel."""
+
+
+def start_doubts(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from _bolted_on_the_way(scene)
+    if not scene.header.preload and "preload" not in scene.header.model_fields_set:
+        yield from _struck_by_preload(scene)
+        yield from _ringing_rails(scene)
+
+
+def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
+    """Loops and hold-downs whose preload acts all at once at the start."""
+    roots = joined(scene)
+    for loop in scene.loops:
+        if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
+            yield f"ccl.{loop.name}: {_blow(loop.preload)}"
+    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
+        preload = _parameter(bolt, "preload")
+        if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
+            yield f"connection.{bolt.name}: {_blow(preload)}"
+
+
+def _blow(preload: float) -> str:
+    return (
+        f"its preload of {preload:g} N strikes the wing at the start; scene.preload = true starts in the equilibrium "
+        "under it, false says that the blow is meant"
+    )
+
+
+def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
+    """Rails that take a weight all at once at the start, and ring under it for ever."""
+    for rail in (one for one in scene.connections if one.kind == Rail.kind):
+        if any(scene.header.gravity) and not _parameter(rail, "normal_damping"):
+            yield (
+                f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
+                "takes at the start, for which steps are small all along; scene.preload = true starts in the "
+                "equilibrium, false says that the ringing is meant"
+            )
+
+
+def _parameter(connection: Connection, name: str) -> float:
+    """First number of a parameter as a connection has it; 0 where the scene leaves it to a default of 0."""
+    return float(np.ravel(component_values(connection, "mean")[1].get(name, 0.0))[0])
+
+
+def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
+    """Hold-downs across lines that start away from where they are stowed: they grip there."""
+    for line in scene.hinge_lines:
+        away = line.initial_angle - line.stowed_angle
+        if line.held or abs(away) <= _AWAY:
+            continue
+        for bolt in bolts_across(scene, [line.name]):
+            yield (
+                f"connection.{bolt}: it holds bodies where the run begins, and {line.name} starts "
+                f"{degrees(away):.3g} deg from its stowed angle; leave out a hold-down that has let go by then"
+            )
