@@ -62,6 +62,11 @@ def _six(data: FiniteElementData, name: str, node: int) -> Integers:
     """The degrees of freedom of a node, in order."""
     data.place(node)
     own = data.dofs_of(node)
+    if not own:
+        raise ComponentError(
+            f"attachment point {name}: node {node} has no degree of freedom left; it has none, or a rigid element or a "
+            "mean has it already: attach to the point of that instead"
+        )
     missing = [k for k in _ALL if k not in own]
     if missing:
         raise ComponentError(
