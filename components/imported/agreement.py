@@ -35,7 +35,7 @@ _SIZES = (1e-2, 300.0)
 """m; deployable structures are longer than a hinge and shorter than a station."""
 _FREQUENCIES = (1e-3, 1e5)
 """Hz, of the first elastic mode."""
-_NOTHING = 1e-3
+_NOTHING = 1e-4
 """Hz, below which a mode is one of no stiffness."""
 _DENSITIES = (1e-6, 3e4)
 """kg/m3 of the box around the nodes: osmium has 22,600, and a solar sail a thousandth."""

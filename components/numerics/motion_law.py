@@ -68,7 +68,8 @@ class MotionLaw:
     def __init__(self, terms: Sequence[Mapping[str, Any]]) -> None:
         if not isinstance(terms, list | tuple) or not terms:
             raise ComponentError(
-                f"law is {terms!r}; give a list of terms such as {{ profile = 'step', duration = 1, change = 2 }}"
+                f"a motion law is {terms!r}; give a list of terms such as {{ profile = 'step', duration = 1, change = "
+                "2 }"
             )
         made = [_term(number, term) for number, term in enumerate(terms, 1)]
         times = sorted(time for term in made for time in term.breaks)

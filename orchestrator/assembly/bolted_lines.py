@@ -42,7 +42,7 @@ def bolts_across(scene: CheckedScene, moved: Collection[str]) -> tuple[str, ...]
 def without_bolts(scene: CheckedScene, gone: Collection[str]) -> CheckedScene:
     """The scene without hold-downs of these names, nor what events do to them or wait for from them."""
     connections = tuple(one for one in scene.connections if one.name not in gone)
-    events = []
+    events: list[Event] = []
     for event in scene.events:
         if event.when is not None and event.when.component in gone:
             continue
@@ -52,7 +52,7 @@ def without_bolts(scene: CheckedScene, gone: Collection[str]) -> CheckedScene:
         }
         if any(left.values()):
             events.append(event.model_copy(update=left))
-    return replace(scene, connections=connections, events=tuple[Event, ...](events))
+    return replace(scene, connections=connections, events=tuple(events))
 
 
 def _lines(scene: CheckedScene) -> dict[str, Edge]:

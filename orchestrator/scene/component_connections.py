@@ -18,7 +18,7 @@ from .bodies import StartPose
 from .connection_tables import Connection
 from .locked_groups import joined
 from .schema import CheckedScene
-from .units import UNITS, written
+from .units import QUANTITY, UNITS, written
 
 WrenchMode = Literal["mean", "endpoint"]
 """Wrench that connections return: the mean over a step, or that at the inputs as they are."""
@@ -181,6 +181,9 @@ def number_of(quantity: Quantity, value: object) -> float:
     """One of its numbers, in the unit that the component declares; ValueError where it is none."""
     if quantity.unit in UNITS:
         return written(value, quantity.unit)
+    own = QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if own is not None and own[2] == quantity.unit:  # one that only the component knows
+        value = float(own[1])
     if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
         raise ValueError(f"is {value!r}; it must be a finite number of {quantity.unit}")
     return float(value)

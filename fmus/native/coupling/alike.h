@@ -20,8 +20,9 @@ typedef struct {
 
 enum { IS_PLAIN, NOTES_STEPS, REPEATS_STEPS };
 
-/* step (MOST_NOTED,); wanted (parameters,): those that the host had set in the run that others repeat; mode: what a run does with them; acts: whether what the host may change acts, changed or not;
-   gives: whether the host gives accelerations of a base, negative until the first run that repeats has told. */
+/* step (MOST_NOTED,); wanted (parameters,): those that the host had set in the run that others repeat; mode: what a run
+   does with them; acts: whether what the host may change acts, changed or not; gives: whether the host gives
+   accelerations of a base, negative until the first run that repeats has told. */
 typedef struct {
     NotedStep *step;
     double *wanted;

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from components import Quantity
 from orchestrator.assembly.assemble import assemble
 from orchestrator.scene import SceneError, load_scene
+from orchestrator.scene.component_connections import number_of
 from tests.references.edits import edited
 
 TWO_PANELS = (Path(__file__).parents[2] / "scenes" / "two_panels.toml").read_text(encoding="utf-8")
@@ -73,6 +75,14 @@ def test_what_a_component_does_not_accept_is_a_sentence_with_its_key(tmp_path, o
     with pytest.raises(SceneError) as caught:
         load_text(tmp_path, TWO_PANELS + edited(DAMPER, (old, new), count=1))
     assert any(sentence in problem for problem in caught.value.problems), caught.value.problems
+
+
+def test_a_unit_that_only_the_component_knows_may_stand_behind_a_number():
+    """Definition of a plugin's unit. Regression: its own unit was refused, and "a finite number of it" asked for."""
+    counted = Quantity("turns", "widget/s", "How many")
+    assert number_of(counted, "3 widget/s") == number_of(counted, 3) == 3.0
+    with pytest.raises(ValueError, match="must be a finite number of widget/s"):
+        number_of(counted, "3 m")
 
 
 def test_a_placed_body_starts_beside_a_point_of_another(tmp_path):
