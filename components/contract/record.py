@@ -92,7 +92,11 @@ class Record(Generic[T]):
         return self.of(values.tolist())
 
     def write(self, record: T) -> Vector:
-        """The flat array (size,) of a named tuple; ValueError where a field has not its declared size."""
+        """The flat array (size,) of a named tuple; ComponentError for anything else, ValueError for another size."""
+        if not isinstance(record, tuple):
+            raise ComponentError(
+                f"{record!r} is no {self._kind.__name__}; a function that makes one must return it"
+            )
         found: list[float] = []
         _append_scalars(record, found)
         values = np.array(found, dtype=float)

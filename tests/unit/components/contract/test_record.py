@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from components import REGISTRY
+from components import REGISTRY, ComponentError
 from components.contract.connection import Connection
 from components.contract.frames import Vector3
 from components.contract.record import Record, integrated, kept
@@ -59,6 +59,12 @@ def test_a_field_of_another_size_is_refused():
     state = record.read(np.zeros(10))
     with pytest.raises(ValueError, match="State has 11 numbers; 10 are declared"):
         record.write(state._replace(common=Common((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))))
+
+
+def test_what_a_function_forgot_to_return_is_told():
+    """Bad plugin. Regression: "TypeError: 'NoneType' object is not iterable"."""
+    with pytest.raises(ComponentError, match="None is no State; a function that makes one must return it"):
+        Record(State).write(None)
 
 
 def test_a_role_keeps_its_name():
