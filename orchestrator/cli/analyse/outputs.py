@@ -48,7 +48,7 @@ def _write(found: BodyOutputs, path: Path) -> Path:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         heads = zip(found.labels, found.units, strict=True)
-        writer.writerow(["time, s", *(f"{label}, {unit}" for label, unit in heads)])
+        writer.writerow(["time (s)", *(f"{label} ({unit})" for label, unit in heads)])
         rows = zip(found.time.tolist(), found.values.tolist(), strict=True)
         writer.writerows([time, *values] for time, values in rows)
     return path
