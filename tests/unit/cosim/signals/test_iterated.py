@@ -48,7 +48,7 @@ def test_a_stiff_spring_is_followed_where_a_held_one_blows_up(spring):
 def test_steps_are_chosen_by_the_tolerance(spring):
     """Independent path: SciPy, from the steps that the loads ask for, at most the FMU's own; energies close."""
     run = fanfold.simulate(
-        controlled(spring, iterated=True, parameters=STIFF, step=0.02), tolerance=1e-5, estimate=False
+        controlled(spring, iterated=True, parameters=STIFF, step=0.02), tolerance=1e-4, estimate=False
     )
     exact = swung(1.0)(run.time)[0]
     assert run["craft", "attitude"][:, 1] == pytest.approx(exact, abs=2e-3 * np.max(np.abs(exact)))
