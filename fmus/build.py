@@ -15,13 +15,13 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-from fmpy import platform, platform_tuple
 
 import components
 from components import Component, ComponentError
 from components.cache.disk import kept, replace_file
 
 from .archive import digest_of, zip_bytes
+from .description.binaries import folder_here
 from .description.fmi2 import DATE_FORMAT, Backend, Experiment, FmiVersion, model_description
 from .description.fmi3 import model_description3, terminals
 from .description.variables import StartValue, start_values
@@ -172,11 +172,10 @@ def _native_code(
 def _library_of_here(fmi: FmiVersion) -> dict[str, bytes]:
     """By folder and suffix; nothing where the package was installed without a C compiler."""
     binary = library()
-    folder = platform_tuple if fmi == "3.0" else platform
     if binary is None:
         return {}
     status = binary.stat()
-    return {f"{folder}/*{binary.suffix}": _content(binary, status.st_mtime_ns, status.st_size)}
+    return {f"{folder_here(fmi)}/*{binary.suffix}": _content(binary, status.st_mtime_ns, status.st_size)}
 
 
 @lru_cache(maxsize=2)

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees
 
-import numpy as np
-
 from components.hold_down import HoldDown
 from components.rail import Rail
 
-from ..scene.component_connections import component_values
-from ..scene.connection_tables import Connection
+from ..scene.component_connections import first_number
 from ..scene.locked_groups import joined
 from ..scene.schema import CheckedScene
 from .bolted_lines import bolts_across
@@ -35,7 +32,7 @@ def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
         if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
             yield f"ccl.{loop.name}: {_blow(loop.preload)}"
     for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
-        preload = _parameter(bolt, "preload")
+        preload = first_number(bolt, "preload")
         if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
             yield f"connection.{bolt.name}: {_blow(preload)}"
 
@@ -50,17 +47,12 @@ def _blow(preload: float) -> str:
 def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
     """Rails that take a weight all at once at the start, and ring under it for ever."""
     for rail in (one for one in scene.connections if one.kind == Rail.kind):
-        if any(scene.header.gravity) and not _parameter(rail, "normal_damping"):
+        if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
             yield (
                 f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
                 "takes at the start, for which steps are small all along; scene.preload = true starts in the "
                 "equilibrium, false says that the ringing is meant"
             )
-
-
-def _parameter(connection: Connection, name: str) -> float:
-    """First number of a parameter as a connection has it; 0 where the scene leaves it to a default of 0."""
-    return float(np.ravel(component_values(connection, "mean")[1].get(name, 0.0))[0])
 
 
 def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:

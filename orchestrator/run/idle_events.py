@@ -22,7 +22,7 @@ def idle_events(assembly: Assembly, result: Result) -> Iterator[str]:
     for event in assembly.events:
         if event.name in happened:
             yield from _without_effect(event, happened[event.name], latched)
-            yield from _latches_left_behind(assembly, event, happened[event.name], result)
+            yield from _latches_left_behind(assembly, event, happened[event.name], latched, result)
         else:
             yield _absent(event, result)
 
@@ -50,14 +50,15 @@ def _without_effect(event: Event, at: float, latched: Mapping[str, float]) -> It
             yield f"event {event.name}: {line} had latched at {latched[line]:.6g} s already, so it was not latched then"
 
 
-def _latches_left_behind(assembly: Assembly, event: Event, at: float, result: Result) -> Iterator[str]:
-    """Lines whose latch angle an event at a time (s) set when they had latched, or to where they had been."""
+def _latches_left_behind(
+    assembly: Assembly, event: Event, at: float, latched: Mapping[str, float], result: Result
+) -> Iterator[str]:
+    """Lines whose latch angle an event at a time (s) set when they had latched (s), or to where they had been."""
     angles = {
         one.part: one.value
         for one in event.settings
         if one.parameter == _LATCH_ANGLE and isinstance(one.value, float)
     }
-    latched = latch_times(result)
     for line in assembly.hinge_lines:
         angle = angles.get(line.sensor)
         if angle is None:

@@ -41,6 +41,11 @@ def component_values(
     return dict(component.structure), start
 
 
+def first_number(connection: Connection, parameter: str) -> float:
+    """First number of a parameter of a connection without problems; 0 where the scene leaves it to a default of 0."""
+    return float(np.ravel(component_values(connection, "mean")[1].get(parameter, 0.0))[0])
+
+
 def connection_problems(connection: Connection) -> Iterator[str]:
     """Everything that the component does not accept, as sentences with their keys.
 
@@ -91,7 +96,7 @@ def buried_contacts(
             continue  # within one piece, where it never acts
         depth, reference = _start_depth(seated(connection, points, poses))
         if depth > _DEEPEST * reference:
-            gap = float(np.ravel(component_values(connection, "mean")[1].get("gap", 0.0))[0])
+            gap = first_number(connection, "gap")
             touch = round(gap - depth, 9) + 0.0
             yield (
                 f"connection.{connection.name}: the contact starts {depth:.4g} m deep, and its reference_penetration "

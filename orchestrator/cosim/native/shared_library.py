@@ -13,15 +13,16 @@ import zlib
 from functools import cache
 from pathlib import Path
 
-from fmpy import extract, platform, sharedLibraryExtension
+from fmpy import extract, sharedLibraryExtension
 
 from components.cache.temporary import process_folder
 from fmus import native_library
+from fmus.description.binaries import binary_member
 
 
 def library_of(unpacked: Path, model_identifier: str) -> Path:
     """Where an unpacked FMU has its binary for this platform, if it has one."""
-    return Path(unpacked, "binaries", platform, f"{model_identifier}{sharedLibraryExtension}")
+    return Path(unpacked, binary_member("2.0", model_identifier))
 
 
 def unpack(path: Path, folder: Path) -> list[Path]:
