@@ -8,7 +8,8 @@ from typing import Annotated, NamedTuple
 
 from numpy.typing import ArrayLike
 
-from .contract.connection import WRENCH, Connection, Impulse, Inputs
+from .contract.component import Vector
+from .contract.connection import SLOPES, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import (
     Quaternion,
     Vector3,
@@ -20,7 +21,7 @@ from .contract.frames import (
     rotation_vector,
     subtract,
 )
-from .contract.ports import WRENCH_SIZE, PortMotion
+from .contract.ports import WRENCH_SIZE, PortMoments, PortMotion
 from .contract.record import Record, fixed, integrated, kept, observed, tunable
 from .contract.roles import (
     DISSIPATED_ENERGY,
@@ -28,16 +29,28 @@ from .contract.roles import (
     END_WEIGHT,
     LOAD,
     NUMERICAL_DISSIPATION,
+    ORDER,
     POTENTIAL_ENERGY,
 )
 from .numerics.laws import stiction_factors
 from .numerics.mid_step import MidStep
-from .numerics.relative_motion import Pose, axis_frame, conjugate_torque, relative_pose, relative_rates
-from .numerics.stiff_coordinate import Memory, StepMotion, bushing_load, remembered
+from .numerics.relative_motion import (
+    Passage,
+    Pose,
+    axis_frame,
+    conjugate_torque,
+    relative_pose,
+    relative_rates,
+)
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
+from .numerics.workless_pair import gauss_rates, remembered_path, viscous_load, workless_spring
 
 Four = tuple[float, float, float, float]
+Two = tuple[float, float]
+_NONE: Two = (0.0, 0.0)
 
 _AT_REST: Vector3 = (0.0, 0.0, 0.0)
+_NO_WRENCH = (0.0,) * WRENCH_SIZE
 
 
 class _Parameters(NamedTuple):
@@ -54,6 +67,7 @@ class _Parameters(NamedTuple):
         Vector3, fixed("rad", "The same of its orientation, rotation vector in world axes")
     ]
     end_weight: Annotated[float, END_WEIGHT]
+    order: Annotated[float, ORDER]
 
     @property
     def stiffness(self) -> Four:
@@ -65,15 +79,22 @@ class _Parameters(NamedTuple):
         """The same of damping."""
         return (self.normal_damping, *(self.rotational_damping,) * 3)
 
-    def friction(self, speed: float) -> float:
+    def friction_at(self, speed: float) -> float:
         """Friction force at a sliding speed."""
         return self.friction_force * stiction_factors(abs(speed), self.stiction_velocity, 1.0).constant
 
-    def resistance(self, speed: float) -> float:
-        """Friction force over the sliding speed (N.s/m), finite at rest."""
+    def friction(self, velocity: Two) -> Two:
+        """Friction against a sliding velocity, in the plane's axes."""
+        speed = _length(*velocity)
         if speed == 0.0:
-            return 1.5 * self.friction_force / self.stiction_velocity
-        return self.friction(speed) / speed
+            return _NONE
+        share = -self.friction_at(speed) / speed
+        return share * velocity[0], share * velocity[1]
+
+
+class _Constants(NamedTuple):
+    p: _Parameters
+    is_paired: bool
 
 
 class _State(NamedTuple):
@@ -85,8 +106,12 @@ class _State(NamedTuple):
     slide: Annotated[MidStep, kept("m/s", "Mean sliding speeds of two steps")]
     friction_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
     damping_heat: Annotated[float, integrated("J", "W", "Energy dissipated since the start")]
-    numerical: Annotated[float, kept("J", "What inertial terms took away")]
-    wrench: Annotated[tuple[float, ...], WRENCH.sized(WRENCH_SIZE)] = (0.0,) * WRENCH_SIZE
+    numerical: Annotated[float, kept("J", "What the scheme took away")]
+    wrench: Annotated[tuple[float, ...], WRENCH.sized(WRENCH_SIZE)] = _NO_WRENCH
+    slopes: Annotated[tuple[float, ...], SLOPES.sized(WRENCH_SIZE)] = _NO_WRENCH
+    pressed: Annotated[MidStep, kept("N", "Mean normal forces of two steps of order 4")] = MidStep.starting(
+        0.0
+    )
 
     @property
     def stiff(self) -> Four:
@@ -115,7 +140,7 @@ class _Instant(NamedTuple):
     pose: Pose
     stiff: Four
     rates: Four
-    velocity: tuple[float, float]
+    velocity: Two
 
     @property
     def speed(self) -> float:
@@ -132,7 +157,7 @@ class Rail(Connection[_Parameters, _State, Impulse]):
     only. Stiffness and damping act along the normal and on all rotations; in the plane there is only friction.
     """
 
-    kind, port_names, order = "rail", ("trolley",), 2
+    kind, port_names = "rail", ("trolley",)
     parameters, states = Record(_Parameters), Record(_State)
     commands, observations = Record(Impulse), Record(_Observations)
 
@@ -140,11 +165,16 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         self._axes = axis_frame(normal, "the normal to the rail's plane", "normal")
         super().__init__({"normal": tuple(normal)}, wrench_mode)
 
-    def start(self, c: _Parameters, u: Inputs[Impulse]) -> _State:
+    def prepare(self, p: Vector) -> _Constants:
+        """Constants of the given parameters."""
+        one = self._checked(p)
+        return _Constants(one, self._is_paired(one.order, one.end_weight))
+
+    def start(self, c: _Constants, u: Inputs[Impulse]) -> _State:
         """The plane goes through the place of the inputs, less the initial offset and turn."""
         (trolley,) = u.motions
-        position = subtract(trolley.position, c.initial_offset)
-        orientation = multiply(conjugate(exponential(c.initial_turn)), trolley.orientation)
+        position = subtract(trolley.position, c.p.initial_offset)
+        orientation = multiply(conjugate(exponential(c.p.initial_turn)), trolley.orientation)
         now = self._instant(position, orientation, u, 0.0)
         memories = tuple(Memory(rate, rate) for rate in now.rates)
         slide = MidStep.starting(now.speed)
@@ -179,72 +209,100 @@ class Rail(Connection[_Parameters, _State, Impulse]):
     def _now(self, s: _State, u: Inputs[Impulse]) -> _Instant:
         return self._instant(s.position, s.orientation, u, s.turn[0])
 
-    def advance(self, c: _Parameters, s: _State, u: Inputs[Impulse], h: float) -> _State:
-        """Mean loads of the stiff coordinates, and friction against the mean sliding velocity."""
+    def advance(self, c: _Constants, s: _State, u: Inputs[Impulse], h: float) -> _State:
+        """Mean loads of the stiff coordinates, and friction against the sliding velocity within the step."""
         now, is_impulse = self._now(s, u), u.commands.impulse > 0.5
-        motions = [
-            StepMotion(start, end, h, memory)
-            for start, end, memory in zip(s.stiff, now.stiff, s.memories, strict=True)
-        ]
-        if self.endpoint:
-            motions = [motion.without_inertia() for motion in motions]
-        loads = [
-            bushing_load(k, d, motion, c.end_weight)
-            for k, d, motion in zip(c.stiffness, c.damping, motions, strict=True)
-        ]
-        slip_y, slip_z = ((a - b) / h for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))
-        speed = _length(slip_y, slip_z)
-        resistance = c.resistance(speed)
+        is_paired = c.is_paired and not is_impulse
         swing_y, swing_z = (0.5 * (a + b) for a, b in zip(s.stiff[2:], now.stiff[2:], strict=True))
-        wrench = _wrench(
-            now, [load.force for load in loads], resistance, (slip_y, slip_z), (swing_y, swing_z)
-        )
-        memories = tuple(
-            Memory(rate, rate) if is_impulse else remembered(motion, rate)
-            for motion, rate in zip(motions, now.rates, strict=True)
-        )
-        return s._replace(
+        bent, moments = _NONE, (0.0,) * 4
+        if is_paired:
+            bent, moments = _moments(now, u.moments[0], (swing_y, swing_z))
+        motions = self._motions(s, now, moments, h)
+        loads = [self._load(c, i, motion, is_paired) for i, motion in enumerate(motions)]
+        slid_y, slid_z = (a - b for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))
+        friction = _friction(c.p, (slid_y, slid_z), bent, h)
+        moved = s._replace(
             offset=now.pose.offset,
             turn=now.stiff[1:],
-            memories=memories,
-            slide=MidStep.starting(now.speed) if is_impulse else s.slide.after(speed, h),
-            friction_heat=s.friction_heat + resistance * speed * speed * h,
+            memories=self._memories(motions, now.rates, is_paired, is_impulse),
+            friction_heat=s.friction_heat + friction.heat,
             damping_heat=s.damping_heat + sum(load.heat for load in loads),
             numerical=s.numerical + sum(load.numerical for load in loads),
-            wrench=wrench,
+            wrench=_wrench(now, [load.force for load in loads], friction.force, (swing_y, swing_z)),
+            slopes=_NO_WRENCH,
+            pressed=MidStep.starting(0.0),
         )
+        if not is_paired:
+            slide = (
+                MidStep.starting(now.speed) if is_impulse else s.slide.after(_length(slid_y, slid_z) / h, h)
+            )
+            return moved._replace(slide=slide)
+        slopes = _wrench(now, [load.slope for load in loads], friction.slope, (swing_y, swing_z))
+        ending = _length(slid_y + 3.0 * bent[0], slid_z + 3.0 * bent[1]) / h
+        pressed = s.pressed.after(loads[0].force, h)
+        return moved._replace(slopes=slopes, slide=MidStep.starting(ending), pressed=pressed)
 
-    def wrenches(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+    def _motions(self, s: _State, now: _Instant, moments: Four, h: float) -> list[StepMotion]:
+        """Motions of the four stiff coordinates."""
+        ends = zip(s.stiff, now.stiff, s.memories, moments, strict=True)
+        motions = [StepMotion(start, end, h, memory, moment) for start, end, memory, moment in ends]
+        return [motion.without_inertia() for motion in motions] if self.endpoint else motions
+
+    @staticmethod
+    def _load(c: _Constants, i: int, motion: StepMotion, is_paired: bool) -> MeanLoad:
+        """Load of a stiff coordinate over a step."""
+        stiffness, damping = c.p.stiffness[i], c.p.damping[i]
+        if is_paired:
+            return workless_spring(stiffness, damping, motion)
+        return bushing_load(stiffness, damping, motion, c.p.end_weight)
+
+    @staticmethod
+    def _memories(
+        motions: list[StepMotion], rates: Four, is_paired: bool, is_impulse: bool
+    ) -> tuple[Memory, ...]:
+        """What the stiff coordinates remember of a step; after an impulse only the rates of its end are known."""
+        if is_impulse:
+            return tuple(Memory(rate, rate) for rate in rates)
+        if is_paired:
+            return tuple(remembered_path(motion) for motion in motions)
+        return tuple(remembered(motion, rate) for motion, rate in zip(motions, rates, strict=True))
+
+    def wrenches(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """On the trolley."""
         now = self._now(s, u)
         load = [
-            -k * q - d * w for k, d, q, w in zip(c.stiffness, c.damping, now.stiff, now.rates, strict=True)
+            -k * q - d * w
+            for k, d, q, w in zip(c.p.stiffness, c.p.damping, now.stiff, now.rates, strict=True)
         ]
-        return _wrench(now, load, c.resistance(now.speed), now.velocity, now.pose.swing)
+        return _wrench(now, load, c.p.friction(now.velocity), now.pose.swing)
 
-    def record(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> _Observations:
-        """Forces at the communication point, and energies."""
+    def record(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> _Observations:
+        """Forces at the communication point, and energies; of order 4 from what the last steps' loads were."""
         now = self._now(s, u)
         rate, speed = now.rates[0], now.speed
         if not self.endpoint:
-            rate, speed = s.memories[0].mean_rate, s.slide.now()
+            memory = s.memories[0]
+            rate, speed = memory.end_rate if c.is_paired else memory.mean_rate, s.slide.now()
+        normal = -c.p.normal_stiffness * now.pose.offset[0] - c.p.normal_damping * rate
+        if c.is_paired:
+            normal = s.pressed.load_now(normal, s.memories[0].roughness)
         return _Observations(
-            normal_force=-c.normal_stiffness * now.pose.offset[0] - c.normal_damping * rate,
-            friction_force_magnitude=c.friction(speed),
+            normal_force=normal,
+            friction_force_magnitude=c.p.friction_at(speed),
             sliding_speed=now.speed,
             friction_energy=s.friction_heat,
-            potential_energy=sum(0.5 * k * q * q for k, q in zip(c.stiffness, now.stiff, strict=True)),
+            potential_energy=sum(0.5 * k * q * q for k, q in zip(c.p.stiffness, now.stiff, strict=True)),
             dissipated_energy=s.friction_heat + s.damping_heat,
             numerical_dissipation=s.numerical,
         )
 
-    def powers(self, c: _Parameters, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
+    def powers(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """Heat (W) of friction and of damping."""
         now = self._now(s, u)
-        damping = sum(d * w * w for d, w in zip(c.damping, now.rates, strict=True))
-        return c.resistance(now.speed) * now.speed * now.speed, damping
+        damping = sum(d * w * w for d, w in zip(c.p.damping, now.rates, strict=True))
+        return c.p.friction_at(now.speed) * now.speed, damping
 
-    def follow(self, c: _Parameters, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
+    def follow(self, c: _Constants, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
         """Follow the trolley's turn."""
         twist = self._now(s, u).stiff[1]
         return s._replace(turn=(twist, s.turn[1], s.turn[2]))
@@ -254,19 +312,36 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         return {**super().native_data(), "axis_frame": self._axes}
 
 
+class _Friction(NamedTuple):
+    """Mean friction over a step in the plane's axes, its slope, and its heat (J)."""
+
+    force: Two
+    slope: Two
+    heat: float
+
+
+def _friction(p: _Parameters, slid: Two, bent: Two, h: float) -> _Friction:
+    """Of what the trolley slid and of the moment of its velocity, at both points of Gauss' rule."""
+    rates_y, rates_z = (gauss_rates(change, moment, h) for change, moment in zip(slid, bent, strict=True))
+    before, after = (p.friction(velocity) for velocity in zip(rates_y, rates_z, strict=True))
+    y = viscous_load(rates_y, (before[0], after[0]), h)
+    z = viscous_load(rates_z, (before[1], after[1]), h)
+    return _Friction((y.force, z.force), (y.slope, z.slope), y.heat + z.heat)
+
+
+def _moments(now: _Instant, trolley: PortMoments, swing: Two) -> tuple[Two, Four]:
+    """First moments of the sliding velocity, and of the rates of the stiff coordinates."""
+    still = Passage(now.pose.frame, now.pose.frame, now.pose.gap, now.pose.gap)
+    moments = still.rate_moments((PortMoments(_AT_REST, _AT_REST), trolley), swing)
+    return moments.offset[1:], (moments.offset[0], moments.twist, *moments.swing)
+
+
 def _length(y: float, z: float) -> float:
     return sqrt(y * y + z * z)
 
 
-def _wrench(
-    now: _Instant,
-    load: Sequence[float],
-    resistance: float,
-    velocity: tuple[float, float],
-    swing: tuple[float, float],
-) -> tuple[float, ...]:
-    """Of the loads of the stiff coordinates and of friction against a velocity, world axes."""
+def _wrench(now: _Instant, load: Sequence[float], friction: Two, swing: Two) -> tuple[float, ...]:
+    """Of the loads of the stiff coordinates and of friction, world axes."""
     normal, twist, bending_y, bending_z = load
-    force = (normal, -resistance * velocity[0], -resistance * velocity[1])
     torque = conjugate_torque(twist, (bending_y, bending_z), swing)
-    return (*rotate(now.pose.frame, force), *rotate(now.pose.frame, torque))
+    return (*rotate(now.pose.frame, (normal, *friction)), *rotate(now.pose.frame, torque))

@@ -326,7 +326,8 @@ class _Ties:
             if arm.section is not None:
                 dofs = np.concatenate([self.root_dofs[arm.name], self.attachment_dofs[arm.name]])
                 *rows, weights = beam_slopes(self.roots[arm.name], self.tips[arm.name])
-                stretch, along_y, along_z = (sparse.csr_array(row @ identity[dofs]) for row in rows)
+                own: SparseMatrix = sparse.csr_array(identity[dofs])
+                stretch, along_y, along_z = (sparse.csr_array(row @ own) for row in rows)
                 stiffness = sparse.csr_array(sparse.diags_array(arm.section.axial * weights))
                 parts.append(MembraneStrain(stretch, ((along_y, along_y), (along_z, along_z)), stiffness))
         return combined(parts)

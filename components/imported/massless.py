@@ -27,7 +27,8 @@ def with_mass_everywhere(data: FiniteElementData) -> FiniteElementData:
     diagonal = data.mass.diagonal()
     if diagonal.min() > 0.0 and _is_regular(data):
         return data
-    return replace(data, mass=sparse.csr_array(data.mass + data.stiffness / _FREQUENCY**2))
+    added = data.stiffness * (1.0 / _FREQUENCY**2)
+    return replace(data, mass=sparse.csr_array(data.mass + added))
 
 
 def _is_regular(data: FiniteElementData) -> bool:

@@ -21,9 +21,8 @@ def unstiffened_spins(scene: CheckedScene, assembly: Assembly, until: float | No
     until: s; by default the end of the scene.
     """
     times = np.linspace(0.0, scene.header.until if until is None else until, _SAMPLES).tolist()
-    fastest = max(
-        (abs(motion.laws[1].rate(time)) for motion in motions(scene).values() for time in times), default=0.0
-    )
+    turns = [turn for _, turn in (motion.laws for motion in motions(scene).values())]
+    fastest = max((abs(turn.rate(time)) for turn in turns for time in times), default=0.0)
     yield from unstiffened_rates(scene, assembly, dict.fromkeys(assembly.flexible, fastest))
 
 

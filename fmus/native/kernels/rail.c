@@ -4,9 +4,9 @@
    Stiff coordinates: normal displacement, twist about the normal, swing y, z. */
 
 #include "rail_layout.h"
-#include "bushing.h"
 #include "connection.h"
 #include "laws.h"
+#include "workless.h"
 
 enum { STIFF_COUNT = 4, PLACE_SIZE = 7 };
 
@@ -75,47 +75,110 @@ static inline void store_instant_rates(const Trolley *now, real *x) {
     store_mid_step_start(speed_of(now->velocity), x + X_SLIDE);
 }
 
-/* Wrench on the trolley from the loads of the stiff coordinates, friction over speed, and the sliding velocity. */
-static inline void rail_store_wrench(const Trolley *now, const real *load, real resistance, Transverse velocity,
-                                     Transverse swing, real *wrench) {
-    Vector3 force = {load[0], -resistance * velocity.y, -resistance * velocity.z};
+/* Wrench on the trolley from the loads of the stiff coordinates and from friction in the plane's axes. */
+static inline void rail_store_wrench(const Trolley *now, const real *load, Transverse friction, Transverse swing,
+                                     real *wrench) {
+    Vector3 force = {load[0], friction.y, friction.z};
     Vector3 torque = conjugate_torque(load[1], (Transverse){load[2], load[3]}, swing);
     vector_store(quaternion_rotate(now->pose.frame, force), wrench);
     vector_store(quaternion_rotate(now->pose.frame, torque), wrench + 3);
 }
 
-/* One step: mean loads of the stiff coordinates, and friction against the mean sliding velocity. */
+/* First moments of the sliding velocity, and of the rates of the stiff coordinates. */
+static inline Transverse trolley_moments(const Trolley *now, const real *trolley, Transverse swing,
+                                         real moments[STIFF_COUNT]) {
+    const Pose *pose = &now->pose;
+    const Passage still = {pose->frame, pose->frame, pose->gap, pose->gap};
+    real both[2 * MOMENTS] = {0.0};
+    for (int i = 0; i < MOMENTS; i++) both[MOMENTS + i] = trolley[i];
+    Rates found = rate_moments(&still, both, swing);
+    moments[0] = found.offset.x;
+    moments[1] = found.twist;
+    moments[2] = found.swing.y;
+    moments[3] = found.swing.z;
+    return (Transverse){found.offset.y, found.offset.z};
+}
+
+/* Load of a stiff coordinate over a step; keeps what is remembered. */
+static inline MeanLoad guiding_load(const Rail *rail, const StepMotion *motion, int i, int paired, real rate,
+                                    real *memory) {
+    if (paired) {
+        store_path(motion, memory);
+        return workless_spring(rail->stiffness[i], rail->damping[i], motion);
+    }
+    store_memory(motion, rate, memory);
+    return bushing_load(rail->stiffness[i], rail->damping[i], motion, rail->base.p[P_END_WEIGHT]);
+}
+
+/* Friction over a step, at both points of Gauss' rule: mean and slope in the plane's axes, heat. */
+typedef struct Sliding {
+    Transverse force, slope;
+    real heat;
+} Sliding;
+
+static inline Sliding sliding_over(const Rail *rail, Transverse slid, Transverse bent, double h) {
+    real rates_y[2], rates_z[2], forces_y[2], forces_z[2];
+    gauss_rates(slid.y, bent.y, h, rates_y);
+    gauss_rates(slid.z, bent.z, h, rates_z);
+    for (int i = 0; i < 2; i++) {
+        real resistance = sliding_resistance(rail, speed_of((Transverse){rates_y[i], rates_z[i]}));
+        forces_y[i] = -resistance * rates_y[i];
+        forces_z[i] = -resistance * rates_z[i];
+    }
+    MeanLoad y = viscous_load(rates_y, forces_y, h), z = viscous_load(rates_z, forces_z, h);
+    return (Sliding){{y.force, z.force}, {y.slope, z.slope}, y.heat + z.heat};
+}
+
+/* Loads of the stiff coordinates over a step and their slopes, with what is remembered; adds to the losses. */
+static inline void guide_step(const Rail *rail, const double *x, const Trolley *now, const real moments[STIFF_COUNT],
+                              int paired, double h, real *load, real *slope, real *x_next) {
+    x_next[X_DAMPING_HEAT] = x[X_DAMPING_HEAT];
+    x_next[X_NUMERICAL] = x[X_NUMERICAL];
+    for (int i = 0; i < STIFF_COUNT; i++) {
+        const int memory = X_MEMORIES + MEMORY_SIZE * i;
+        StepMotion motion = step_motion(x + memory, i == 0 ? x[X_OFFSET] : x[X_TURN + i - 1], now->stiff[i], h);
+        if (rail->base.endpoint) leave_inertia_out(&motion);
+        motion.moment = moments[i];
+        MeanLoad mean = guiding_load(rail, &motion, i, paired, now->rates[i], x_next + memory);
+        load[i] = mean.force;
+        slope[i] = mean.slope;
+        x_next[X_DAMPING_HEAT] += mean.heat;
+        x_next[X_NUMERICAL] += mean.numerical;
+    }
+}
+
+/* One step: mean loads of the stiff coordinates, and friction against the sliding velocity within the step. */
 int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *x_next, Reason *why) {
     const Rail *rail = self;
     (void)why;
-    real start[PLACE_SIZE], load[STIFF_COUNT], heat = 0.0, numerical = 0.0;
+    const int impulse = commanded(u, U_IMPULSE), paired = rail->base.paired && !impulse;
+    real start[PLACE_SIZE], load[STIFF_COUNT], slope[STIFF_COUNT], moments[STIFF_COUNT] = {0.0};
     for (int i = 0; i < PLACE_SIZE; i++) start[i] = x_next[X_POSITION + i] = x[X_POSITION + i];
+    for (int i = 0; i < MOMENTS; i++) x_next[X_SLOPES + i] = 0.0;
     Trolley now = trolley_of(rail, start, u, x[X_TURN]);
-    Transverse slip = {(now.pose.offset.y - x[X_OFFSET + 1]) / h, (now.pose.offset.z - x[X_OFFSET + 2]) / h};
-    real speed = speed_of(slip);
-    for (int i = 0; i < STIFF_COUNT; i++) {
-        const int memory = X_MEMORIES + MEMORY_SIZE * i;
-        StepMotion motion = step_motion(x + memory, i == 0 ? x[X_OFFSET] : x[X_TURN + i - 1], now.stiff[i], h);
-        if (rail->base.endpoint) leave_inertia_out(&motion);
-        MeanLoad mean = bushing_load(rail->stiffness[i], rail->damping[i], &motion, rail->base.p[P_END_WEIGHT]);
-        load[i] = mean.force;
-        heat += mean.heat;
-        numerical += mean.numerical;
-        store_memory(&motion, now.rates[i], x_next + memory);
-    }
-    store_mid_step_after(x + X_SLIDE, speed, h, x_next + X_SLIDE);
-    if (commanded(u, U_IMPULSE)) store_instant_rates(&now, x_next);
+    const Transverse swing = {0.5 * (x[X_TURN + 1] + now.stiff[2]), 0.5 * (x[X_TURN + 2] + now.stiff[3])};
+    const Transverse slid = {now.pose.offset.y - x[X_OFFSET + 1], now.pose.offset.z - x[X_OFFSET + 2]};
+    Transverse bent = {0.0, 0.0};
+    if (paired) bent = trolley_moments(&now, u + INPUTS, swing, moments);
+    guide_step(rail, x, &now, moments, paired, h, load, slope, x_next);
+    Sliding friction = sliding_over(rail, slid, bent, h);
+    x_next[X_FRICTION_HEAT] = x[X_FRICTION_HEAT] + friction.heat;
     trolley_store(&now, x_next);
-    real resistance = sliding_resistance(rail, speed);
-    x_next[X_FRICTION_HEAT] = x[X_FRICTION_HEAT] + resistance * speed * speed * h;
-    x_next[X_DAMPING_HEAT] = x[X_DAMPING_HEAT] + heat;
-    x_next[X_NUMERICAL] = x[X_NUMERICAL] + numerical;
-    Transverse swing = {0.5 * (x[X_TURN + 1] + now.stiff[2]), 0.5 * (x[X_TURN + 2] + now.stiff[3])};
-    rail_store_wrench(&now, load, resistance, slip, swing, x_next + X_WRENCH);
+    rail_store_wrench(&now, load, friction.force, swing, x_next + X_WRENCH);
+    store_mid_step_start(0.0, x_next + X_PRESSED);
+    if (paired) {
+        rail_store_wrench(&now, slope, friction.slope, swing, x_next + X_SLOPES);
+        const Transverse ending = {(slid.y + 3.0 * bent.y) / h, (slid.z + 3.0 * bent.z) / h};
+        store_mid_step_start(speed_of(ending), x_next + X_SLIDE);
+        store_mid_step_after(x + X_PRESSED, load[0], h, x_next + X_PRESSED);
+    } else {
+        store_mid_step_after(x + X_SLIDE, speed_of(slid) / h, h, x_next + X_SLIDE);
+    }
+    if (impulse) store_instant_rates(&now, x_next);
     return 1;
 }
 
-/* Wrench on the trolley. */
+/* Wrench on the trolley, of order 4 with its slopes. */
 void NAME(rail_outputs)(void *self, const real *x, const real *u, real *y) {
     const Rail *rail = self;
     if (gives_means(&rail->base, x, y)) return;
@@ -123,7 +186,9 @@ void NAME(rail_outputs)(void *self, const real *x, const real *u, real *y) {
     real load[STIFF_COUNT];
     for (int i = 0; i < STIFF_COUNT; i++)
         load[i] = -rail->stiffness[i] * now.stiff[i] - rail->damping[i] * now.rates[i];
-    rail_store_wrench(&now, load, sliding_resistance(rail, speed_of(now.velocity)), now.velocity, now.pose.swing, y);
+    real resistance = sliding_resistance(rail, speed_of(now.velocity));
+    const Transverse friction = {-resistance * now.velocity.y, -resistance * now.velocity.z};
+    rail_store_wrench(&now, load, friction, now.pose.swing, y);
 }
 
 /* Heat of friction and of damping. */
@@ -153,7 +218,7 @@ static int rail_prepare(void *self, const double *p, Reason *why) {
         rail->stiffness[i] = p[i == 0 ? P_NORMAL_STIFFNESS : P_ROTATIONAL_STIFFNESS];
         rail->damping[i] = p[i == 0 ? P_NORMAL_DAMPING : P_ROTATIONAL_DAMPING];
     }
-    return prepare_connection(self, p, 2.0, p[P_END_WEIGHT], why);
+    return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
 /* The plane goes through the place of the inputs, less the initial offset and turn. */
@@ -171,7 +236,7 @@ static int rail_initial(void *self, const double *u, double *x, Reason *why) {
     return 1;
 }
 
-/* Forces at the communication point, and energies. */
+/* Forces at the communication point, and energies; at order 4 from what the last steps' loads were. */
 static void rail_observe(void *self, const double *x, const double *u, double *z) {
     const Rail *rail = self;
     Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
@@ -179,10 +244,12 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     for (int i = 0; i < STIFF_COUNT; i++) energy += 0.5 * rail->stiffness[i] * now.stiff[i] * now.stiff[i];
     double rate = now.rates[0], felt = speed;
     if (!rail->base.endpoint) {
-        rate = x[X_MEMORIES + MEAN_RATE];
+        rate = x[X_MEMORIES + (rail->base.paired ? END_RATE : MEAN_RATE)];
         felt = mid_step_now(x + X_SLIDE);
     }
-    z[Z_NORMAL_FORCE] = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * rate;
+    const double normal = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * rate;
+    z[Z_NORMAL_FORCE] = normal;
+    if (rail->base.paired) z[Z_NORMAL_FORCE] = load_now(x + X_PRESSED, normal, x[X_MEMORIES + ROUGHNESS]);
     z[Z_FRICTION_FORCE_MAGNITUDE] = sliding_friction(rail, felt);
     z[Z_SLIDING_SPEED] = speed;
     z[Z_FRICTION_ENERGY] = x[X_FRICTION_HEAT];

@@ -10,6 +10,7 @@ from components.damper import EddyCurrentDamper
 from components.drive import Drive
 from components.hold_down import HoldDown
 from components.point_motion import PointMotion
+from components.rail import Rail
 from components.suspension import Suspension
 from tests.references.relative_motion import (
     angular_momentum,
@@ -45,11 +46,16 @@ CASES = {
     ),
     "damper": (EddyCurrentDamper, {}, {"damping_coefficient": 3.0, "peak_rate": 0.5}),
     "suspension": (Suspension, {}, {"stiffness": 400.0, "damping": 6.0}),
+    "rail": (
+        Rail,
+        {"normal": (0.6, 0.0, 0.8)},
+        {"normal_stiffness": 300.0, "normal_damping": 2.0, "friction_force": 4.0, "stiction_velocity": 0.05},
+    ),
     "guided": (CableLoop, {"guided": True}, STRANDS),
     "free": (CableLoop, {}, STRANDS),
 }
 TURNING = ("drive", "damper", "guided", "free")
-"""Kinds whose wrenches follow turns about y; the others follow places."""
+"""Kinds whose wrenches follow turns about y; the others follow places. A rail's other port is the ground."""
 PLACES = np.array(((0.0, 0.0, 0.0), (0.9, 0.0, 0.0), (0.5, 0.0, 0.0)))
 SMALL = st.floats(-0.05, 0.05)
 THREE = st.tuples(SMALL, SMALL, SMALL)
@@ -114,7 +120,7 @@ def test_work_is_the_change_of_energy(name, moved, first, second):
     assert change["numerical_dissipation"] >= 0.0
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", sorted(set(CASES) - {"rail"}))
 @given(st.tuples(PORTS, PORTS), PORTS, st.tuples(PORTS, PORTS), THREE)
 @settings(max_examples=30)
 def test_wrenches_give_no_momentum(name, moved, turns, moments, about):
@@ -179,12 +185,12 @@ def along(name, component, t, h=0.0):
     return with_moments(component, u, moments)
 
 
-def instant_wrench(name, component, c, x, t):
-    """End-point wrench of the last port but a guide."""
+def instant_wrenches(name, component, c, x, t):
+    """End-point wrenches of all ports."""
     if "clock" in component.state_layout:
         x = x.copy()
         x[component.state_layout["clock"]] = t
-    return component.outputs(c, x, along(name, component, t))[6:12]
+    return component.outputs(c, x, along(name, component, t))[: 6 * len(component.ports)].reshape(-1, 6)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -197,6 +203,7 @@ def test_mean_and_slope_are_of_order_four_and_three(name):
     for h in (0.1, 0.05, 0.025):
         component, c = case(name, order=4.0)
         instant, d = case(name, "endpoint")
+        felt = min(len(component.ports), 2) - 1  # the last port but a guide
         x = component.initial(c, along(name, component, 0.0))
         now = instant.initial(d, along(name, instant, 0.0))
         errors = np.zeros(2)
@@ -206,11 +213,11 @@ def test_mean_and_slope_are_of_order_four_and_three(name):
             y = component.outputs(c, x, u)
             exact = np.zeros((2, 6))
             for node, weight in zip(NODES, WEIGHTS, strict=True):
-                wrench = instant_wrench(name, instant, d, now, (k + 0.5 + 0.5 * node) * h)
+                wrench = instant_wrenches(name, instant, d, now, (k + 0.5 + 0.5 * node) * h)[felt]
                 exact += 0.5 * weight * np.array((wrench, 3.0 * node * wrench))
             force, torque = slopes(component, y, len(component.ports))
-            slope = np.concatenate((force[1], torque[1]))
-            errors = np.maximum(errors, np.abs(np.array((y[6:12], slope)) - exact).max(1))
+            slope, mean = np.concatenate((force[felt], torque[felt])), y[6 * felt : 6 * felt + 6]
+            errors = np.maximum(errors, np.abs(np.array((mean, slope)) - exact).max(1))
         found.append(errors)
     means, parts = np.array(found).T
     assert np.all(means < 1e-9) or means[0] / means[2] > 2.0**7
