@@ -25,7 +25,7 @@ from .lines.straying import Overrun, bent, folded_back, is_released, overruns
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
-from .signal import EVENT_WIDTH, Peak, maxima_near
+from .signal import EVENT_WIDTH, Peak, highest_crest
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -335,8 +335,17 @@ def line_latch_torque(result: Result, line: HingeLine) -> Vector:
 
 def peak(result: Result, values: Vector) -> Peak:
     """Value of largest magnitude of a signal of the result, with its sign."""
-    low, high = extremes(result.time, values, jumps(result))
-    return high if abs(high.value) >= abs(low.value) else low
+    events, found = jumps(result), []
+    for sign in sides(values):
+        side = _highest(result.time, sign * values, events)
+        found.append(Peak(side.time, sign * side.value))
+    return max(found, key=lambda one: abs(one.value))
+
+
+def sides(values: Vector) -> tuple[float, ...]:
+    """Signs that the value of largest magnitude may have: no cubic makes half of the largest sample the larger one."""
+    half = 0.5 * float(np.max(np.abs(values)))
+    return tuple(sign for sign in (1.0, -1.0) if not np.max(sign * values) < half)  # NaN is on both
 
 
 def jumps(result: Result) -> list[float]:
@@ -355,15 +364,18 @@ def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
     """The highest of all samples and of the cubics through the samples around every high one."""
     k = int(np.argmax(values))
     best = Peak(float(time[k]), float(values[k]))
-    near = (peak for s, top in tops(time, values, events) for peak in maxima_near(time[s], values[s], top))
-    return max((best, *near), key=lambda found: found.value)
+    for stretch, among in tops(time, values, events):
+        best = highest_crest(time[stretch], values[stretch], among, best.value) or best
+    return best
 
 
-def tops(time: Vector, values: Vector, events: Sequence[float]) -> Iterator[tuple[slice, int]]:
-    """Samples near which a signal may be highest: a smooth stretch, and where in it."""
+def tops(time: Vector, values: Vector, events: Sequence[float]) -> Iterator[tuple[slice, NDArray[np.intp]]]:
+    """Samples near which a signal may be highest: a smooth stretch, and which of its samples they are."""
     threshold = float(np.max(values)) - _NEAR_PEAK * float(np.ptp(values))
     for segment in _smooth_segments(time, events):
-        yield from ((segment, top) for top in _local_maxima(values[segment], threshold))
+        found = _local_maxima(values[segment], threshold)
+        if found.size:
+            yield segment, found
 
 
 def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
@@ -376,11 +388,10 @@ def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
         start = max(start, int(np.searchsorted(time, event + EVENT_WIDTH, side="right")))
 
 
-def _local_maxima(values: Vector, threshold: float) -> list[int]:
+def _local_maxima(values: Vector, threshold: float) -> NDArray[np.intp]:
     """Indices of samples above the threshold that no neighbour exceeds."""
     padded = np.concatenate(([-np.inf], values, [-np.inf]))
-    tops = (values >= padded[:-2]) & (values > padded[2:]) & (values >= threshold)
-    return [int(k) for k in np.flatnonzero(tops)]
+    return np.flatnonzero((values >= padded[:-2]) & (values > padded[2:]) & (values >= threshold))
 
 
 def _vectors(result: Result, role: str, unit: str) -> dict[str, Vector]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from itertools import pairwise
-from math import copysign, prod, sqrt
-from typing import Any, Literal, NamedTuple
+from math import prod
+from typing import Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
@@ -18,6 +17,7 @@ from components.numerics.scheme import CREST_SURE
 from .parts import Event
 from .result import Result, ResultError, Vector
 
+T = TypeVar("T", float, Vector)
 Side = Literal["before", "after"]
 """Which of the values that an instant may have: those before or those after what happens there."""
 EVENT_WIDTH = 2e-7
@@ -172,18 +172,31 @@ def _between(time: Vector, events: Sequence[Event], asked: float, side: Side) ->
     return Place(right - 1, right, min(max(share, 0.0), 1.0))
 
 
-def maxima_near(time: Vector, values: Vector, top: int) -> Iterator[Peak]:
-    """The sample, and the maxima of the cubics on the two intervals beside it, each through four samples around it."""
-    yield Peak(float(time[top]), float(values[top]))
-    for left in (top - 1, top):
-        if 0 <= left < time.size - 1:
-            first = min(max(left - 1, 0), time.size - 4)
-            nodes = slice(first, first + 4)
-            ends = float(time[left]), float(time[left + 1])
-            for found in _cubic_maxima(time[nodes], values[nodes], *ends):
-                rise = found.value - float(values[top])
-                if rise > 0.0 and rise > CREST_SURE * _off(time, values, first, found.time):
-                    yield found
+def highest_crest(time: Vector, values: Vector, tops: NDArray[np.intp], above: float) -> Peak | None:
+    """The highest maximum above a value of the cubics on the two intervals beside each of some samples.
+
+    Each cubic goes through four samples around its interval. None where no crest rises above its sample by more than
+    its cubic may be off by.
+    """
+    own, left = np.concatenate([tops, tops]), np.concatenate([tops - 1, tops])
+    first = np.clip(left - 1, 0, time.size - 4)
+    rising = np.min(np.diff(time[first[:, None] + np.arange(4)], axis=1), axis=1) > 0.0
+    among = (left >= 0) & (left < time.size - 1) & rising
+    own, left, first = own[among], left[among], first[among]
+    nodes = first + np.arange(4)[:, None]
+    scale = time[first + 3] - time[first]
+    third, second, slope, value = _cubic(time[nodes], values[nodes], time[left], scale)
+    roots = _stationary(third, second, slope)
+    height = ((third * roots + second) * roots + slope) * roots + value
+    at, rise = time[left] + roots * scale, height - values[own]
+    found = (roots >= 0.0) & (roots * scale <= time[left + 1] - time[left]) & (rise > 0.0) & (height > above)
+    which, number = np.nonzero(found)
+    for k in np.argsort(-height[which, number], kind="stable"):
+        place = which[k], number[k]
+        when = float(at[place])
+        if rise[place] > CREST_SURE * _off(time, values, int(first[number[k]]), when):
+            return Peak(when, float(height[place]))
+    return None
 
 
 def _off(time: Vector, values: Vector, first: int, at: float) -> float:
@@ -200,30 +213,17 @@ def _off(time: Vector, values: Vector, first: int, at: float) -> float:
 
     def miss(k: int) -> float:
         x, sample = float(time[k] - at) / scale, float(values[k])
-        return abs(((third * x + second) * x + slope) * x + value - sample)
+        return float(abs(((third * x + second) * x + slope) * x + value - sample))
 
     beside = [k for k in (first - 1, first + 4) if 0 <= k < time.size]
     misses = (miss(k) / far for k in beside if (far := distances(float(time[k]))))
     return max(misses, default=np.inf) * distances(at)
 
 
-def _cubic_maxima(time: Vector, values: Vector, left: float, right: float) -> Iterator[Peak]:
-    """Stationary points within [left, right] of the cubic through four samples."""
-    samples = time.tolist()
-    if not all(before < after for before, after in pairwise(samples)):
-        return
-    scale = samples[3] - samples[0]
-    third, second, slope, value = _cubic(samples, values.tolist(), left, scale)
-    for root in _stationary(third, second, slope):
-        if 0.0 <= root * scale <= right - left:
-            height = ((third * root + second) * root + slope) * root + value
-            yield Peak(left + root * scale, height)
-
-
-def _cubic(time: Sequence[float], values: Sequence[float], origin: float, scale: float) -> tuple[float, ...]:
+def _cubic(time: Iterable[T], values: Iterable[T], origin: T, scale: T) -> tuple[T, T, T, T]:
     """Coefficients, of the third power first, of the cubic through four samples in x = (t - origin) / scale.
 
-    By divided differences (Newton's form), in plain floats: signals have thousands of such stretches.
+    By divided differences (Newton's form), of one cubic in floats or of many in arrays.
     """
     x0, x1, x2, x3 = ((t - origin) / scale for t in time)
     v0, v1, v2, v3 = values
@@ -238,12 +238,8 @@ def _cubic(time: Sequence[float], values: Sequence[float], origin: float, scale:
     )
 
 
-def _stationary(third: float, second: float, first: float) -> Iterator[float]:
-    """Where the slope of a cubic is zero, by its coefficients; without cancellation."""
-    square = second**2 - 3.0 * third * first
-    if square >= 0.0:
-        larger = -(second + copysign(sqrt(square), second))
-        if third:
-            yield larger / (3.0 * third)
-        if larger:
-            yield first / larger
+def _stationary(third: Vector, second: Vector, first: Vector) -> Vector:
+    """Where the slopes of cubics (n,) are zero, by coefficients without cancellation: (2, n), NaN where nowhere."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        larger = -(second + np.copysign(np.sqrt(second * second - 3.0 * third * first), second))
+        return np.stack([larger / (3.0 * third), first / larger])

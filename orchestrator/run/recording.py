@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..results.energy_ledger import rows_of_exchange
-from ..results.key_figures import headline, jumps, line_latch_torque, tops
+from ..results.key_figures import headline, jumps, line_latch_torque, sides, tops
 from ..results.lines.straying import overruns
 from ..results.point_loads import hinge_loads, port_loads
 from ..results.result import Result, Vector
@@ -119,9 +119,9 @@ def _rows_of_peaks(result: Result) -> set[int]:
     return {
         row
         for values in _peaked(result)
-        for signed in (values, -values)
-        if np.max(signed) >= 0.5 * np.max(np.abs(values))  # else no cubic makes this side the larger one
-        for segment, top in tops(result.time, signed, events)
+        for sign in sides(values)
+        for segment, found in tops(result.time, sign * values, events)
+        for top in found.tolist()
         for row in range(
             max(segment.start, segment.start + top - _AROUND),
             min(segment.stop, segment.start + top + _AROUND + 1),
