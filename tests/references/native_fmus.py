@@ -15,7 +15,7 @@ from orchestrator.cosim.implicit.convergence import Tolerance
 from orchestrator.cosim.implicit.differences import jacobian_by_differences
 from orchestrator.cosim.native.library import library
 from orchestrator.cosim.network import Network
-from orchestrator.cosim.settings import Settings
+from orchestrator.cosim.settings import Order, Settings
 from orchestrator.run.run import as_fmus
 from tests.references.coupled import completed, mastered
 
@@ -25,17 +25,17 @@ _TIGHT = Tolerance(1e-9, 1e-5, 1e-5)
 
 
 def native_errors(
-    name: str, until: float, parts: Sequence[Part], links: Sequence[Link], h: float
+    name: str, until: float, parts: Sequence[Part], links: Sequence[Link], h: float, order: Order = 2
 ) -> tuple[float, float]:
     """How far a connection's native FMU is off, at steps of size h; what is below 1e-3 counts as that.
 
     The largest difference of an observation over its largest value, in the same run as in process;
     and that of the derivatives it gives of the step after `until` from differences of such steps.
     """
-    settings = Settings(fixed_step=h)
+    settings = Settings(fixed_step=h, order=order)
     reference = completed(until, parts, links, settings=settings, iteration=_TIGHT)
     with as_fmus(SimpleNamespace(name="scene", parts=parts), "native") as participants:  # type: ignore[arg-type]
-        network = Network(participants, links)
+        network = Network(participants, links, order)
         run = mastered(network, settings)
         master = run.master
         master.solver.tolerance = _TIGHT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -125,6 +126,17 @@ def close(
 
     weights: of these bodies, for their displacements.
     """
+    return dict(_close(tuple(held), tuple(poses.items()), tuple(names), tuple(weights)))
+
+
+@lru_cache(maxsize=64)
+def _close(
+    held: tuple[Constraint, ...],
+    poses: tuple[tuple[str, StartPose], ...],
+    names: tuple[str, ...],
+    weights: tuple[Weight, ...],
+) -> Mapping[str, StartPose]:
+    """What `close` finds: one scene is asked several times, by its check, for its parts and for what they do."""
     found = dict(poses)
     for _ in range(_ROUNDS):
         open_by, slopes = jacobian(held, found, names)
