@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from ctypes import addressof
 from math import inf
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -43,8 +44,10 @@ _RULES = Rules(
     stretched=stepping.STRETCHED,
     shared=stepping.SHARED,
 )
-_MOST_STEPS = 16
-"""Steps after which a run is given back, to tell how far it is and to see whether it is interrupted."""
+_MOST_STEPS = 128
+"""Steps after which a run is given back at the latest."""
+_PATIENCE = 0.03
+"""Wall time (s) after which it is, to tell how far it is and to see whether it is interrupted."""
 
 
 class CompiledMaster(Master):
@@ -79,7 +82,7 @@ class CompiledMaster(Master):
                 steps=_address(self._steps),
                 energy_start=_address(self._start),
                 rows=self._block.data,
-                capacity=_MOST_STEPS,
+                capacity=1,
             )
 
     def _next_made(self, until: float) -> tuple[float, Solution] | None:
@@ -98,15 +101,23 @@ class CompiledMaster(Master):
         """Plain steps; why they ended, and the solution of the step at hand."""
         self._tell(until)
         crossings = self._tell_events()
+        begun = perf_counter()
         try:
             stop, solution = solver.follow(self._loop)
         finally:
+            self._pace(perf_counter() - begun)
             self._take(solver, [(crossing.before, crossing.rate) for crossing in crossings])
         if stop == Stop.PAUSED and self._loop.made:
             h = self.segments[-1][-1]
             self._keep_snapshot(h)
             self.settings.progress(self.time, h)
         return stop, solution
+
+    def _pace(self, elapsed: float) -> None:
+        """As many steps the next time as should take no longer than anybody waits."""
+        loop = self._loop
+        most = _PATIENCE * (loop.made + 1) / max(elapsed, 1e-9)
+        loop.capacity = int(min(max(most, 1.0), 2.0 * loop.capacity, _MOST_STEPS))
 
     def _tell(self, until: float) -> None:
         """Where the run stands, how far to go, and what chooses the steps."""

@@ -112,6 +112,17 @@ class Network:
             for c, ports in zip(self.connections, self.connection_ports, strict=True)
         ]
 
+    @classmethod
+    def ordered(
+        cls, participants: Sequence[Participant], links: Iterable[Link], order: Order | None
+    ) -> Network:
+        """Of an order; without one of 4, or of 2 where no connection could be of more: slopes of none cost steps."""
+        links = tuple(links)
+        network = cls(participants, links, order or 4)
+        if order is None and network.connections and len(network.coarse) == len(network.connections):
+            return cls(participants, links)
+        return network
+
     def _of_order_2(self) -> frozenset[str]:
         """Names of connections with a body that has no slopes."""
         return frozenset(

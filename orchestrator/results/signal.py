@@ -186,9 +186,10 @@ def highest_crest(time: Vector, values: Vector, tops: NDArray[np.intp], above: f
     nodes = first + np.arange(4)[:, None]
     scale = time[first + 3] - time[first]
     third, second, slope, value = _cubic(time[nodes], values[nodes], time[left], scale)
-    roots = _stationary(third, second, slope)
-    height = ((third * roots + second) * roots + slope) * roots + value
-    at, rise = time[left] + roots * scale, height - values[own]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        roots = _stationary(third, second, slope)
+        height = ((third * roots + second) * roots + slope) * roots + value
+        at, rise = time[left] + roots * scale, height - values[own]
     found = (roots >= 0.0) & (roots * scale <= time[left + 1] - time[left]) & (rise > 0.0) & (height > above)
     which, number = np.nonzero(found)
     for k in np.argsort(-height[which, number], kind="stable"):
@@ -239,7 +240,6 @@ def _cubic(time: Iterable[T], values: Iterable[T], origin: T, scale: T) -> tuple
 
 
 def _stationary(third: Vector, second: Vector, first: Vector) -> Vector:
-    """Where the slopes of cubics (n,) are zero, by coefficients without cancellation: (2, n), NaN where nowhere."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        larger = -(second + np.copysign(np.sqrt(second * second - 3.0 * third * first), second))
-        return np.stack([larger / (3.0 * third), first / larger])
+    """Where slopes of cubics (n,) are zero, by coefficients without cancellation, (2, n); not finite where nowhere."""
+    larger = -(second + np.copysign(np.sqrt(second * second - 3.0 * third * first), second))
+    return np.stack([larger / (3.0 * third), first / larger])

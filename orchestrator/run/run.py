@@ -275,8 +275,9 @@ def _run(
                     f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
                     "the explicit Gauss-Seidel master takes its place"
                 )
-            order = (settings.order or 4) if master == "implicit" else 2
-            network = Network(participants, assembly.links, order)
+            network = Network.ordered(
+                participants, assembly.links, settings.order if master == "implicit" else 2
+            )
         except ParticipantError as error:
             raise RunError(f"{assembly.name}: {error}") from None
         except NetworkError as error:

@@ -31,6 +31,7 @@ from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.linear_range import linear_range_sentences
 from .limits.open_joints import open_joint_sentences
+from .load_energy import with_energy_of_loads
 from .preload import lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
@@ -170,6 +171,7 @@ def simulate(
     settings, end = options.settings(assembly), options.until or assembly.until
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
     with own as load:
+        assembly = with_energy_of_loads(assembly, settings, end, options.master, progress, load)
         with followed(progress, assembly.name, end) as watch:
             asked = options.asked(scene, estimate)
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)

@@ -89,14 +89,15 @@ class AssembledScene(Component, registered=False):
     noun = "deployable structure"
     observes_inputs = False
 
-    def __init__(self, assembly: Assembly, settings: Settings, order: Order = 4) -> None:
+    def __init__(self, assembly: Assembly, settings: Settings, order: Order | None = None) -> None:
         for part in assembly.parts:
             if REGISTRY[part.kind].comes_from_outside():
                 raise ComponentError(
                     f"{part.name}: a {part.kind} comes from outside and has no native kernel"
                 )
         self._made = [(part, REGISTRY[part.kind](**part.structure)) for part in assembly.parts]
-        network = Network([InProcess(p.name, c, p.start) for p, c in self._made], assembly.links, order)
+        made = [InProcess(p.name, c, p.start) for p, c in self._made]
+        network = Network.ordered(made, assembly.links, order)
         self._names = [participant.name for participant in network.participants]
         by_name = {part.name: (part, component) for part, component in self._made}
         self._parts = [by_name[name] for name in self._names]
@@ -122,7 +123,7 @@ class AssembledScene(Component, registered=False):
                 [peak for peak, _ in peaks],
                 list(_flags(observed)),
             ),
-            **rest(assembly, settings, order),
+            **rest(assembly, settings, network.order),
         }
         self._declare(
             {},

@@ -146,6 +146,14 @@ def test_cubic_is_found_exactly_with_unequal_steps():
     assert low.value == 0.0
 
 
+@pytest.mark.filterwarnings("error")
+def test_lines_and_parabolas_are_cubics_too():
+    """Closed form, and a regression: NumPy spoke of invalid values."""
+    time = np.arange(8.0)
+    assert extremes(time, 5.0 * time - time**2)[1] == pytest.approx((2.5, 6.25), rel=1e-12)
+    assert extremes(time, 3.0 - 2.0 * np.abs(time - 4.0))[1] == (4.0, 3.0)
+
+
 @pytest.mark.parametrize("copies", [1, 2])
 def test_no_interpolant_crosses_an_event(copies):
     time = np.sort(np.concatenate([np.linspace(0.0, 2.0, 21), [1.0] * (copies - 1)]))
