@@ -13,8 +13,9 @@ from components.load import Load
 
 from ..assembly import Assembly
 from ..cosim.settings import Settings
+from .errors import InterruptedRunError, RunError
 from .progress import Progress, followed
-from .run import InterruptedRunError, Loader, MasterKind, RunError, run
+from .run import Loader, MasterKind, run
 
 _COARSE = 1e-2
 

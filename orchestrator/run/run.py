@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from functools import cache
@@ -230,12 +230,11 @@ def run(
     what a checkpoint tells of the run beside where it stands. start: the checkpoint to go on from.
     """
     asked_for = output, settings, until, master, watch, warn, load, asked, start
-    if start is None:
-        assembly = with_free_joints(assembly)
-    try:
-        return _run(assembly, *asked_for, insist=assembly.preload and start is None)
-    except _RestlessError:
-        return _run(in_equilibrium(assembly), *asked_for, insist=False)
+    assembly = with_free_joints(assembly)
+    if start is None or not start.settled:
+        with suppress(_RestlessError):
+            return _run(assembly, *asked_for, settled=False)
+    return _run(in_equilibrium(assembly), *asked_for, settled=True)
 
 
 def _run(
@@ -250,9 +249,9 @@ def _run(
     asked: Mapping[str, Any] | None,
     start: Checkpoint | None,
     *,
-    insist: bool,
+    settled: bool,
 ) -> Outcome:
-    """The same; insist: _RestlessError where the static search is not enough."""
+    """The same; _RestlessError where the static search is not enough and bodies are not settled before it."""
     end = assembly.until if until is None else until
     if output is not None:
         watch = FreeSpace(output, end, warn, watch)
@@ -288,7 +287,7 @@ def _run(
                 f"{assembly.name}: a run with FMUs that have signals ({names}) has no checkpoints, as their state "
                 "is not kept; leave checkpoint out"
             )
-        return _follow(assembly, network, output, settings, end, master, warn, asked or {}, start, insist)
+        return _follow(assembly, network, output, settings, end, master, warn, asked or {}, start, settled)
 
 
 def _follow(
@@ -301,9 +300,9 @@ def _follow(
     warn: Callable[[str], None],
     asked: Mapping[str, Any],
     resumed: Checkpoint | None,
-    insist: bool,
+    settled: bool,
 ) -> Outcome:
-    """Step a network through time into a result; insist: see `_run`."""
+    """Step a network through time into a result; settled: see `_run`."""
     participants: list[Participant] = [*network.bodies, *network.connections]
     groups = signal_groups(network)
     groups += [SignalGroup.of(fmu.name, Layout(recorded(fmu)), "FMU") for fmu in assembly.signal_fmus]
@@ -321,7 +320,7 @@ def _follow(
         def keep(snapshot: Snapshot) -> None:
             if isinstance(writer, ResultWriter):
                 spent = perf_counter() - start
-                Checkpoint(snapshot, writer.place(), asked, same, spent).write(writer.path)
+                Checkpoint(snapshot, writer.place(), asked, same, spent, settled).write(writer.path)
 
         try:
             if isinstance(runner, Master):
@@ -330,8 +329,8 @@ def _follow(
                 runner.resume(resumed.snapshot)
             else:
                 runner.initialize(preload=assembly.preload)
-            if insist and runner.statistics.restless:
-                raise _RestlessError
+                if assembly.preload and not settled and runner.statistics.restless:
+                    raise _RestlessError
             runner.run(end)
         except (ParticipantError, StepError) as error:
             raise _broken_off(f"{assembly.name}: {error}", writer) from None
