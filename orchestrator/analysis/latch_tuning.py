@@ -187,7 +187,10 @@ class Tuning:
         inboard, outboard = self.bodies
         if self.at_base:
             return f"tuned for {inboard} and {outboard} alone; the rest of the wing is not part of the pair"
-        return f"tuned for {inboard} and {outboard} alone, free in space; bodies further out are not part of the pair"
+        return (
+            f"tuned for {inboard} and {outboard} alone, turning about the hinge line between them, whose place is "
+            "held; the rest of the wing is not part of the pair"
+        )
 
     def as_dict(self) -> dict[str, object]:
         """For JSON."""

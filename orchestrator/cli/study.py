@@ -149,6 +149,7 @@ def _content(study: Study) -> dict[str, object]:
             name: dict(zip(("5%", "50%", "95%"), study.quantiles(name).tolist(), strict=True))
             for name in study.numbers
         },
+        "extremes": {name: _extremes(study, name) for name in study.numbers},
         "units": {name: study.units.get(name, "") for name in study.numbers},
         "influence": {
             name: _influence(moved) for name in study.numbers if (moved := study.influence(name)) is not None
@@ -156,6 +157,12 @@ def _content(study: Study) -> dict[str, object]:
         "not_latching": {line: share._asdict() for line, share in study.not_latching().items()},
         "output": str(study.path),
     }
+
+
+def _extremes(study: Study, name: str) -> dict[str, dict[str, float]]:
+    """Lowest and highest value of a number, and the samples that have them."""
+    pairs = zip(("lowest", "highest"), study.extremes(name), strict=True)
+    return {which: {"value": float(study.numbers[name][k]), "sample": k} for which, k in pairs}
 
 
 def _influence(moved: Influence) -> dict[str, object]:
@@ -217,13 +224,23 @@ def _table(study: Study) -> Table:
     runs = int(study.finished.sum())
     table = Table(title=f"{study.scene}: {runs} runs, {', '.join(study.parameters)}")
     table.add_column("number")
-    for heading in ("5 %", "median", "95 %"):
+    # designs of worst cases have no quantiles, but a worst case
+    headings = (
+        ("5 %", "median", "95 %") if study.plan.is_random else ("lowest", "sample", "highest", "sample")
+    )
+    for heading in headings:
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("unit")
     table.add_column("moved most by")
     for name in study.main_numbers:
         moved = study.influence(name)
         first = moved.ranked[0] if moved is not None and moved.changes else ""
-        values = (f"{value:.5g}" for value in study.quantiles(name))
-        table.add_row(name, *values, study.units[name], first)
+        table.add_row(name, *_spread(study, name), study.units[name], first)
     return table
+
+
+def _spread(study: Study, name: str) -> list[str]:
+    """Quantiles of a number, or its extremes and in which samples they are."""
+    if study.plan.is_random:
+        return [f"{value:.5g}" for value in study.quantiles(name)]
+    return [text for k in study.extremes(name) for text in (f"{study.numbers[name][k]:.5g}", f"{k}")]

@@ -42,7 +42,7 @@ def _drawings(study: Study) -> Iterator[Drawing]:
 
 
 def _distributions(study: Study) -> Figure | None:
-    """Histograms with the 5 %, 50 % and 95 % quantiles."""
+    """Histograms with the 5 %, 50 % and 95 % quantiles, or the extremes of designs that have none."""
     varied = {name: _known(study.numbers[name]) for name in study.main_numbers}
     shown = {name: values for name, values in varied.items() if values.size > 1}
     if not shown:
@@ -50,10 +50,15 @@ def _distributions(study: Study) -> Figure | None:
     figure, places = _grid("Headline numbers of all samples", len(shown))
     for (name, values), axes in zip(shown.items(), places, strict=False):
         axes.hist(values, bins=min(_BINS, max(5, int(np.sqrt(values.size)))), color=COLOURS[6])
-        for quantile, style in zip(study.quantiles(name, _PROBABILITIES), (":", "-", ":"), strict=True):
-            axes.axvline(quantile, color=COLOURS[0], linestyle=style)
-        low, middle, high = study.quantiles(name, _PROBABILITIES)
-        axes.set_title(f"{middle:.4g}  (5 %: {low:.4g}, 95 %: {high:.4g})", fontsize=7)
+        if study.plan.is_random:
+            low, middle, high = study.quantiles(name, _PROBABILITIES)
+            lines, title = (low, middle, high), f"{middle:.4g}  (5 %: {low:.4g}, 95 %: {high:.4g})"
+        else:
+            lines = tuple(study.numbers[name][k] for k in study.extremes(name))
+            title = "{:.4g} to {:.4g}".format(*lines)
+        for line, style in zip(lines, (":", "-", ":"), strict=False):
+            axes.axvline(line, color=COLOURS[0], linestyle=style)
+        axes.set_title(title, fontsize=7)
         axes.set(xlabel=_label(study, name), ylabel="samples", ymargin=0.05)
     return figure
 

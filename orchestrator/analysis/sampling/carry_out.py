@@ -120,8 +120,10 @@ def _settings(task: Task, plan: Plan, values: Sequence[float]) -> Settings:
 
 def asked_of(task: Task, plan: Plan) -> dict[str, Any]:
     """What a study is asked for, as JSON holds it."""
+    scene = task.scene.check()
     return {
-        **task.options.asked(task.scene.check(), task.estimate),
+        **task.options.asked(scene, task.estimate),
+        "tolerance": task.options.tolerance or scene.header.tolerance,
         "signals": list(task.signals),
         "points": task.points,
         "until": task.until,

@@ -12,13 +12,15 @@ from scipy.stats import sobol_indices
 from components.contract.component import Vector
 from components.contract.errors import unknown
 
-from ...results.round_off import noise_floor
+from ...results.round_off import NOISE
 from .distributions import StudyError
 from .study import Study
 
 _LOW, _HIGH = 0.05, 0.95
 _MOST_SHARE = 2.0
 """Of a variance that a parameter has in all: beyond it, noise or too few samples were divided up."""
+_TOLD = 0.1
+"""Part of the tolerance, of the largest number of a unit, from which on what runs tell of a number means something."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +45,7 @@ class Influence:
 
 
 def influence(study: Study, number: str) -> Influence | None:
-    """On a headline number; None where it does not change, is round-off beside its like, or too few samples have it.
+    """On a headline number; None where it does not change, is below what runs tell of its like, or few samples have it.
 
     One at a time: the differences themselves. Other methods: a linear regression on all parameters, from the 5 % to the
     95 % quantile of each. Indices of variance are those of Sobol' (first order and total, Saltelli et al. 2010).
@@ -79,11 +81,12 @@ def influence(study: Study, number: str) -> Influence | None:
 
 
 def _floor(study: Study, number: str) -> float:
-    """Up to where a number is round-off beside others of its unit in all samples."""
+    """Up to where a number says nothing, as runs tell it no better beside others of its unit in all samples."""
     alike = [
         values for name, values in study.numbers.items() if study.units.get(name) == study.units.get(number)
     ]
-    return noise_floor(float(np.abs(values).max(initial=0.0, where=np.isfinite(values))) for values in alike)
+    largest = max(float(np.abs(values).max(initial=0.0, where=np.isfinite(values))) for values in alike)
+    return max(NOISE, _TOLD * float(study.asked.get("tolerance", 0.0))) * largest
 
 
 def _pair(values: Vector) -> tuple[float, float]:

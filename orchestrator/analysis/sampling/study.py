@@ -115,6 +115,11 @@ class Study:
             raise StudyError(f"there is no number {number!r}; numbers are {', '.join(self.numbers)}")
         return np.quantile(values[np.isfinite(values)], probabilities)
 
+    def extremes(self, number: str) -> tuple[int, int]:
+        """The samples, counted from 0, with the lowest and the highest value of a headline number that some have."""
+        values = self.numbers[number]
+        return int(np.nanargmin(values)), int(np.nanargmax(values))
+
     @property
     def main_numbers(self) -> list[str]:
         """Numbers that a deployment is judged by first: of latches, and loads on the base in sum."""

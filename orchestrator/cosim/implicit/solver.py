@@ -168,7 +168,8 @@ class Solver(ABC):
             solution = again._replace(iterations=solution.iterations + again.iterations)
         if self.persistent and not solution.converged:
             again = self._attempt(self._damped, time, h, guess)
-            solution = again._replace(iterations=solution.iterations + again.iterations)
+            refusal = None if again.converged else again.failure or solution.failure
+            solution = again._replace(iterations=solution.iterations + again.iterations, failure=refusal)
         return solution
 
     def _attempt(

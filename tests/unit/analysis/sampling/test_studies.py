@@ -200,6 +200,31 @@ def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
     assert all(share.among == 4 for share in study.not_latching().values())
 
 
+def test_worst_cases_are_told_with_their_samples(tmp_path):
+    """Definition. Regression: designs had quantiles of a handful of points, below their worst case."""
+    drawn = [word for key, text in VARY.items() for word in ("--vary", f"{key}={text}")]
+    file = tmp_path / "corners.h5"
+    command = [
+        "study",
+        str(WING),
+        "--rigid",
+        "all",
+        "--until",
+        "0.2",
+        "--tolerance",
+        "1e-2",
+        "--method",
+        "corners",
+    ]
+    told = CliRunner().invoke(main, [*command, *drawn, "--output", str(file)], catch_exceptions=False)
+    assert "highest" in told.output
+    assert "median" not in told.output
+    values = fanfold.Study.open(file).numbers["interface force peak z"]
+    again = CliRunner().invoke(main, ["study", str(file), "--json"], catch_exceptions=False)
+    found = json.loads(again.stdout)["extremes"]["interface force peak z"]["highest"]
+    assert found == {"value": values.max(), "sample": int(values.argmax())}
+
+
 def test_what_every_run_is_given_is_not_varied():
     """Message. Regression: the option won in all samples, and the table listed what was drawn."""
     with pytest.raises(
