@@ -9,6 +9,7 @@ from math import degrees
 import numpy as np
 
 from components.contract.frames import norm, normalized, rotation_between
+from components.rail import Rail
 
 from ..assembly import Assembly, Part
 from ..assembly.start_values import led_to
@@ -25,6 +26,8 @@ _STARTED = {
 _INSTANT = 1e-5
 _MOVED = 0.05
 """rad, by which equilibrium may turn a body before that is told: cables give way by a degree."""
+_SLID = 5e-3
+"""m along a rail, by which the search may move what it guides before that is told: ropes lean a little."""
 _LOST = 0.1
 """Of a preload, by which equilibrium may change it before that is told: stacks give way a little."""
 
@@ -73,6 +76,26 @@ def moved_starts(assembly: Assembly, result: Result) -> Iterator[str]:
         yield (
             f"{name} starts {degrees(turns[name]):.3g} deg from where it is placed, in static equilibrium, as "
             "preload lets loads take joints there; start without preload where it is to begin as placed"
+        )
+    rails = [part for part in assembly.parts if assembly.preload and part.kind == Rail.kind]
+    trolleys = {link.connection[0]: link.body[0] for link in assembly.links}
+    for trolley, rail in {trolleys[rail.name]: rail for rail in rails}.items():
+        yield from _slid_start(assembly, trolley, rail, result)
+
+
+def _slid_start(assembly: Assembly, name: str, rail: Part, result: Result) -> Iterator[str]:
+    """A sentence where the search has let a trolley slide, as friction of rails goes to nothing at rest."""
+    (body,) = (part for part in assembly.parts if part.name == name)
+    parameter = "initial_position"
+    if parameter not in body.start or not result.has(name, _STARTED[parameter]):
+        return
+    normal = np.array(rail.structure["normal"], dtype=float)
+    shift = result.signal(name, _STARTED[parameter])[0] - np.ravel(body.start[parameter])
+    along = float(np.linalg.norm(shift - (shift @ normal) / (normal @ normal) * normal))
+    if along > _SLID:
+        yield (
+            f"{name} starts {1e3 * along:.3g} mm along {rail.name} from where it is placed: what pulls it there is not "
+            "held, as friction of a rail goes to nothing at rest; start without preload, or hold it by a spring"
         )
 
 

@@ -29,6 +29,7 @@ from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
 from .idle_events import idle_events
 from .limits.compression import compressed_sentences
+from .limits.creep import creeping_sentences
 from .limits.linear_range import linear_range_sentences
 from .limits.open_joints import open_joint_sentences
 from .load_energy import with_energy_of_loads
@@ -210,6 +211,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     yield from open_joint_sentences(scene, assembly, outcome.result)
     yield from linear_range_sentences(scene, assembly, outcome.result)
     yield from compressed_sentences(scene, assembly, outcome.result)
+    yield from creeping_sentences(assembly, outcome.result)
     yield from turned_over(outcome.result)
 
 

@@ -1,0 +1,48 @@
+"""What runs tell of trolleys on rails: friction that is smooth at rest holds nothing."""
+
+import numpy as np
+import pytest
+
+import orchestrator as fanfold
+
+MASS, SLOPE, TRANSITION = 2.0, np.radians(30.0), 0.02
+PULL = MASS * 9.81 * np.sin(SLOPE)
+
+
+def incline(friction, **header):
+    """A block on an inclined rail."""
+    scene = fanfold.Scene("incline", gravity=(0, 0, -9.81), **header)
+    scene.base(points={"o": (0, 0, 0)})
+    rigid = {"mass": MASS, "inertia": (0.01,) * 3, "points": {"c": (0.0, 0.0, 0.0)}}
+    scene.body("block", rigid=rigid, place={"body": "base", "point": "o"})
+    scene.connection(
+        "rail", "rail", ports={"trolley": {"body": "block", "point": "c"}},
+        structure={"normal": (np.sin(SLOPE), 0.0, np.cos(SLOPE))},
+        parameters={"friction_force": friction, "stiction_velocity": TRANSITION, "normal_damping": 2e3},
+    )  # fmt: skip
+    return scene
+
+
+def test_a_trolley_that_creeps_is_told():
+    """Closed form: r (3 - r^2) / 2 of full friction is the pull, at r of the speed of full friction."""
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"rail: its trolley creeps at 12.5 mm/s at the end"
+    ) as told:
+        found = fanfold.simulate(incline(12.0, until="2 s"), estimate=False)
+    r = found["rail", "sliding_speed"][-1] / TRANSITION
+    assert 0.5 * r * (3.0 - r * r) == pytest.approx(PULL / 12.0, rel=1e-4)
+    assert any("stiction_velocity (20 mm/s)" in str(one.message) for one in told)
+
+
+def test_a_trolley_that_slides_is_not_told(recwarn):
+    """Its friction is full."""
+    fanfold.simulate(incline(6.0, until="0.5 s"), estimate=False)
+    assert not [one for one in recwarn if "creeps" in str(one.message)]
+
+
+def test_a_start_that_slid_is_told():
+    """Regression: with preload the search let it slide by 190 mm, and nothing was told."""
+    with pytest.warns(
+        fanfold.FanfoldWarning, match=r"block starts 1\d\d mm along rail from where it is placed"
+    ):
+        fanfold.simulate(incline(6.0, until="0.1 s", preload=True), estimate=False)
