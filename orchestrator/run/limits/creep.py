@@ -34,8 +34,8 @@ def creeping_sentences(assembly: Assembly, result: Result) -> Iterator[str]:
         if _FELT * full < speed.min() and speed.max() < min(full, (1.0 + _STEADY) * speed.min()):
             yield (
                 f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, where friction would hold "
-                f"it: below stiction_velocity ({1e3 * full:g} mm/s) that of a rail is less than its full force; a smaller "
-                "one creeps less"
+                f"it: below stiction_velocity ({1e3 * full:g} mm/s) that of a rail is less than its full force; a "
+                "smaller one creeps less"
             )
 
 
