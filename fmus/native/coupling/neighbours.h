@@ -13,15 +13,17 @@
 /* Correction over the largest difference from the leader that is small, and residual beyond rounding, which recorded
    loads of stiff joints are off by; correction over the largest wrench, what may be rounding
    of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
-   sweeps at the most, and those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay. */
+   sweeps at the most, and those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay;
+   part of a correction that is taken at the least. */
 #define NEIGHBOUR_SMALL 3e-6
 #define NEIGHBOUR_LEFT 1e-5
 #define NEIGHBOUR_ROUNDING 1e-8
 #define NEIGHBOUR_RATIO 0.7
 #define NEIGHBOUR_FADES 0.98
-#define NEIGHBOUR_SWEEPS 40
+#define NEIGHBOUR_SWEEPS 100
 #define NEIGHBOUR_REFRESHED 5
 #define NEIGHBOUR_SLUGGISH 1
+#define NEIGHBOUR_LEAST_SHARE 0.1
 
 /* A step that the leader has solved: factors, and the wrenches it came to, from which guess, with which residual. */
 typedef struct {
@@ -31,12 +33,13 @@ typedef struct {
 
 /* See Loop; time, h (s): of the neighbour, whose events come earlier or later than the leader's; of forces and
    torques: last: largest of the last correction, rounding: of those that further sweeps made no smaller, left: largest
-   residual beyond rounding; iterates: whether it goes on; astray: whether it did not get there. */
+   residual beyond rounding, share: part of a correction that is taken, as those that friction throws to and fro between
+   both sides of a kink get no smaller as wholes; iterates: whether it goes on; astray: whether it did not get there. */
 typedef struct {
     Network *network;
     const double *energy_start;
     RowBlock rows;
-    double time, h, last[2], rounding[2], left[2];
+    double time, h, last[2], rounding[2], left[2], share;
     size_t iterates, astray;
 } Neighbour;
 
@@ -92,11 +95,13 @@ static void take_correction(Neighbour *b, const Led *led, const double *column, 
     const int forces = is_done(b, &s, 0), torques = is_done(b, &s, 1);
     b->astray = !(forces && torques) && n->iteration >= NEIGHBOUR_SWEEPS;
     b->iterates = !(forces && torques) && !b->astray;
+    if (n->iteration > 2 * NEIGHBOUR_REFRESHED && fmax(s.change[0] / b->last[0], s.change[1] / b->last[1]) > NEIGHBOUR_RATIO)
+        b->share = fmax(0.5 * b->share, NEIGHBOUR_LEAST_SHARE);
     for (size_t kind = 0; kind < 2; kind++) {
         b->last[kind] = s.change[kind];
         if (!b->iterates) b->rounding[kind] *= NEIGHBOUR_FADES;
     }
-    for (size_t i = 0; b->iterates && i < n->size; i++) n->wrenches[i] += column[i * columns];
+    for (size_t i = 0; b->iterates && i < n->size; i++) n->wrenches[i] += b->share * column[i * columns];
 }
 
 /* Start a step h of a neighbour from its own guess, and what the leader's step made of the leader's. */
@@ -105,6 +110,7 @@ static void start_beside(Neighbour *b, const Led *led, double h) {
     for (size_t i = 0; i < n->size; i++) n->wrenches[i] += led->wrenches[i] - led->guess[i];
     b->h = h;
     b->last[0] = b->last[1] = INFINITY;
+    b->share = 1.0;
     b->iterates = 1;
     b->astray = 0;
     n->iteration = 0;

@@ -230,8 +230,10 @@ class NativeSolver(Solver):
         address, solution = addressof(loop), Solution(True, 0, 0.0, 0)
         try:
             stop = Stop(self._library.coupling_follow(address))
-            while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION):
-                self._provide((self.mode, loop.h), loop.time, again=stop == Stop.NEEDS_EVALUATION)
+            while stop in (Stop.NEEDS_MATRICES, Stop.NEEDS_EVALUATION) or (
+                stop == Stop.FAILED and self._tries_again(loop)
+            ):
+                self._provide((self.mode, loop.h), loop.time, again=stop != Stop.NEEDS_MATRICES)
                 stop = Stop(self._library.coupling_follow(address))
             solution = self._solution(loop.status, loop.time, loop.h)
         except ParticipantError as error:
@@ -242,6 +244,10 @@ class NativeSolver(Solver):
         if stop == Stop.FAILED:
             self._refuse(loop)
         return stop, solution
+
+    def _tries_again(self, loop: LoopData) -> bool:
+        """Whether the step of a loop that failed is made once more, with matrices evaluated anew."""
+        return False
 
     def _refuse(self, loop: LoopData) -> None:
         """ParticipantError for a loop that failed."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from ctypes import addressof
 from dataclasses import dataclass
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -40,12 +41,20 @@ class LeadingSolver(NativeSolver):
     def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of NativeSolver
         super().__init__(*arguments)
         self.neighbours: Beside | None = None
+        self._tried = -inf
 
     def at_hand(self, time: float, h: float, solution: Solution) -> Solved:
         """The step just solved from a time, until the next one is solved."""
         arrays = self.predicted(time, h).copy(), self.wrenches.copy(), self._response - self.wrenches
         led = Led(self.address, *(array.ctypes.data for array in arrays))
         return Solved(h, solution, led, arrays)
+
+    def _tries_again(self, loop: LoopData) -> bool:
+        """Where a neighbour does not converge, as the matrices are from the other side of a kink of friction."""
+        if self.neighbours is None or not self.neighbours.is_astray or self._tried == loop.time:
+            return False
+        self._tried, loop.ready_step = loop.time, nan
+        return True
 
     def _refuse(self, loop: LoopData) -> None:
         if self.neighbours is not None:
@@ -87,6 +96,12 @@ class Beside:
         for data, solver in zip(self.each, solvers, strict=True):
             data.network = solver.address
         self.address = addressof(self._data)
+
+    @property
+    def is_astray(self) -> bool:
+        """Whether it was that one does not converge which ended the last step."""
+        at = self._data.at
+        return at < len(self._solvers) and bool(self.each[at].astray)
 
     def refuse(self, time: float) -> None:
         """AstrayError with the words of the one that failed, if one did."""
