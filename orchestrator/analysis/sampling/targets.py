@@ -15,7 +15,7 @@ from components.contract.component import Vector
 from components.contract.errors import unknown
 
 from ...cosim.rows import recorded_layout
-from ...scene.units import UNITS, to_si
+from ...scene.units import QUANTITY, UNITS, to_si
 from .distributions import StudyError
 from .sample import Sample, Task
 
@@ -43,12 +43,14 @@ class Target:
 
     def value(self, unit: str) -> float:
         """What is wanted, in the unit that the number is told in; StudyError where that cannot be."""
-        number, _, given = str(self.wanted).strip().partition(" ")
-        if given.strip() in ("", unit):
+        text = str(self.wanted).strip()
+        parts = QUANTITY.fullmatch(text)
+        number, given = (parts[1], parts[2]) if parts else (text, "")
+        if given in ("", unit):
             found = _number(number, f"target {self.number}")
         elif unit in UNITS:
             try:
-                found = to_si(self.wanted, unit)
+                found = to_si(f"{number} {given}", unit)
             except ValueError as error:
                 raise StudyError(f"target {self.number}: {error}") from None
         else:

@@ -173,23 +173,18 @@ def test_a_finished_study_is_shown_again(here, tmp_path):
     same(fanfold.resume_study(tmp_path / "whole.h5"), here)
 
 
+def studied(file, method, *options):
+    """What the command tells of a short study of the wing."""
+    drawn = [word for key, text in VARY.items() for word in ("--vary", f"{key}={text}")]
+    quick = ["--rigid", "all", "--until", "0.2", "--tolerance", "1e-2"]
+    command = ["study", str(WING), *quick, "--method", method, *options, *drawn, "--output", str(file)]
+    return CliRunner().invoke(main, command, catch_exceptions=False)
+
+
 def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
     """Output; bounds are of the 2 N samples that repeat no value of others. Regression: 4 N counted."""
     file = tmp_path / "s.h5"
-    command = [
-        "study",
-        str(WING),
-        "--rigid",
-        "all",
-        "--until",
-        "0.2",
-        "--tolerance",
-        "1e-2",
-        "--method",
-        "sobol-indices",
-    ]
-    drawn = ["--runs", "2", *(word for key, text in VARY.items() for word in ("--vary", f"{key}={text}"))]
-    told = CliRunner().invoke(main, [*command, *drawn, "--output", str(file)], catch_exceptions=False)
+    told = studied(file, "sobol-indices", "--runs", "2")
     assert told.exit_code == 0
     assert "share of the variance that a parameter explains" in " ".join(told.output.split())
     again = CliRunner().invoke(main, ["study", str(file), "--json"], catch_exceptions=False)
@@ -202,21 +197,8 @@ def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
 
 def test_worst_cases_are_told_with_their_samples(tmp_path):
     """Definition. Regression: designs had quantiles of a handful of points, below their worst case."""
-    drawn = [word for key, text in VARY.items() for word in ("--vary", f"{key}={text}")]
     file = tmp_path / "corners.h5"
-    command = [
-        "study",
-        str(WING),
-        "--rigid",
-        "all",
-        "--until",
-        "0.2",
-        "--tolerance",
-        "1e-2",
-        "--method",
-        "corners",
-    ]
-    told = CliRunner().invoke(main, [*command, *drawn, "--output", str(file)], catch_exceptions=False)
+    told = studied(file, "corners")
     assert "highest" in told.output
     assert "median" not in told.output
     values = fanfold.Study.open(file).numbers["interface force peak z"]

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 import orchestrator as fanfold
 from orchestrator.analysis.sampling import tuning
 from orchestrator.analysis.sampling.gradients import gradients
+from orchestrator.analysis.sampling.targets import Target
 from orchestrator.cli.main import main
 from tests.unit.analysis.sampling.flap import ANGLE, ENDS, INERTIA, MOTOR, flap
 
@@ -95,6 +96,12 @@ def test_the_data_sheet_of_amos3_from_its_latch_times():
     )  # fmt: skip
     assert list(found.values.values()) == pytest.approx(list(keys.values()), rel=1e-3)
     assert found.runs < 30
+
+
+@pytest.mark.parametrize("wanted", ["60N.m", "60 N.m", "60000N.mm", 60.0])
+def test_a_unit_may_follow_a_target_at_once(wanted):
+    """As in other options. Regression: "60N.m" was no finite number."""
+    assert Target("latch torque peak line", wanted).value("N.m") == pytest.approx(60.0)
 
 
 def test_what_targets_do_not_tell_is_named():
