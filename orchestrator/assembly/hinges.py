@@ -21,6 +21,8 @@ from .effective_inertia import effective_inertia
 
 _NEGLIGIBLE = 1e-3
 """Share of a line's compliance below which the bodies are taken to hold all of it."""
+_FAR_OFF = 3.0
+"""Times what a measured curve of hinges has at the most, or below it at the least, that is told."""
 
 
 class LatchSetting(NamedTuple):
@@ -98,6 +100,25 @@ def unfollowed_curves(scene: CheckedScene, flexible: Collection[str]) -> Iterato
                 f"hinge_line.{line.name}.latch.measured: it is the torque of hinges beside which all compliance is "
                 f"modelled, and is not followed here, as {line.inboard} or {line.outboard} is rigid, or its kind says "
                 f"otherwise; {place} instead"
+            )
+
+
+def contradicted_curves(scene: CheckedScene) -> Iterator[str]:
+    """Sentences on measured latches far from what the stiffnesses leave for the hinges, by which they are damped."""
+    for line in scene.hinge_lines:
+        latch = line.latch
+        if latch is None or latch.measured is None:
+            continue
+        sides = [side for side in (latch.inboard_stiffness, latch.outboard_stiffness) if side is not None]
+        missing = 1.0 / latch.stiffness - sum(1.0 / side for side in sides)
+        slopes = np.diff(latch.measured.torque) / np.diff(latch.measured.deflection)
+        if missing * latch.stiffness < _NEGLIGIBLE:
+            continue
+        if not slopes.min() / _FAR_OFF < 1.0 / missing < _FAR_OFF * slopes.max():
+            yield (
+                f"hinge_line.{line.name}.latch: its stiffnesses leave {1.0 / missing:.4g} N.m/rad for the hinges, by "
+                f"which they are damped, and the measured curve has {slopes.min():.4g} to {slopes.max():.4g}; both "
+                "should be of the same hinges"
             )
 
 

@@ -19,7 +19,7 @@ from ..scene.loops.closing import closed, left_open, start_poses
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 from . import Assembly
-from .hinges import unfollowed_curves
+from .hinges import contradicted_curves, unfollowed_curves
 from .signal_doubts import signal_sentences
 from .start_doubts import start_doubts
 
@@ -70,6 +70,7 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_beyond_tables(scene),
         *_through_one_another(scene),
         *_stopped_before_latch(scene),
+        *contradicted_curves(scene),
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
         *_turned_to_close(scene),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.hinges import line_latch, unfollowed_curves
+from orchestrator.assembly.hinges import contradicted_curves, line_latch, unfollowed_curves
 from orchestrator.scene.builder import Scene
 from orchestrator.scene.table import SceneError
 from tests.references.edits import edited
@@ -88,6 +88,16 @@ def test_a_measured_latch_that_is_not_followed_is_told():
     assert "hinge_line.HL2.latch.measured" in sentence
     assert "a spring of 2217 N.m/rad does instead" in sentence
     assert not list(unfollowed_curves(scene, {body.name for body in scene.bodies}))
+
+
+def test_a_measured_latch_beside_other_stiffnesses_is_told():
+    """Springs in series: 2,217 N.m/rad with sides of 3,000 and 9,000 leave 150 kN.m/rad, measured are 2,939."""
+    scene = Scene.load("bepicolombo")
+    assert not list(contradicted_curves(scene.check()))
+    sides = {"inboard_stiffness": "3000 N.m/rad", "outboard_stiffness": "9000 N.m/rad"}
+    keys = {f"hinge_line.HL2.latch.{side}": stiffness for side, stiffness in sides.items()}
+    (sentence,) = contradicted_curves(scene.with_settings(keys).check())
+    assert sentence.startswith("hinge_line.HL2.latch: its stiffnesses leave 1.496e+05 N.m/rad")
 
 
 def test_hinges_share_the_totals_of_their_line():
