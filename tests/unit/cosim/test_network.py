@@ -13,6 +13,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.network import Network, NetworkError
 from orchestrator.cosim.participant import in_process
 from orchestrator.scene import load_scene
+from orchestrator.scene.builder import Scene
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ASSEMBLY = assemble(load_scene(SCENES / "two_panels.toml"))
@@ -218,3 +219,20 @@ def test_row_of_the_unknown_has_a_name():
     network = Network(in_process(ASSEMBLY.parts), ASSEMBLY.links)
     row = 6 * network.port_names.index(("outer", "middle_right")) + 4
     assert network.port_of_row(row) == "middle_right.outboard on outer.middle_right"
+
+
+@pytest.mark.parametrize(("fidelity", "order"), [("large_deformation", 2), ("flexible", 4)])
+def test_slopes_that_no_joint_takes_are_not_carried(fidelity, order):
+    """Definition. Regression: a beam of large deformation alone took five times the steps of order 2."""
+    scene = Scene("strip", until="1 s")
+    scene.base(points={"o": (0, 0, 0)})
+    section = {"width": "20 mm", "height": "2 mm", "youngs_modulus": "70 GPa", "density": "2700 kg/m3"}
+    beam = {"length": "1 m", "elements": 4, "rectangle": section | {"poisson_ratio": 0.3}}
+    beam |= {"attachment_points": {"root": 0, "tip": "1 m"}}
+    place = {"body": "base", "point": "o"}
+    scene.body("strip", place=place, fidelity=fidelity, damping_ratio=0.01, beam=beam)
+    ports = {"inboard": {"body": "base", "point": "o"}, "outboard": {"body": "strip", "point": "root"}}
+    scene.connection("clamp", "hinge", ports=ports, preset="fixed")
+    strip = assemble(scene.check())
+    assert Network.ordered(in_process(strip.parts), strip.links, None).order == order
+    assert Network.ordered(in_process(strip.parts), strip.links, 4).order == 4
