@@ -11,10 +11,10 @@
 #include "system.h"
 
 /* Correction over the largest difference from the leader that is small, and residual beyond rounding, which recorded
-   loads of stiff joints are off by; correction over the largest wrench, what may be rounding
-   of stiff joints, if a sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later;
-   sweeps at the most, and those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay;
-   part of a correction that is taken at the least. */
+   loads of stiff joints are off by; correction over the largest wrench, what may be rounding of stiff joints, if a
+   sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later; sweeps at the most, and
+   those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay; part of
+   a correction that is taken at the least. */
 #define NEIGHBOUR_SMALL 3e-6
 #define NEIGHBOUR_LEFT 1e-5
 #define NEIGHBOUR_ROUNDING 1e-8
@@ -95,7 +95,8 @@ static void take_correction(Neighbour *b, const Led *led, const double *column, 
     const int forces = is_done(b, &s, 0), torques = is_done(b, &s, 1);
     b->astray = !(forces && torques) && n->iteration >= NEIGHBOUR_SWEEPS;
     b->iterates = !(forces && torques) && !b->astray;
-    if (n->iteration > 2 * NEIGHBOUR_REFRESHED && fmax(s.change[0] / b->last[0], s.change[1] / b->last[1]) > NEIGHBOUR_RATIO)
+    const double ratio = fmax(s.change[0] / b->last[0], s.change[1] / b->last[1]);
+    if (n->iteration > 2 * NEIGHBOUR_REFRESHED && ratio > NEIGHBOUR_RATIO) /* factors have been made anew by then */
         b->share = fmax(0.5 * b->share, NEIGHBOUR_LEAST_SHARE);
     for (size_t kind = 0; kind < 2; kind++) {
         b->last[kind] = s.change[kind];
