@@ -54,8 +54,8 @@ from .hinge_parts.variables import (
 from .numerics.laws import Linear, Table
 from .numerics.mid_step import MidStep, MidStepSlope
 from .numerics.relative_motion import axis_frame, pair, relative_pose, relative_rates
-from .numerics.stiff_coordinate import Memory, StepMotion, remembered
-from .numerics.workless_pair import remembered_path
+from .numerics.stiff_coordinate import Memory
+from .numerics.workless_pair import memories_after
 
 LatchKind = Literal["none", "spring", "table", "kinematic"]
 _LATCH_KINDS = ("none", "spring", "table", "kinematic")
@@ -218,7 +218,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             wrench, slopes = passage.wrenches(
                 loads.force, loads.torque, loads.force_slope, loads.torque_slope
             )
-        memories = self._memories(c, motions, moved.rates, is_impulse)
+        memories = memories_after(motions, moved.rates, is_paired=c.paired, is_impulse=is_impulse)
         slide = old.slide.after(memories[3].mean_rate, h)
         return moved.heated(loads.heat)._replace(
             memories=memories,
@@ -253,17 +253,6 @@ class Hinge(Connection[Parameters, State, Commands]):
             loads=NO_LOADS,
             sliding=MidStepSlope.starting(moved.rate),
         )
-
-    @staticmethod
-    def _memories(
-        c: Constants, motions: list[StepMotion], rates: tuple[float, ...], is_impulse: bool
-    ) -> tuple[Memory, ...]:
-        """What the six coordinates remember of a step; after an impulse only the rates of its end are known."""
-        if is_impulse:
-            return tuple(Memory(rate, rate) for rate in rates)
-        if c.paired:
-            return tuple(remembered_path(m) for m in motions)
-        return tuple(remembered(m, rate) for m, rate in zip(motions, rates, strict=True))
 
     @staticmethod
     def _loads(

@@ -27,8 +27,8 @@ from .contract.roles import (
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import Passage, pair, unit_direction
 from .numerics.scheme import INSTANT, NEVER
-from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
-from .numerics.workless_pair import remembered_path, workless_spring
+from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion
+from .numerics.workless_pair import memories_after, stiff_load
 
 _NOWHERE = (0.0, 0.0, 0.0)
 _REACHED = 1e-9  # distance (s) from the release time that sums of step sizes, or a solver's search, may leave
@@ -216,18 +216,14 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         moved = moved._replace(
             heat=s.heat + sum(load.heat for load in loads),
             numerical=s.numerical + sum(load.numerical for load in loads),
+            memories=memories_after(motions, now.rate, is_paired=is_paired, is_impulse=is_impulse),
         )
         if is_paired:
             dx, dy, dz = (load.slope for load in loads)
             wrench, slopes = passage.wrenches((x, y, z), _NOWHERE, (dx, dy, dz), _NOWHERE)
-            memories = tuple(remembered_path(m) for m in motions)
             lasting = tuple(old.after(load.force, h) for old, load in zip(s.loads, loads, strict=True))
-            return moved._replace(wrench=wrench, slopes=slopes, memories=memories, loads=lasting)
-        moved = moved._replace(wrench=passage.wrench((x, y, z), _NOWHERE))
-        if is_impulse:
-            return moved
-        memories = tuple(remembered(m, rate) for m, rate in zip(motions, now.rate, strict=True))
-        return moved._replace(memories=memories)
+            return moved._replace(wrench=wrench, slopes=slopes, loads=lasting)
+        return moved._replace(wrench=passage.wrench((x, y, z), _NOWHERE))
 
     def _motion(self, memory: Memory, before: float, after: float, moment: float, h: float) -> StepMotion:
         """Motion of a displacement."""
@@ -239,9 +235,7 @@ class HoldDown(Connection[_Parameters, _State, _Commands]):
         """Load along an axis over a step."""
         stiffness, damping = c.p.translational_stiffness[i], c.p.translational_damping[i]
         moved = motion._replace(start=motion.start - c.free[i], end=motion.end - c.free[i])
-        if is_paired:
-            return workless_spring(stiffness, damping, moved)
-        return bushing_load(stiffness, damping, moved, c.p.end_weight)
+        return stiff_load(stiffness, damping, moved, c.p.end_weight, is_paired=is_paired)
 
     def own(self, c: _Constants, s: _State) -> Sequence[float]:
         """Time to the release; an instant where a time set in mid-run is over."""

@@ -42,8 +42,8 @@ from .numerics.relative_motion import (
     relative_pose,
     relative_rates,
 )
-from .numerics.stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
-from .numerics.workless_pair import gauss_rates, remembered_path, viscous_load, workless_spring
+from .numerics.stiff_coordinate import Memory, StepMotion
+from .numerics.workless_pair import gauss_rates, memories_after, stiff_load, viscous_load
 
 Four = tuple[float, float, float, float]
 Two = tuple[float, float]
@@ -218,13 +218,16 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         if is_paired:
             bent, moments = _moments(now, u.moments[0], (swing_y, swing_z))
         motions = self._motions(s, now, moments, h)
-        loads = [self._load(c, i, motion, is_paired) for i, motion in enumerate(motions)]
+        loads = [
+            stiff_load(k, d, motion, c.p.end_weight, is_paired=is_paired)
+            for k, d, motion in zip(c.p.stiffness, c.p.damping, motions, strict=True)
+        ]
         slid_y, slid_z = (a - b for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))
         friction = _friction(c.p, (slid_y, slid_z), bent, h)
         moved = s._replace(
             offset=now.pose.offset,
             turn=now.stiff[1:],
-            memories=self._memories(motions, now.rates, is_paired, is_impulse),
+            memories=memories_after(motions, now.rates, is_paired=is_paired, is_impulse=is_impulse),
             friction_heat=s.friction_heat + friction.heat,
             damping_heat=s.damping_heat + sum(load.heat for load in loads),
             numerical=s.numerical + sum(load.numerical for load in loads),
@@ -247,25 +250,6 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         ends = zip(s.stiff, now.stiff, s.memories, moments, strict=True)
         motions = [StepMotion(start, end, h, memory, moment) for start, end, memory, moment in ends]
         return [motion.without_inertia() for motion in motions] if self.endpoint else motions
-
-    @staticmethod
-    def _load(c: _Constants, i: int, motion: StepMotion, is_paired: bool) -> MeanLoad:
-        """Load of a stiff coordinate over a step."""
-        stiffness, damping = c.p.stiffness[i], c.p.damping[i]
-        if is_paired:
-            return workless_spring(stiffness, damping, motion)
-        return bushing_load(stiffness, damping, motion, c.p.end_weight)
-
-    @staticmethod
-    def _memories(
-        motions: list[StepMotion], rates: Four, is_paired: bool, is_impulse: bool
-    ) -> tuple[Memory, ...]:
-        """What the stiff coordinates remember of a step; after an impulse only the rates of its end are known."""
-        if is_impulse:
-            return tuple(Memory(rate, rate) for rate in rates)
-        if is_paired:
-            return tuple(remembered_path(motion) for motion in motions)
-        return tuple(remembered(motion, rate) for motion, rate in zip(motions, rates, strict=True))
 
     def wrenches(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> Sequence[float]:
         """On the trolley."""

@@ -8,8 +8,8 @@ from ..contract.frames import Quaternion, Vector3, rotate
 from ..numerics.laws import Law, mean_force
 from ..numerics.presliding import Presliding
 from ..numerics.relative_motion import conjugate_torque
-from ..numerics.stiff_coordinate import MeanLoad, StepMotion, bushing_load, damped_load
-from ..numerics.workless_pair import workless_law, workless_spring
+from ..numerics.stiff_coordinate import MeanLoad, StepMotion, damped_load
+from ..numerics.workless_pair import stiff_load, workless_law
 from .friction import instant_friction, step_friction
 from .state import Constants, Held, Loads, StiffLoads, mean_swing, shifted
 from .variables import State
@@ -21,7 +21,13 @@ NO_LOAD = Loads((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, Presliding(0.0, 0.0, 0.0)
 def stiff_loads(c: Constants, old: State, motions: list[StepMotion]) -> StiffLoads:
     """Mean loads of bushing and latch."""
     bushing = tuple(
-        _stiff_load(c, i, shifted(motion, c.p.aligned_angle) if i == 3 else motion)
+        stiff_load(
+            c.stiffness[i],
+            c.damping[i],
+            shifted(motion, c.p.aligned_angle) if i == 3 else motion,
+            c.p.end_weight,
+            is_paired=c.paired,
+        )
         for i, motion in enumerate(motions)
     )
     return StiffLoads(bushing, mean_latch_load(c, old, motions[3]))
@@ -49,13 +55,6 @@ def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], 
     slopes = (slope[0], slope[1], slope[2]), conjugate_torque(twist, (slope[4], slope[5]), swing)
     driving = rest, motor.slope + harness.slope + friction_slope
     return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes, driving)
-
-
-def _stiff_load(c: Constants, i: int, motion: StepMotion) -> MeanLoad:
-    """Load of the bushing in a coordinate."""
-    if c.paired:
-        return workless_spring(c.stiffness[i], c.damping[i], motion)
-    return bushing_load(c.stiffness[i], c.damping[i], motion, c.p.end_weight)
 
 
 def _drive_load(c: Constants, law: Law, motion: StepMotion) -> MeanLoad:

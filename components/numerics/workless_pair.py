@@ -26,11 +26,12 @@ by a share of 250 M / (k h^2) only.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 
 from .laws import Law, mean_force
 from .scheme import LEAST_RATE, NUMERICAL_DAMPING
-from .stiff_coordinate import MeanLoad, Memory, StepMotion
+from .stiff_coordinate import MeanLoad, Memory, StepMotion, bushing_load, remembered
 
 
 def workless_load(
@@ -55,6 +56,15 @@ def workless_spring(stiffness: float, damping: float, m: StepMotion) -> MeanLoad
         return MeanLoad(0.0, 0.0, 0.0)
     elastic = -0.5 * stiffness * (m.start + m.end)
     return workless_load(elastic, stiffness, damping, m, m.memory.roughness)
+
+
+def stiff_load(
+    stiffness: float, damping: float, m: StepMotion, end_weight: float, *, is_paired: bool
+) -> MeanLoad:
+    """Load of a linear spring and a damper of either order."""
+    if is_paired:
+        return workless_spring(stiffness, damping, m)
+    return bushing_load(stiffness, damping, m, end_weight)
 
 
 def workless_law(law: Law, damping: float, m: StepMotion, roughness: float = 0.0) -> MeanLoad:
@@ -84,3 +94,14 @@ def remembered_path(m: StepMotion) -> Memory:
     begin, end, before = (change - bend) / m.h, (change + bend) / m.h, m.memory.end_rate
     jump = (begin - before) / (abs(begin) + abs(end) + abs(before) + LEAST_RATE)
     return Memory(change / m.h, end, jump * jump)
+
+
+def memories_after(
+    motions: Sequence[StepMotion], rates: Sequence[float], *, is_paired: bool, is_impulse: bool
+) -> tuple[Memory, ...]:
+    """Memories after a step of either order, to these rates; after an impulse only the rates of its end are known."""
+    if is_impulse:
+        return tuple(Memory(rate, rate) for rate in rates)
+    if is_paired:
+        return tuple(remembered_path(m) for m in motions)
+    return tuple(remembered(m, rate) for m, rate in zip(motions, rates, strict=True))
