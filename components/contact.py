@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from .contract.connection import HEAT, NO_PAIR, WRENCH, Connection, Impulse, Inputs
 from .contract.frames import Vector3, cross, dot, mean, rotate, scaled, subtract
 from .contract.record import Record, flagged, kept, observed, tunable
-from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, POTENTIAL_ENERGY
+from .contract.roles import DISSIPATED_ENERGY, END_WEIGHT, LOAD, PENETRATION, POTENTIAL_ENERGY
 from .numerics.mid_step import MidStep
 from .numerics.relative_motion import pair, unit_direction
 
@@ -69,7 +69,10 @@ class _State(NamedTuple):
 
 
 class _Observations(NamedTuple):
-    penetration: Annotated[float, observed("m", "Penetration of the outboard port; negative: its clearance")]
+    penetration: Annotated[
+        float,
+        observed("m", "Penetration of the outboard port; negative: its clearance", PENETRATION),
+    ]
     contact_force: Annotated[float, observed("N", "Force on the outboard body along the normal", LOAD)]
     potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the penetration")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]

@@ -17,6 +17,7 @@ from .contract.roles import (
     LOAD,
     NUMERICAL_DISSIPATION,
     ORDER,
+    PENETRATION,
     POTENTIAL_ENERGY,
 )
 from .numerics.axial import AxialConnection, Turn
@@ -60,7 +61,10 @@ class _Commands(NamedTuple):
 
 
 class _Observations(NamedTuple):
-    penetration: Annotated[float, observed("rad", "Angle beyond the stop's; negative: what is left up to it")]
+    penetration: Annotated[
+        float,
+        observed("rad", "Angle beyond the stop's; negative: what is left up to it", PENETRATION),
+    ]
     angular_rate: Annotated[float, observed("rad/s", "Rate of the outboard against the inboard port")]
     stop_torque: Annotated[float, observed("N.m", "Torque against opening on the outboard side", LOAD)]
     potential_energy: Annotated[float, POTENTIAL_ENERGY]

@@ -100,13 +100,14 @@ class CompiledMaster(Master):
     def _follow(self, solver: NativeSolver, until: float) -> tuple[Stop, Solution]:
         """Plain steps; why they ended, and the solution of the step at hand."""
         self._tell(until)
-        crossings = self._tell_events()
+        crossings, strikes = self._tell_events(), self._tell_strikes()
         begun = perf_counter()
         try:
             stop, solution = solver.follow(self._loop)
         finally:
             self._pace(perf_counter() - begun)
             self._take(solver, [(crossing.before, crossing.rate) for crossing in crossings])
+            self._strikes.before[self._strikes.waiting] = [-strike.before for strike in strikes]
         if stop == Stop.PAUSED and self._loop.made:
             h = self.segments[-1][-1]
             self._keep_snapshot(h)
@@ -147,6 +148,18 @@ class CompiledMaster(Master):
         crossings = (Crossing * len(awaited))(*(self._crossing(one) for one in awaited))
         loop.crossing, loop.crossings, loop.lines = addressof(crossings), len(awaited), len(self._pending)
         return crossings
+
+    def _tell_strikes(self) -> Any:  # noqa: ANN401 - memory that the loop reads and writes
+        """Stops and contacts that nothing has struck."""
+        loop, told = self._loop, self._strikes
+        waiting = zip(told.places[told.waiting].tolist(), told.before[told.waiting].tolist(), strict=True)
+        strikes = [
+            Crossing(_address(self.solver.observations, place), 0.0, 1.0, -before, 0.0)
+            for place, before in waiting
+        ]
+        memory = (Crossing * len(strikes))(*strikes)
+        loop.strike, loop.strikes = addressof(memory), len(strikes)
+        return memory
 
     def _crossing(self, one: HingeLine | Event) -> Crossing:
         array, place, value, scale = (

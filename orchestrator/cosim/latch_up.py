@@ -15,9 +15,10 @@ import numpy as np
 from .implicit.convergence import CREDIBLE
 from .implicit.differences import stepped
 from .implicit.interface_jacobian import first_port_axes, jacobian_block
-from .implicit.local_error import WatchedTorque
+from .implicit.local_error import WatchedLoad
 from .implicit.snapshot import Numbers
 from .implicit.solver import Solver
+from .network import Network
 from .participant import Matrix, Participant, ParticipantError, Vector
 from .ports import PortPlaces, Width
 
@@ -30,14 +31,16 @@ _LONGEST_SWING = 0.02
 
 
 class Stiffening(NamedTuple):
-    """The rotation at one hinge that an event made stiff.
+    """The rotation at one hinge that an event made stiff; where nothing turns against a torque, a motion along an axis.
 
-    connection: its number; axis (3,): unit vector, axes of its last port; stiffness (N.m/rad), with the inertial
-    terms that damp unresolved coordinates; damping (N.m.s/rad); wrench (6 ports,): of the hinge on its bodies for a
-    torque of 1 N.m about the axis; rotation (6 ports,): by motions of its ports.
+    connection: its number; first: component of its last port's wrench that its load starts at, 3 of a torque, 0 of a
+    force; axis (3,): unit vector, axes of that port; stiffness (N.m/rad or N/m), with the inertial terms that damp
+    unresolved coordinates; damping (N.m.s/rad or N.s/m); wrench (6 ports,): of the hinge on its bodies for a load of
+    1 N.m or N about the axis; rotation (6 ports,): by motions of its ports.
     """
 
     connection: int
+    first: int
     axis: Vector
     stiffness: float
     damping: float
@@ -121,20 +124,22 @@ def stiffenings(
     found = []
     for name, old, new in zip(names, before, after, strict=True):
         change = old.long - new.long
-        turning = change[-3:, -3:]  # torque on the last port by its rotation
-        values, vectors = np.linalg.eigh(0.5 * (turning + turning.T))
+        # load on the last port by its motion: torques where there are any
+        own = slice(-3, None) if change[-3:, -3:].any() else slice(-6, -3)
+        values, vectors = np.linalg.eigh(0.5 * (change[own, own] + change[own, own].T))
         if values[-1] <= _LEAST_STIFFENING * float(np.abs(new.long).max()):
             continue
         axis, last_port = vectors[:, -1], solver.network.by_name[name].inputs[13 * (len(change) // 6 - 1) :]
-        viscous = (old.step - new.step - change)[-3:, -3:]
+        viscous = (old.step - new.step - change)[own, own]
         found.append(
             Stiffening(
                 numbers[name],
+                6 + own.start,
                 first_port_axes(last_port).T @ axis,
-                2.0 * float(values[-1]),  # a mean torque is half of that at the end
+                2.0 * float(values[-1]),  # a mean load is half of that at the end
                 max(0.0, h * float(axis @ viscous @ axis)),
-                change[:, -3:] @ axis / values[-1],
-                axis @ change[-3:] / values[-1],
+                change[:, own] @ axis / values[-1],
+                axis @ change[own] / values[-1],
             )
         )
     return tuple(found)
@@ -219,14 +224,13 @@ def _rate(solver: Solver, hinge: Stiffening) -> float:
     return float(table.ravel() @ ports.reshape(-1, 13)[:, 7:].ravel())
 
 
-def watched_torques(solver: Solver, line: StiffenedLine, energy: float) -> list[WatchedTorque]:
-    """The torques of a latched line's hinges, judged beside an energy (J) of the line."""
-    network = solver.network
+def watched_loads(network: Network, line: StiffenedLine, energy: float) -> list[WatchedLoad]:
+    """The loads of a line's hinges, judged beside an energy (J) of the line."""
     found = []
     for hinge in line.hinges:
         links = network.connection_links[hinge.connection]
-        port, row = len(links) - 1, network.width.wrench * int(links[-1]) + 3
+        port, row = len(links) - 1, network.width.wrench * int(links[-1]) + hinge.first
         x, y, z = hinge.axis.tolist()
         weight = len(line.hinges) * line.frequency**2 / (2.0 * hinge.stiffness * energy)
-        found.append(WatchedTorque(hinge.connection, port, row, (x, y, z), weight))
+        found.append(WatchedLoad(hinge.connection, port, row, (x, y, z), weight))
     return found

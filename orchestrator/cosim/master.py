@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .events.breaks import HoldDowns, times_to_break
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
+from .events.judged_loads import JudgedLoads
+from .events.strikes import Strikes
 from .implicit.convergence import Solution, Tolerance
 from .implicit.impulse import impulse
-from .implicit.local_error import WatchedTorque
 from .implicit.native_solver import NativeSolver
 from .implicit.snapshot import Snapshot, plain
 from .implicit.solvers import solver_for
@@ -29,8 +30,6 @@ from .rows import Recorder
 from .settings import Settings
 from .signals.process import SignalProcess
 from .stepping import DividedStep, ErrorEstimate, StepError, StepSizes, failure
-
-_LEAST_LATCH_SHARE = 1e-3
 
 
 class Master(CoSimulation):
@@ -63,12 +62,12 @@ class Master(CoSimulation):
         self._guard = EnergyGuard(self._energies)
         self._divided = DividedStep()
         self._plan = stepping.StepPlan(settings.step_plan or ())
-        self._latched: list[latch_up.StiffenedLine] = []
+        self._judged = JudgedLoads(solver)
+        self._strikes = Strikes(network.participants, solver.observations)
         self._reached: list[HingeLine | Event] = []
         self._laws = times_to_break(network.participants)
         self._hold_downs = HoldDowns(network.participants)
         self._break = inf
-        self._watched: list[WatchedTorque] = []
         self._sweeps_before = 0
         self.keep: Callable[[Snapshot], None] = lambda snapshot: None
 
@@ -158,8 +157,8 @@ class Master(CoSimulation):
             "divided": plain(self._divided),
             "before": self._before,
             "break": self._break,
-            "latched": plain(self._latched),
-            "watched": plain(self._watched),
+            "judged": self._judged.numbers(),
+            "strikes": plain([self._strikes.before, self._strikes.waiting]),
         }
         return Snapshot(numbers, arrays, {p.name: p.serialized() for p in participants})
 
@@ -193,9 +192,8 @@ class Master(CoSimulation):
         self._sizes = StepSizes(**numbers["sizes"])
         self._guard = EnergyGuard.of(numbers["guard"])
         self._divided = DividedStep(**numbers["divided"])
-        self._latched = [latch_up.stiffened_line_of(one) for one in numbers["latched"]]
-        self._watched = [WatchedTorque(**{**one, "axis": tuple(one["axis"])}) for one in numbers["watched"]]
-        self.solver.watch(self._watched)
+        self._judged.take(numbers["judged"])
+        self._strikes.before[:], self._strikes.waiting[:] = numbers["strikes"]
         self._before, self._break = numbers["before"], numbers["break"]
 
     def _next_step(self, until: float) -> float:
@@ -242,6 +240,12 @@ class Master(CoSimulation):
         if not self._controlled:
             self._divided.stood()
             return True
+        if struck := self._strikes.met():
+            # make it once more, judged by what they push with as well
+            self._judged.add_struck(struck, self.time, h, self._sizes.largest)
+            self._judged.judge(self._error.energy)
+            self.statistics.rejected += 1
+            return False
         square = solver.error_square(self.time, h, self._error.energy)
         if square is None or self._sizes.judge(self._error(square)):
             return True
@@ -308,13 +312,13 @@ class Master(CoSimulation):
         roughness = self._roughness()
         self._act(event)
         free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
-        self._latched = latch_up.still_held(self._latched, free)
+        self._judged.let_go(free)
         self.solver.forget_all()
         self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, roughness)
         self._hold_downs.note()
         self._watch()
         self._latch_all([line for line in self._pending if line.name in event.latches])
-        self._judge_latches()
+        self._judge_loads()
         self._renew()
 
     def _pass_break(self) -> None:
@@ -442,8 +446,8 @@ class Master(CoSimulation):
             whole, _ = latch_up.swinging(solver, self.time, hinges, self.settings.largest_step)
             self.statistics.latch_frequencies[line.name] = whole.frequency
             slow, size = latch_up.swinging(solver, self.time, hinges, self._sizes.largest)
-            self._latched.append(slow)
-            self._judge_latches()
+            self._judged.add_latched(slow)
+            self._judge_loads()
             if slow.fastest:
                 h = latch_up.resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
             else:
@@ -451,17 +455,10 @@ class Master(CoSimulation):
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         return h
 
-    def _judge_latches(self) -> None:
-        """Judge the torques of latched lines beside the mean, in the logarithm, of their energy and the whole one."""
-        whole = self._error.energy
-        self._watched = [
-            torque
-            for line in self._latched
-            for torque in latch_up.watched_torques(
-                self.solver, line, sqrt(whole * max(line.energy, _LEAST_LATCH_SHARE * whole))
-            )
-        ]
-        self.solver.watch(self._watched)
+    def _judge_loads(self) -> None:
+        """Judge those of lines and stops by the energies of now; what an event changed may strike stops anew."""
+        self._judged.judge(self._error.energy)
+        self._strikes.wait_anew()
 
     def _impulse(self, h: float = INSTANT) -> list[HingeLine]:
         """A vanishing step h (s) that stills joints; lines that pass their latches in it, of which no step tells."""
@@ -489,6 +486,7 @@ class Master(CoSimulation):
     def _watch(self) -> None:
         """Note how far lines are from their latches and conditions from holding, and the next time to end a step at."""
         self._before = {one.name: self._left(one) for one in self._awaited()}
+        self._strikes.note()
         form = self.time + min((outputs.item(place) for outputs, place in self._laws), default=inf)
         self._break = min(form, self._next_stop)
 

@@ -70,8 +70,9 @@ def find_scene(name_or_path: str) -> Path:
         for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
             if path.is_file():
                 return path
-    known, file = ", ".join(list_scenes()), f"{name_or_path}.toml"
-    meant = f"; did you mean {file}" if Path(file).is_file() else ""
+    known, file, meant = ", ".join(list_scenes()), f"{name_or_path}.toml", ""
+    with suppress(OSError):
+        meant = f"; did you mean {file}" if Path(file).is_file() else ""
     raise SceneError([f"there is no scene and no file {name_or_path!r}{meant}; scenes are {known}"])
 
 

@@ -40,7 +40,7 @@ static void exchange_scalars(Assembly *a, int write) {
         write ? (void)(*place = (double)*signs[i]) : (void)(*signs[i] = (ptrdiff_t)*place);
 }
 
-/* Watched torques, whose numbers follow the scalars. */
+/* Watched loads, whose numbers follow the scalars. */
 static void exchange_watched(Assembly *a, double *place, int write) {
     Network *n = &a->master.network;
     for (size_t i = 0; i < n->watched_count; i++, place += 7) {
@@ -63,7 +63,7 @@ static size_t arrange_standing(Assembly *a, double *first) {
     RowBlock *r = &m->loop.rows;
     size_t used = 0;
 #define TAKE(pointer, count) (pointer = first ? (void *)(first + used) : NULL, used += (count))
-    TAKE(a->scalars, SCALARS + 7 * MOST_HINGES * m->lines);
+    TAKE(a->scalars, SCALARS + 7 * MOST_HINGES * (m->lines + m->strikes));
     TAKE(a->in_force, a->parameter_count);
     TAKE(n->accepted, n->size);
     TAKE(n->history.values, POINTS * n->size);
@@ -81,6 +81,11 @@ static size_t arrange_standing(Assembly *a, double *first) {
         TAKE(line->stiffened, sizeof(StiffenedLine) / sizeof(double));
     }
     for (size_t i = 0; i < m->events; i++) TAKE(m->event[i].pending, 1);
+    for (Strike *s = m->strike; s < m->strike + m->strikes; s++) {
+        TAKE(s->before, 1);
+        TAKE(s->waits, 1);
+        TAKE(s->struck, sizeof(StiffenedLine) / sizeof(double));
+    }
 #undef TAKE
     return used;
 }
@@ -419,6 +424,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     m->set_parameter = set_parameter;
     if (!read_settings(a, data, why) || !create_participants(a, data, memory, why) || !create_network(a, data, memory, why) ||
         !create_jacobians(a, data, memory, why) || !create_lines(a, data, memory, why) ||
+        !create_strikes(a, data, memory, why) ||
         !create_events(a, data, memory, why) || !create_commands(a, data, sizes, memory, why) ||
         !create_peaks(a, data, sizes, memory, why) ||
         !create_loop(a, data, sizes, memory, why) ||

@@ -362,8 +362,7 @@ static int create_lines(Assembly *a, const Data *data, Memory *memory, Reason *w
     m->lines = next_number(&r);
     if (m->lines > n->participants) return refuse(why, "the assembly's hinge lines are damaged");
     m->line = allocate(memory, (m->lines + 1) * sizeof *m->line);
-    m->watched = allocate(memory, (m->lines + 1) * MOST_HINGES * sizeof *m->watched);
-    if (!m->line || !m->watched) return refuse(why, "no memory for hinge lines");
+    if (!m->line) return refuse(why, "no memory for hinge lines");
     for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
         line->hinges = next_number(&r);
         line->is_kinematic = next_number(&r);
@@ -376,6 +375,31 @@ static int create_lines(Assembly *a, const Data *data, Memory *memory, Reason *w
                 m->latch_command[hinge] >= n->participant[hinge].inputs)
                 return refuse(why, "a hinge line has no hinge %lu", (unsigned long)hinge);
         }
+    }
+    return 1;
+}
+
+/* Stops and contacts: participant, and place of its penetration among all observations; room to judge their loads and
+   those of lines. */
+static int create_strikes(Assembly *a, const Data *data, Memory *memory, Reason *why) {
+    Master *m = &a->master;
+    const Network *n = &m->network;
+    size_t numbers = 0, all = 0;
+    const size_t *number = whole_numbers(data, "strikes", &numbers, memory, why);
+    if (!number) return 0;
+    m->strikes = numbers / 2;
+    m->strike = allocate(memory, (m->strikes + 1) * sizeof *m->strike);
+    m->striking = allocate(memory, (m->strikes + 1) * sizeof *m->striking);
+    m->watched = allocate(memory, (m->lines + m->strikes + 1) * MOST_HINGES * sizeof *m->watched);
+    if (!m->strike || !m->striking || !m->watched) return refuse(why, "no memory for stops and contacts");
+    for (size_t i = 0; i < n->participants; i++) all += n->participant[i].observations;
+    for (size_t i = 0; i < m->strikes; i++) {
+        const size_t participant = number[2 * i], place = number[2 * i + 1];
+        if (participant < n->bodies || participant >= n->participants ||
+            n->participant[participant].ports != HINGE_PORTS || place >= all)
+            return refuse(why, "the assembly's stops and contacts are damaged");
+        m->strike[i].participant = participant;
+        m->strike[i].place = n->observations + place;
     }
     return 1;
 }

@@ -15,10 +15,11 @@ typedef struct {
     double step[PORT_ROWS * PORT_ROWS], lasting[PORT_ROWS * PORT_ROWS];
 } Slope;
 
-/* The rotation at one hinge that an event made stiff; numbers only, as they are part of a saved state. connection: its
-   number among participants. */
+/* The rotation at one hinge that an event made stiff, or a motion along an axis where nothing turns against a torque;
+   numbers only, as they are part of a saved state. connection: its number among participants; first: component of its
+   last port's wrench that its load starts at. */
 typedef struct {
-    double connection, axis[3], stiffness, damping, wrench[PORT_ROWS], rotation[PORT_ROWS];
+    double connection, first, axis[3], stiffness, damping, wrench[PORT_ROWS], rotation[PORT_ROWS];
 } Stiffening;
 
 /* A hinge line just latched; hinges: how many of `hinge` there are. */
@@ -85,39 +86,42 @@ static int slope_of(Solver *s, size_t hinge, double h, Slope *slope) {
 /* What an event changed at a hinge, from its slopes before and after; 0 where it is no stiffer. */
 static int stiffening_of(const Network *n, size_t hinge, const Slope *old, const Slope *new, double h,
                          Stiffening *found) {
-    enum { LAST = 9 };
-    double change[PORT_ROWS * PORT_ROWS], turning[9], vectors[9], axes[9], axis[3], largest = 0.0;
+    double change[PORT_ROWS * PORT_ROWS], own[9], vectors[9], axes[9], axis[3], largest = 0.0;
+    size_t first = POSE;
     for (size_t i = 0; i < PORT_ROWS * PORT_ROWS; i++) {
         change[i] = old->lasting[i] - new->lasting[i];
         largest = fmax(largest, fabs(new->lasting[i]));
     }
+    for (size_t i = 0; i < 9; i++) /* torques where there are any */
+        if (change[(POSE + 3 + i / 3) * PORT_ROWS + POSE + 3 + i % 3] != 0.0) first = POSE + 3;
     for (size_t i = 0; i < 3; i++)
         for (size_t j = 0; j < 3; j++)
-            turning[3 * i + j] =
-                0.5 * (change[(LAST + i) * PORT_ROWS + LAST + j] + change[(LAST + j) * PORT_ROWS + LAST + i]);
-    symmetric_eigen(turning, 3, vectors);
-    size_t best = turning[4] > turning[0] ? 1 : 0;
-    if (turning[8] > turning[4 * best]) best = 2;
-    const double value = turning[4 * best];
+            own[3 * i + j] =
+                0.5 * (change[(first + i) * PORT_ROWS + first + j] + change[(first + j) * PORT_ROWS + first + i]);
+    symmetric_eigen(own, 3, vectors);
+    size_t best = own[4] > own[0] ? 1 : 0;
+    if (own[8] > own[4 * best]) best = 2;
+    const double value = own[4 * best];
     if (!(value > LEAST_STIFFENING * largest)) return 0;
     double viscous = 0.0;
     for (size_t i = 0; i < 3; i++) axis[i] = vectors[3 * i + best];
     for (size_t i = 0; i < 3; i++)
         for (size_t j = 0; j < 3; j++) {
-            const size_t at = (LAST + i) * PORT_ROWS + LAST + j;
+            const size_t at = (first + i) * PORT_ROWS + first + j;
             viscous += axis[i] * (old->step[at] - new->step[at] - change[at]) * axis[j];
         }
     axes_of(n->participant[hinge].input + MOTION * (HINGE_PORTS - 1), axes);
     found->connection = (double)hinge;
-    found->stiffness = 2.0 * value; /* a mean torque is half of that at the end */
+    found->first = (double)(first - POSE);
+    found->stiffness = 2.0 * value; /* a mean load is half of that at the end */
     found->damping = fmax(0.0, h * viscous);
     for (size_t i = 0; i < 3; i++)
         found->axis[i] = axes[i] * axis[0] + axes[3 + i] * axis[1] + axes[6 + i] * axis[2];
     for (size_t k = 0; k < PORT_ROWS; k++) {
         found->wrench[k] = found->rotation[k] = 0.0;
         for (size_t i = 0; i < 3; i++) {
-            found->wrench[k] += change[k * PORT_ROWS + LAST + i] * axis[i] / value;
-            found->rotation[k] += axis[i] * change[(LAST + i) * PORT_ROWS + k] / value;
+            found->wrench[k] += change[k * PORT_ROWS + first + i] * axis[i] / value;
+            found->rotation[k] += axis[i] * change[(first + i) * PORT_ROWS + k] / value;
         }
     }
     return 1;
@@ -187,14 +191,14 @@ static void note_swing(Solver *s, double h, StiffenedLine *line) {
     line->energy = energy / square;
 }
 
-/* Judge the torques of a latched line's hinges beside an energy (J); how many there are. */
-static size_t watch_torques(const Network *n, const StiffenedLine *line, double energy, Watched *watched) {
+/* Judge the loads of a line's hinges beside an energy (J); how many there are. */
+static size_t watch_loads(const Network *n, const StiffenedLine *line, double energy, Watched *watched) {
     for (size_t i = 0; i < (size_t)line->hinges; i++) {
         const Stiffening *hinge = line->hinge + i;
         const size_t last = HINGE_PORTS - 1;
         watched[i].connection = (size_t)hinge->connection;
         watched[i].port = last;
-        watched[i].row = n->width.wrench * links_of(n, hinge)[last] + 3;
+        watched[i].row = n->width.wrench * links_of(n, hinge)[last] + (size_t)hinge->first;
         memcpy(watched[i].axis, hinge->axis, sizeof hinge->axis);
         watched[i].weight = line->hinges * line->frequency * line->frequency / (2.0 * hinge->stiffness * energy);
     }

@@ -45,7 +45,7 @@ typedef struct {
 
 /* A run between two instants that something happens at. until, stop (s): its end, and after which step to pause;
    fixed_step (s): 0 for none; plan (planned,): sizes of the steps to make, NULL for none; crossings: those of lines,
-   then those of conditions; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
+   then those of conditions; strikes: of stops and contacts that nothing has struck, by how far they are from that; laws: places of times to breaks, the first of them, bolts, of hold-downs, whose next release
    is at release_time; steps (capacity,): sizes made; position: steps of the segment; parts, stood: of a fixed
    step, as in DividedStep of stepping.py; status: of the coupled step at hand; neighbours: runs beside this one or NULL,
    guess (size,): room for them. */
@@ -55,14 +55,14 @@ typedef struct {
     ErrorEstimate *error;
     EnergyGuard *guard;
     const Rules *rules;
-    Crossing *crossing;
+    Crossing *crossing, *strike;
     const double *const *law;
     const double *plan, *energy_start;
     double *steps, *guess;
     Neighbours *neighbours;
     RowBlock rows;
     double time, until, stop, break_time, release_time, event_time, fixed_step, ready_step, h;
-    size_t lines, crossings, laws, bolts, planned, capacity, made, position, parts, stood, rejected, wanted, status;
+    size_t lines, crossings, strikes, laws, bolts, planned, capacity, made, position, parts, stood, rejected, wanted, status;
 } Loop;
 
 /* Why a loop stopped, in the order of Stop in orchestrator/cosim/implicit/native_solver.py. */
@@ -163,10 +163,18 @@ static int has_crossed(const Loop *l, double h) {
     return 0;
 }
 
+/* Whether a step has struck what nothing had struck. */
+static int has_struck(const Loop *l) {
+    for (const Crossing *c = l->strike; c < l->strike + l->strikes; c++)
+        if (0.0 < c->before && distance(c) <= 0.0) return 1;
+    return 0;
+}
+
 /* Note all distances and the next time to end a step at. */
 static void watch(Loop *l) {
     double form = INFINITY, release = INFINITY;
     for (Crossing *c = l->crossing; c < l->crossing + l->crossings; c++) c->before = distance(c);
+    for (Crossing *c = l->strike; c < l->strike + l->strikes; c++) c->before = distance(c);
     for (size_t i = 0; i < l->laws; i++) form = fmin(form, *l->law[i]);
     for (size_t i = 0; i < l->bolts; i++) release = fmin(release, *l->law[i]);
     l->release_time = l->time + release;
@@ -230,6 +238,7 @@ static int judge_step(Loop *l) {
         }
         return STANDS;
     }
+    if (has_struck(l)) return UNGUARDED;
     const double square = error_square(n, l->time + 0.5 * l->h, l->h, l->error->energy);
     return isnan(square) || judge(l, sqrt(square) / l->error->allowed) ? STANDS : PAUSED;
 }

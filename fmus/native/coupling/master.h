@@ -31,6 +31,15 @@ typedef struct {
     StiffenedLine *stiffened;
 } HingeLine;
 
+/* A stop or contact: its participant, and where its penetration is observed. Numbers that are part of a saved state:
+   before, waits (whether nothing has struck it), struck (with all that was struck with it). */
+typedef struct {
+    size_t participant;
+    const double *place;
+    double *before, *waits;
+    StiffenedLine *struck;
+} Strike;
+
 /* A value for a parameter: `place` among those of all participants. */
 typedef struct {
     size_t participant, place;
@@ -67,7 +76,8 @@ struct Master {
     Solver solver;
     HingeLine *line;
     Event *event;
-    Crossing *crossing;
+    Strike *strike;
+    Crossing *crossing, *striking;
     Watched *watched;
     double *roughness;
     const Place *impulse;
@@ -78,7 +88,7 @@ struct Master {
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
     double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
-    size_t lines, events, impulses, steps, rejected, happened, repeats;
+    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats;
     char said[512];
 };
 
@@ -106,6 +116,10 @@ static void tell_events(Master *m) {
         if (*m->line[i].pending)
             m->crossing[l->crossings++] = (Crossing){sensed(m, m->line + i), 0.0, -1.0, m->before_lines[i]};
     l->lines = l->crossings;
+    l->strike = m->striking;
+    l->strikes = 0;
+    for (const Strike *s = m->strike; s < m->strike + m->strikes; s++)
+        if (*s->waits) m->striking[l->strikes++] = (Crossing){s->place, 0.0, 1.0, -*s->before};
     l->event_time = INFINITY;
     for (size_t i = 0; i < m->events; i++) {
         if (is_pending_condition(m->event + i)) {
@@ -124,6 +138,9 @@ static void take_events(Master *m) {
         if (*m->line[i].pending) m->before_lines[i] = (c++)->before;
     for (size_t i = 0; i < m->events; i++)
         if (is_pending_condition(m->event + i)) m->before_events[i] = (c++)->before;
+    c = m->striking;
+    for (const Strike *s = m->strike; s < m->strike + m->strikes; s++)
+        if (*s->waits) *s->before = -(c++)->before;
 }
 
 /* Note how far all are and the next time to end a step at. */
@@ -199,18 +216,34 @@ static void renew(Master *m) {
     begin_segment(m);
 }
 
-static void judge_latches(Master *m) {
-    const double whole = m->error.energy;
-    size_t count = 0;
-    for (size_t i = 0; i < m->lines; i++) {
-        const StiffenedLine *line = m->line[i].stiffened;
-        if (line->hinges) {
-            const double energy = sqrt(whole * fmax(line->energy, LEAST_LATCH_SHARE * whole));
-            count += watch_torques(&m->network, line, energy, m->watched + count);
-        }
-    }
+static void watch_line(Master *m, const StiffenedLine *line) {
+    const double whole = m->error.energy, energy = sqrt(whole * fmax(line->energy, LEAST_LATCH_SHARE * whole));
+    Network *n = &m->network;
+    if (line->hinges) n->watched_count += watch_loads(n, line, energy, m->watched + n->watched_count);
+}
+
+/* Judge the torques of latched lines and what struck stops push with, from now on. */
+static void watch_lines(Master *m) {
     m->network.watched = m->watched;
-    m->network.watched_count = count;
+    m->network.watched_count = 0;
+    for (const HingeLine *line = m->line; line < m->line + m->lines; line++) watch_line(m, line->stiffened);
+    for (const Strike *s = m->strike; s < m->strike + m->strikes; s++) watch_line(m, s->struck);
+}
+
+/* The same after an event, which may have changed what strikes them. */
+static void judge_loads(Master *m) {
+    watch_lines(m);
+    for (const Strike *s = m->strike; s < m->strike + m->strikes; s++) {
+        *s->waits = 1.0;
+        *s->before = *s->place;
+    }
+}
+
+/* Judge a connection's load no more, as one that was struck. */
+static void forget_struck(Master *m, size_t participant) {
+    for (Strike *s = m->strike; s < m->strike + m->strikes; s++)
+        for (size_t i = 0; i < (size_t)s->struck->hinges; i++)
+            if (s->struck->hinge[i].connection == (double)participant) s->struck->hinges = 0.0;
 }
 
 /* A sentence of a step that does not converge at any size, unless a participant has said one. */
@@ -368,7 +401,7 @@ static double engage(Master *m, HingeLine *line) {
             slow->hinges += 1.0;
     if (slow->hinges) {
         const double size = note_whole_swing(m, slow);
-        judge_latches(m);
+        judge_loads(m);
         h = fastest_of(slow) > 0.0 ? resolving(m, slow, size, h) : fmin(h, m->event_step);
     }
     command_latches(m, line, 1.0);
@@ -418,6 +451,7 @@ static int latch_line(Master *m, HingeLine *line, double mark) {
 
 /* Lines go on with those of their hinges that are not released; without any they have no latch, and are not judged. */
 static void release_from_lines(Master *m, size_t participant) {
+    forget_struck(m, participant);
     for (HingeLine *line = m->line; line < m->line + m->lines; line++) {
         size_t left = 0, first = 0;
         for (size_t i = line->hinges; i-- > 0;) {
@@ -454,7 +488,7 @@ static int go_on(Master *m, const size_t *latch, size_t latches) {
         if (*m->line[latch[i]].pending) *m->line[latch[i]].pending = COMMANDED;
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending == COMMANDED && !latch_line(m, m->line + latch[i], COMMANDED)) return 0;
-    judge_latches(m);
+    judge_loads(m);
     renew(m);
     return 1;
 }
@@ -533,6 +567,37 @@ static int smaller_step(Master *m, double share) {
     return size_now(&m->loop) >= m->sizes.smallest * share;
 }
 
+/* Have what the step at hand has struck judged from now on: the step is made once more; 0 where a participant refuses.
+   struck: how many. */
+static int take_strikes(Master *m, size_t *struck) {
+    static const Slope free_of_load;
+    StiffenedLine found = {0};
+    Slope pushing;
+    Strike *first = NULL;
+    const Crossing *c = m->striking;
+    *struck = 0;
+    for (Strike *s = m->strike; s < m->strike + m->strikes; s++) {
+        if (!*s->waits) continue;
+        const Crossing *met = c++;
+        if (!(met->before > 0.0 && distance(met) <= 0.0)) continue;
+        *s->waits = 0.0;
+        ++*struck;
+        if (found.hinges == MOST_HINGES) continue;
+        if (!slope_of(&m->solver, s->participant, m->loop.h, &pushing)) return 0;
+        if (!stiffening_of(&m->network, s->participant, &free_of_load, &pushing, m->loop.h,
+                           found.hinge + (size_t)found.hinges))
+            continue;
+        found.hinges += 1.0;
+        forget_struck(m, s->participant);
+        if (!first) first = s;
+    }
+    if (!first) return 1;
+    *first->struck = found;
+    note_whole_swing(m, first->struck);
+    watch_lines(m);
+    return 1;
+}
+
 /* Whether an insisted step stands: 1 accepted, 0 a smaller one is set, -1 nothing helps. */
 static int see_to_unsolved(Master *m) {
     Loop *l = &m->loop;
@@ -542,8 +607,10 @@ static int see_to_unsolved(Master *m) {
         if (!smaller_step(m, TO_CONVERGE)) return say_failure(m, l->h) - 1;
         m->said[0] = '\0';
     } else {
+        size_t struck = 0;
         if (!observe_all(m)) return -1;
-        if (judge_step(l) == STANDS || m->repeats) return 1;
+        if (!m->repeats && has_struck(l) && !take_strikes(m, &struck)) return -1;
+        if (!struck && (m->repeats || judge_step(l) == STANDS)) return 1;
     }
     m->rejected++;
     return 0;
@@ -665,6 +732,10 @@ static int begin_run(Master *m, const double *wrenches) {
     m->said[0] = '\0';
     n->history.count = 0;
     n->watched_count = 0;
+    for (const Strike *s = m->strike; s < m->strike + m->strikes; s++) {
+        *s->waits = 1.0;
+        s->struck->hinges = 0.0;
+    }
     for (size_t i = 0; i < n->size; i++) n->accepted[i] = n->wrenches[i] = wrenches ? wrenches[i] : 0.0;
     forget_all(&m->solver);
     if (!observe_all(m)) return 0;

@@ -91,17 +91,23 @@ static double noise_work(Network *n) {
     return total;
 }
 
-/* Square of the part of a watched torque that bends over a step, over what its energy makes of it; gain: how much
-   errors that solutions leave grow in it. */
+#define NO_LOAD 1e-6
+
+/* Square of the part of a watched load that bends over a step, over what its energy makes of it; gain: how much errors
+   that solutions leave grow in it. All of it bends in a step that strikes: steps before tell nothing of it, and by
+   chance a bend that is no more than a part of a jump. */
 static double watched_square(const Network *n, const Watched *w, double h, double gain) {
-    double axes[9], torque = 0.0, noise = 0.0;
+    double axes[9], load = 0.0, before = 0.0, now = 0.0, noise = 0.0;
     axes_of(n->participant[w->connection].input + MOTION * w->port, axes);
     for (size_t i = 0; i < 3; i++) {
         const double along = axes[3 * i] * w->axis[0] + axes[3 * i + 1] * w->axis[1] + axes[3 * i + 2] * w->axis[2];
-        torque += along * n->bend[w->row + i];
+        load += along * n->bend[w->row + i];
+        before += along * n->accepted[w->row + i];
+        now += along * n->wrenches[w->row + i];
         noise = fmax(noise, n->noise[w->row + i]);
     }
-    return w->weight * h * h * fmax(0.0, torque * torque - gain * gain * noise * noise);
+    if (fabs(before) <= NO_LOAD * fabs(now)) load = fmax(fabs(load), fabs(now));
+    return w->weight * h * h * fmax(0.0, load * load - gain * gain * noise * noise);
 }
 
 /* Weights of the remembered points and the present one: of mean wrenches, of slopes as rates, and of means in what they
@@ -183,7 +189,7 @@ static double bend(Network *n, double middle, double h) {
 }
 
 /* Square of the relative error that what bends wrenches makes of velocities: its work over an energy, or what it is
-   at a watched torque. What errors left by the solutions have in it does not count; not a number with fewer points. */
+   at a watched load. What errors left by the solutions have in it does not count; not a number with fewer points. */
 static double error_square(Network *n, double middle, double h, double energy) {
     if (n->history.count < 2) return NAN;
     const double gain = bend(n, middle, h);

@@ -18,6 +18,7 @@ _ROLES = {
     "load at a hinge": "peaks in the headline numbers, load at a hinge",
     "attitude": "peaks in the headline numbers",
     "dissipation": "share of the dissipated energy",
+    "penetration": "struck where it rises through zero",
 }
 """What the roles that components declare mean to who reads a result."""
 

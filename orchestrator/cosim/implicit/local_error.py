@@ -18,12 +18,14 @@ from .convergence import noise
 from .history import Bend
 from .interface_jacobian import first_port_axes
 
+_NO_LOAD = 1e-6
 
-class WatchedTorque(NamedTuple):
-    """A torque about an axis fixed in a port of a connection, judged beside an energy of its own.
+
+class WatchedLoad(NamedTuple):
+    """A torque, or a force, along an axis fixed in a port of a connection, judged beside an energy of its own.
 
     connection, port: by number, the port within the connection; row: of its first component in the unknown; axis
-    (3,): in the axes of the port, unit length; weight: 1 over (2 effective inertia x energy), 1/(kg.m2.J).
+    (3,): in the axes of the port, unit length; weight: 1 over (2 effective inertia x energy), 1/(kg.m2.J), or mass.
     """
 
     connection: int
@@ -31,6 +33,13 @@ class WatchedTorque(NamedTuple):
     row: int
     axis: tuple[float, float, float]
     weight: float
+
+
+class Loads(NamedTuple):
+    """Mean wrenches (size,) of the step accepted last and of the one at hand."""
+
+    before: Vector
+    now: Vector
 
 
 class Accuracy(NamedTuple):
@@ -46,13 +55,14 @@ def error_square(
     mobilities: Sequence[Matrix],
     bend: Bend,
     accuracy: Accuracy,
-    watched: Sequence[WatchedTorque],
+    watched: Sequence[WatchedLoad],
+    loads: Loads,
     h: float,
     energy: float,
 ) -> float:
     """Square of the relative error that what bends wrenches makes of velocities.
 
-    Its work over an energy (J), or what it is at a watched torque, whichever is larger. What errors left by the
+    Its work over an energy (J), or what it is at a watched load, whichever is larger. What errors left by the
     solutions have in it does not count. mobilities: of all bodies at the present orientations.
     """
     total, left = 0.0, np.zeros(network.size)
@@ -63,7 +73,7 @@ def error_square(
         unknown = noise(own, accuracy.tolerated[rows][means], accuracy.rounded[rows][means], accuracy.reach)
         left[rows.start + means] = unknown
         total += float(change @ mean_mobility @ change) - bend.gain**2 * float(own @ unknown**2)
-    squares = [_watched_square(network, w, bend, left, h) for w in watched]
+    squares = [_watched_square(network, w, bend, left, loads, h) for w in watched]
     return max(0.0, total / energy, *squares)
 
 
@@ -84,8 +94,14 @@ def _of_means(network: Network, rows: slice, mobility: Matrix) -> tuple[NDArray[
     return means, mobility[np.ix_(poses, means)]
 
 
-def _watched_square(network: Network, w: WatchedTorque, bend: Bend, left: Vector, h: float) -> float:
+def _watched_square(
+    network: Network, w: WatchedLoad, bend: Bend, left: Vector, loads: Loads, h: float
+) -> float:
+    """All of a load bends in a step that strikes: steps before tell nothing of it, and by chance a part of a jump."""
     along = first_port_axes(network.connections[w.connection].inputs[13 * w.port :]) @ np.array(w.axis)
     rows = slice(w.row, w.row + 3)
-    torque, unknown = float(along @ bend.change[rows]), bend.gain * float(left[rows].max())
-    return w.weight * h * h * max(0.0, torque**2 - unknown**2)
+    load, unknown = float(along @ bend.change[rows]), bend.gain * float(left[rows].max())
+    before, now = (abs(float(along @ wrenches[rows])) for wrenches in loads)
+    if before <= _NO_LOAD * now:
+        load = max(abs(load), now)
+    return w.weight * h * h * max(0.0, load**2 - unknown**2)

@@ -22,6 +22,7 @@ from ...assembly import Assembly, Event, HingeLine, Part
 from ...cosim import energy_guard, stepping
 from ...cosim.energy_balance import energy_rows
 from ...cosim.events.breaks import is_hold_down, place_of_break
+from ...cosim.events.strikes import penetrations
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
 from ...cosim.native.fields import constant
@@ -78,6 +79,7 @@ def tables(
             if IMPULSE.name in p.input_layout
             for one in (i, p.input_layout[IMPULSE.name].start)
         ],
+        "strikes": [n for name, place in penetrations(network.participants) for n in (number[name], place)],
         "lines": [len(lines), *(n for line in lines for n in _line(line, number))],
         **_events(network, assembly.events, [line.name for line in lines], number),
         "driven": _driven(network, assembly, len(commands)),

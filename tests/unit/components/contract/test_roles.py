@@ -67,6 +67,8 @@ def test_roles_of_observations_have_their_units(kind):
             assert quantity.size in (1, 3)
         elif quantity.role == roles.ATTITUDE:
             assert (quantity.unit, quantity.size) in (("rad", 3), ("rad/s", 3))
+        elif quantity.role == roles.PENETRATION:
+            assert (quantity.unit, quantity.size) in (("rad", 1), ("m", 1))
         elif quantity.role:
             assert (quantity.role, quantity.unit) == (roles.DISSIPATION, "J")
 

@@ -1,0 +1,176 @@
+"""Stops and contacts that a light part strikes: their loads are judged beside the energy of what strikes them."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import pytest
+
+import orchestrator as fanfold
+from orchestrator.assembly.assemble import assemble
+from orchestrator.cosim.implicit.convergence import Tolerance
+from orchestrator.cosim.implicit.solvers import solver_for
+from orchestrator.cosim.latch_up import Slope, slopes, stiffened_line, stiffenings
+from orchestrator.cosim.native.library import library
+from orchestrator.cosim.network import Network
+from orchestrator.cosim.participant import in_process
+from orchestrator.cosim.settings import Settings
+from orchestrator.scene import load_scene
+from tests.unit.cosim.test_compiled_master import assert_same, outcomes
+from tests.unit.run.as_one.host import Host
+
+HEAVY_AND_LIGHT = """
+[scene]
+name = "heavy_and_light"
+until = 4.0
+tolerance = 1e-3
+
+[base]
+points = { left = [0, 0.15, 0], right = [0, -0.15, 0] }
+
+[joint]
+axial_stiffness = 2.4e7
+radial_stiffness = 4e6
+cross_stiffness = 9.5e4
+damping_ratio = 0.054
+damping_frequency = 218
+
+[[body]]
+name = "heavy"
+[body.rigid]
+mass = 49
+center_of_mass = [0.63, 0, 0]
+inertia = [0.55, 14, 14]
+points = { left = [0, 0.15, 0], right = [0, -0.15, 0], tip = [1.85, 0, 0] }
+
+[[body]]
+name = "light"
+[body.rigid]
+mass = 1.8
+center_of_mass = [0.32, -0.05, 0]
+inertia = [0.11, 0.095, 0.2]
+points = { root = [0, 0, 0] }
+
+[[hinge_line]]
+name = "L0"
+inboard = "base"
+outboard = "heavy"
+axis = "+y"
+aligned_angle = "135 deg"
+hinges = [
+  { name = "l", inboard = "left", outboard = "left" },
+  { name = "r", inboard = "right", outboard = "right", kind = "cylindrical" },
+]
+motor = { stowed = 6.1, deployed = 2.7 }
+end_stop = { stiffness = 2e4 }
+
+[[hinge_line]]
+name = "L1"
+inboard = "heavy"
+outboard = "light"
+axis = "-y"
+aligned_angle = "180 deg"
+hinges = [{ name = "elbow", inboard = "tip", outboard = "root" }]
+motor = { stowed = 0.21, deployed = 0.17 }
+end_stop = { stiffness = 120, damping = 7.8 }
+"""
+"""The light body's damped stop pushes in full 1 mrad after it is touched, 0.3 ms; steps are 1 ms long before it."""
+
+MASS, INERTIA, LEVER, STIFFNESS = 2.0, 0.3, 0.8, 5e4
+BAR = f"""
+[scene]
+name = "bar"
+until = 1.0
+
+[base]
+points = {{ root = [0, 0, 0], pad = [0, 0, 0.5] }}
+
+[[body]]
+name = "bar"
+[body.rigid]
+mass = {MASS}
+center_of_mass = [0.4, 0, 0]
+inertia = [0.01, {INERTIA}, {INERTIA}]
+points = {{ root = [0, 0, 0], tip = [{LEVER}, 0, 0] }}
+
+[[hinge_line]]
+name = "HL"
+inboard = "base"
+outboard = "bar"
+axis = "+y"
+aligned_angle = "90 deg"
+hinges = [{{ name = "hinge", inboard = "root", outboard = "root" }}]
+
+[[connection]]
+name = "pad"
+kind = "contact"
+structure = {{ normal = [1, 0, 0] }}
+ports = {{ inboard = {{ body = "base", point = "pad" }}, outboard = {{ body = "bar", point = "tip" }} }}
+parameters = {{ gap = 1e-3, reference_force = {STIFFNESS * 1e-3}, reference_penetration = 1e-3, exponent = 1 }}
+"""
+"""Folded along z, its tip 1 mm in the plane that it would strike across."""
+STEP = 1e-4
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    path = tmp_path_factory.mktemp("strikes") / "heavy_and_light.toml"
+    path.write_text(HEAVY_AND_LIGHT, encoding="utf-8")
+    return path
+
+
+def elbow_force(scene, tolerance):
+    """Largest force (N) at the hinge between both bodies, from where the light one strikes its stop."""
+    result = fanfold.simulate(scene, tolerance=tolerance, estimate=False)
+    return result.headline.hinge_force_peaks["elbow"]
+
+
+@pytest.mark.filterwarnings("ignore:.*has not latched", "ignore:.*no latch")
+def test_loads_of_a_light_body_that_strikes_are_resolved(scene):
+    """Convergence, to ten tolerances. Regression: steps over the pulse, 22 % too low."""
+    assert elbow_force(scene, 1e-3) == pytest.approx(elbow_force(scene, 1e-5), rel=1e-2)
+
+
+@pytest.mark.skipif(library() is None, reason="there is no C compiler")
+def test_steps_in_c_are_those_in_python(scene):
+    by_python, by_c = outcomes(load_scene(scene), Settings(tolerance=1e-3), 4.0)
+    assert_same(by_python, by_c)
+
+
+@pytest.mark.skipif(library() is None, reason="a scene as one FMU is native")
+def test_one_fmu_makes_the_same_steps(scene, tmp_path):
+    (path,) = fanfold.export(scene, tmp_path, as_one=True)
+    found = fanfold.simulate(scene, estimate=False)
+    host = Host(path).start().to(4.0, 0.05)
+    assert host["steps"] == pytest.approx(found.costs["steps"], abs=3)
+    peaks = {
+        number.of: number.value
+        for number in found.headline.numbers()
+        if number.quantity == "stop torque peak"
+    }
+    assert host["elbow_stop.stop_torque_peak"] == pytest.approx(peaks["elbow_stop"], rel=1e-5)
+
+
+def test_a_contact_has_the_inertia_of_what_strikes_it(tmp_path):
+    """Closed form: the root of stiffness times lever squared over the inertia about the hinge."""
+    path = tmp_path / "bar.toml"
+    path.write_text(BAR, encoding="utf-8")
+    assembly = assemble(load_scene(path))
+    network = Network(in_process(assembly.parts), assembly.links)
+    for body in network.bodies:
+        body.write()
+        body.read()
+    network.carry_motion()
+    for participant in network.by_name.values():
+        participant.initialize(0.0)
+        participant.read()
+    solver = solver_for(network, Tolerance(1e-8))
+    solver.save(0.0)
+    solver.linearize(0.0, STEP)
+    (pushing,) = slopes(solver, ["pad"], 0.0, STEP)
+    free = Slope(0.0 * pushing.step, 0.0 * pushing.long)
+    (stop,) = stiffenings(solver, ["pad"], [free], [pushing], STEP)
+    line = stiffened_line(solver, (stop,), STEP)
+    about_hinge = INERTIA + MASS * 0.4**2
+    assert (stop.first, stop.stiffness) == (0, pytest.approx(STIFFNESS, rel=1e-6))
+    assert line.frequency == pytest.approx(sqrt(STIFFNESS * LEVER**2 / about_hinge), rel=1e-2)
