@@ -17,10 +17,11 @@ ESTIMATED_ERRORS = "estimated_errors"
 MOST_TOLERANCES = 10.0
 """What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
+_OF_STOPS = "stop torque peak"
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
 _OF_VECTOR = 0.1
 """Of the largest error of a vector's components, that none of them is less than at the most."""
-PROMISED = (*OF_LATCHES, *_LOADS)
+PROMISED = (*OF_LATCHES, *_LOADS, _OF_STOPS)
 """Quantities that a run vouches for, or says that it does not."""
 
 
@@ -82,8 +83,9 @@ def doubts(
 ) -> list[str]:
     """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
 
-    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest;
-    by what the error may be at the most. refined: the smaller tolerance that the run took in the end, if it did.
+    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest, stops
+    beside the one that is struck the hardest; by what the error may be at the most. refined: the smaller tolerance that
+    the run took in the end, if it did.
     fixed_step: whether steps do not follow from the tolerance.
     """
     if tolerance is None:
@@ -105,7 +107,8 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
     """In words what is off, all components of a load at once, by the largest part, and of what it is one."""
     for quantity, of in shares:
         if quantity not in _LOADS:
-            yield f"the {quantity} of {of}", shares[quantity, of], "its size"
+            whole = "the largest of all stops" if quantity == _OF_STOPS else "its size"
+            yield f"the {quantity} of {of}", shares[quantity, of], whole
             continue
         components = [axis for load, axis in shares if load == quantity]
         if of == components[0]:
@@ -165,7 +168,8 @@ def _sizes(
     Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise.
     """
     largest = {
-        load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _LOADS
+        load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0)
+        for load in (*_LOADS, _OF_STOPS)
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:

@@ -20,6 +20,7 @@ from tests.references.random_bodies import Dice, Piece, Table, random_pieces, ro
 BODIES = (2, 6)
 STIFFNESS = (1e3, 1e9)
 LATCH_STIFFNESS = (1e2, 1e7)
+STOP_STIFFNESS = (1e2, 1e6)
 TOLERANCE = (1e-6, 1e-2)
 DEPLOYMENT_TIME = (1.5, 6.0)
 _UNTIL = 1.1
@@ -30,12 +31,17 @@ _LARGEST_BESIDE_FLEXIBLE = 6.0
 """N.m; some times the motors of the wings whose panels the catalogue has."""
 
 
-def random_wing(seed: int, bodies: tuple[int, int] = BODIES) -> Table:
-    """The tree of a valid scene with so few to so many bodies, always the same for a seed; SI units."""
+def random_wing(seed: int, bodies: tuple[int, int] = BODIES, *, stops: bool = False) -> Table:
+    """The tree of a valid scene with so few to so many bodies, always the same for a seed; SI units.
+
+    stops: with end stops in place of most latches, damped or not, and otherwise the same.
+    """
     dice = Dice(seed)
     pieces = random_pieces(dice, bodies)
     lines = [_line(dice, pieces, k) for k in range(len(pieces))]
     time = _motorise(dice, pieces, lines)
+    if stops:
+        _stop(Dice(seed), lines, np.diag(_inertias(pieces)).tolist())
     tree = {
         "scene": _header(dice, seed, time),
         "base": _base(dice, pieces[0]),
@@ -66,9 +72,9 @@ def _radians(angle: float) -> str:
     return f"{angle!r} rad"
 
 
-def load_wing(seed: int, bodies: tuple[int, int] = BODIES) -> CheckedScene:
-    """The wing of a seed as a checked scene."""
-    return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies))
+def load_wing(seed: int, bodies: tuple[int, int] = BODIES, *, stops: bool = False) -> CheckedScene:
+    """The wing of a seed as a checked scene, with latches or with end stops in place of most."""
+    return read_scene(f"random_wing_{seed}.toml", random_wing(seed, bodies, stops=stops))
 
 
 def toml_text(tree: Mapping[str, Any]) -> str:
@@ -179,6 +185,17 @@ def _motorise(dice: Dice, pieces: Sequence[Piece], lines: Sequence[Table]) -> fl
         if latch:
             line["latch"] = latch
     return time
+
+
+def _stop(dice: Dice, lines: Sequence[Table], inertias: Sequence[float]) -> None:
+    """End stops in place of most latches, of the first at least; their damping is a part of critical of its line."""
+    for line, inertia in zip(lines, inertias, strict=True):
+        if line is not lines[0] and dice.chance(0.4):
+            continue
+        line.pop("latch", None)
+        stiffness = dice.decades(*STOP_STIFFNESS)
+        damping = dice.pick(0.0, dice.decades(0.02, 1.0)) * 2.0 * sqrt(stiffness * inertia)
+        line["end_stop"] = {"stiffness": stiffness, "damping": rounded(damping)}
 
 
 def _harness(dice: Dice, torque: float, angle: float) -> Table:

@@ -1,8 +1,10 @@
 """Does the tolerance hold for wings that nobody tuned to? Random wings against runs at a hundredth of it.
 
-    python -m tests.benchmark.campaign [--wings 100] [--first 0] [--jobs 2] [--limit 120] [--tolerance T] [--out CSV]
+    python -m tests.benchmark.campaign [--wings 100] [--first 0] [--jobs 2] [--limit 120] [--tolerance T] [--stops]
+        [--out CSV]
 
-Every wing runs at a tolerance of its own, between 1e-2 and 1e-6, unless one is given for all. A line each: seed,
+Every wing runs at a tolerance of its own, between 1e-2 and 1e-6, unless one is given for all; with --stops they have
+end stops in place of most latches. A line each: seed,
 bodies, how many of them are flexible, whether the base is free, latches from the base outwards (spring, table,
 kinematic, none), tolerance, steps of both runs, largest error over tolerance by group, what went wrong. --limit is
 the processor time (s) of a run with its repetitions. Where it was repeated at a smaller tolerance, the reference is a
@@ -29,12 +31,13 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--limit", type=float, default=120.0)
     parser.add_argument("--tolerance", type=float)
+    parser.add_argument("--stops", action="store_true")
     parser.add_argument("--out", type=Path)
     chosen = parser.parse_args()
     trials = []
     print(HEAD)
     seeds = range(chosen.first, chosen.first + chosen.wings)
-    found = campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs)
+    found = campaign(seeds, chosen.tolerance, chosen.limit, chosen.jobs, stops=chosen.stops)
     with kept_in(chosen.out) as keep, suppress(KeyboardInterrupt):
         for trial in found:
             keep(trial)

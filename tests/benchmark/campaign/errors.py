@@ -13,7 +13,7 @@ from orchestrator.run.run import Outcome
 
 LATCH_TIME, IMPULSE, LATCH_TORQUE = "latch time", "latch impulse", "latch torque peak"
 LARGEST, LOCK = "largest latch torque peak", "lock torque peak"
-LOADS = ("interface force peak", "interface torque peak")
+LOADS = ("interface force peak", "interface torque peak", "stop torque peak")
 GROUPS = (LATCH_TIME, IMPULSE, LATCH_TORQUE, LARGEST, *LOADS)
 """What a run promises. Torques of locks between rigid bodies, which are the lock's own, are told beside them."""
 ESTIMATE_FACTOR = 5.0
@@ -50,8 +50,8 @@ def _estimates(found: Outcome) -> Mapping[Key, EstimatedError]:
 def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
     """Every number of either run against that of the reference; inf where only one of the two has it.
 
-    Latch times, impulses and torques are taken relative to their own values, components of a load relative to the
-    largest of its components; those that are round-off beside it are left out.
+    Latch times, impulses and torques are taken relative to their own values, components of a load and torques of stops
+    relative to the largest of them; those that are round-off beside it are left out.
     """
     ours, true = _numbers(found.headline), _numbers(reference.headline)
     estimates = _estimates(found)

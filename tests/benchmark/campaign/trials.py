@@ -41,7 +41,7 @@ from tests.references.random_wings import BODIES, load_wing
 REFERENCES = (0.01, 0.1)
 """Tolerances of the reference over that of the run: what is wanted, and what replaces it where it fails."""
 COLUMNS = {
-    **dict(zip(GROUPS, ("time", "impulse", "torque", "largest", "force", "moment"), strict=True)),
+    **dict(zip(GROUPS, ("time", "impulse", "torque", "largest", "force", "moment", "stop"), strict=True)),
     LOCK: "lock",
 }
 
@@ -110,10 +110,15 @@ def _attempt(
 
 
 def try_wing(
-    seed: int, tolerance: float | None = None, limit: float = 120.0, bodies: tuple[int, int] = BODIES
+    seed: int,
+    tolerance: float | None = None,
+    limit: float = 120.0,
+    bodies: tuple[int, int] = BODIES,
+    *,
+    stops: bool = False,
 ) -> Trial:
     """Run the wing of a seed, and its reference; at the wing's own tolerance unless one is given."""
-    scene = load_wing(seed, bodies)
+    scene = load_wing(seed, bodies, stops=stops)
     flexible = {body.name: body.default_fidelity != "rigid" for body in scene.bodies}
     kinds = {line.name: line_latch(scene, line, flexible, "mean").kind for line in scene.hinge_lines}
     wanted = tolerance or scene.header.tolerance
@@ -157,10 +162,10 @@ def _settled(
 
 
 def campaign(
-    seeds: Sequence[int], tolerance: float | None, limit: float, jobs: int
+    seeds: Sequence[int], tolerance: float | None, limit: float, jobs: int, *, stops: bool = False
 ) -> Generator[Trial, None, None]:
-    """All wings, in the order of their seeds, so many at a time."""
-    work = partial(try_wing, tolerance=tolerance, limit=limit)
+    """All wings, in the order of their seeds, so many at a time; with end stops in place of most latches or not."""
+    work = partial(try_wing, tolerance=tolerance, limit=limit, stops=stops)
     pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"))
     try:
         yield from pool.map(work, seeds)

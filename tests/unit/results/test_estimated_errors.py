@@ -167,6 +167,16 @@ def test_doubts_name_what_is_off_by_ten_tolerances():
     assert doubts(numbers, errors, None) == []
 
 
+def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
+    """Convention: 2 % of the largest; one that is touched with a hundredth of that may be off by half of it."""
+    hard, soft = ("stop torque peak", "root_stop"), ("stop torque peak", "tip_stop")
+    errors = {hard: EstimatedError(40.0, 80.0), soft: EstimatedError(5.0, 20.0)}
+    (sentence,) = doubts([(hard, 4000.0), (soft, 40.0)], errors, 1e-3)
+    assert sentence.startswith(
+        "the stop torque peak of root_stop may be off by 0.02 of the largest of all stops"
+    )
+
+
 def test_components_of_a_load_are_doubted_in_one_sentence():
     """Rule: a component that is nothing has no size of its own that it could be off by."""
     load = "interface force peak"
