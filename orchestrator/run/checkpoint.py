@@ -22,7 +22,7 @@ from ..cosim.implicit.snapshot import Snapshot
 from ..results.result_file import Place
 from .errors import RunError
 
-_FORMAT = 4
+_FORMAT = 5
 _DAMAGES = (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile)
 """What NumPy, JSON and ZIP raise of files whose bytes are not what they should be."""
 

@@ -594,7 +594,7 @@ static int read_names(Assembly *a, const Data *data, Memory *memory, Reason *why
 
 /* Numbers of the master, in the order of their structures. */
 static int read_settings(Assembly *a, const Data *data, Reason *why) {
-    enum { NETWORK = 5, OF_LIMITS = 16, OF_RULES = 20, OF_MASTER = 4 };
+    enum { NETWORK = 5, OF_LIMITS = 17, OF_RULES = 20, OF_MASTER = 4 };
     Master *m = &a->master;
     Network *n = &m->network;
     const double *sizes = data_array(data, "network", NETWORK, why), *limit = data_array(data, "limits", OF_LIMITS, why);
@@ -610,7 +610,8 @@ static int read_settings(Assembly *a, const Data *data, Reason *why) {
     if (n->bodies > n->participants) return refuse(why, "the assembly's network is damaged");
     Limits *of = &n->limits;
     double *plain[] = {&of->slow,     &of->diverged, &of->steepest, &of->round_off, &of->near,
-                       &of->credible, &of->agreed,   &of->overshot, &of->rough,     &of->least_reach};
+                       &of->credible, &of->agreed,   &of->overshot, &of->rough,     &of->least_reach,
+                       &of->no_load};
     const size_t numbers = sizeof plain / sizeof *plain;
     size_t *whole[] = {&of->patience, &of->most, &of->halvings, of->refreshed, of->refreshed + 1, of->refreshed + 2};
     for (size_t i = 0; i < numbers; i++) *plain[i] = limit[i];

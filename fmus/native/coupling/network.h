@@ -16,9 +16,11 @@ typedef struct {
     const double *matrix, *axes;
 } JacobianBlock;
 
-/* Numbers of the iteration, see cosim/implicit/convergence.py; refreshed: iterations that may refresh matrices. */
+/* Numbers of the iteration, see cosim/implicit/convergence.py; no_load: see
+   cosim/implicit/local_error.py; refreshed: iterations that may refresh matrices. */
 typedef struct {
-    double slow, diverged, steepest, round_off, near, credible, agreed, overshot, rough, least_reach;
+    double slow, diverged, steepest, round_off, near, credible, agreed, overshot, rough, least_reach,
+        no_load;
     size_t patience, most, halvings, refreshed[3];
 } Limits;
 

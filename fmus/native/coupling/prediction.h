@@ -91,8 +91,6 @@ static double noise_work(Network *n) {
     return total;
 }
 
-#define NO_LOAD 1e-6
-
 /* Square of the part of a watched load that bends over a step, over what its energy makes of it; gain: how much errors
    that solutions leave grow in it. All of it bends in a step that strikes: steps before tell nothing of it, and by
    chance a bend that is no more than a part of a jump. */
@@ -106,7 +104,7 @@ static double watched_square(const Network *n, const Watched *w, double h, doubl
         now += along * n->wrenches[w->row + i];
         noise = fmax(noise, n->noise[w->row + i]);
     }
-    if (fabs(before) <= NO_LOAD * fabs(now)) load = fmax(fabs(load), fabs(now));
+    if (fabs(before) <= n->limits.no_load * fabs(now)) load = fmax(fabs(load), fabs(now));
     return w->weight * h * h * fmax(0.0, load * load - gain * gain * noise * noise);
 }
 

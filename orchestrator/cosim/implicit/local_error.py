@@ -18,7 +18,8 @@ from .convergence import noise
 from .history import Bend
 from .interface_jacobian import first_port_axes
 
-_NO_LOAD = 1e-6
+NO_LOAD = 1e-6
+"""Of the load of a step: what was less than this in the step before was none."""
 
 
 class WatchedLoad(NamedTuple):
@@ -102,6 +103,6 @@ def _watched_square(
     rows = slice(w.row, w.row + 3)
     load, unknown = float(along @ bend.change[rows]), bend.gain * float(left[rows].max())
     before, now = (abs(float(along @ wrenches[rows])) for wrenches in loads)
-    if before <= _NO_LOAD * now:
+    if before <= NO_LOAD * now:
         load = max(abs(load), now)
     return w.weight * h * h * max(0.0, load**2 - unknown**2)

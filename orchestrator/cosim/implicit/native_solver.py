@@ -20,7 +20,7 @@ from .convergence import LAST_REFRESHED, Solution, Tolerance
 from .elimination import eliminate
 from .history import Table
 from .interface_jacobian import Key, Matrices
-from .local_error import WatchedLoad
+from .local_error import NO_LOAD, WatchedLoad
 from .solver import Solver
 
 _LIMITS = Limits(
@@ -34,6 +34,7 @@ _LIMITS = Limits(
     convergence.OVERSHOT,
     convergence.ROUGH,
     convergence.LEAST_REACH,
+    NO_LOAD,
     convergence.PATIENCE,
     convergence.MAX_ITERATIONS,
     convergence.HALVINGS,

@@ -25,6 +25,7 @@ from ...cosim.events.breaks import is_hold_down, place_of_break
 from ...cosim.events.strikes import penetrations
 from ...cosim.implicit import convergence
 from ...cosim.implicit.elimination import eliminate
+from ...cosim.implicit.local_error import NO_LOAD
 from ...cosim.native.fields import constant
 from ...cosim.network import Network
 from ...cosim.participant import Participant
@@ -140,6 +141,7 @@ def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[st
             convergence.OVERSHOT,
             convergence.ROUGH,
             convergence.LEAST_REACH,
+            NO_LOAD,
             convergence.PATIENCE,
             convergence.MAX_ITERATIONS,
             convergence.HALVINGS,
