@@ -84,14 +84,18 @@ def _attempt(
     assembly: Assembly, tolerance: float, limit: float, path: Path, *, estimated: bool = False
 ) -> Outcome | str:
     """A run, or the sentence it failed with; a fault of the program is told by its type."""
-    start = process_time()
+    start, among = process_time(), ""
 
     def watch(time: float, h: float) -> None:
         if process_time() - start > limit:
-            raise _TooLong(f"takes more than {limit:g} s, is at t = {time:.4g} s with steps of {h:.1e} s")
+            raise _TooLong(
+                f"takes more than {limit:g} s{among}, is at t = {time:.4g} s with steps of {h:.1e} s"
+            )
 
     @contextmanager
     def progress(_: str, __: float) -> Iterator[Watch]:
+        nonlocal among
+        among = " with its repetition"
         yield watch
 
     try:
