@@ -6,7 +6,7 @@ stepping allocates nothing on the master's side.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -116,6 +116,15 @@ class Participant(Protocol):
 
     def close(self) -> None:
         """Free what it holds."""
+
+
+def first_observations(participants: Iterable[Participant]) -> dict[str, int]:
+    """Where the observations of each begin, by its name, in those of all, one's after the other's."""
+    firsts, first = {}, 0
+    for participant in participants:
+        firsts[participant.name] = first
+        first += participant.observation_layout.size
+    return firsts
 
 
 class InProcess:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
@@ -64,15 +63,21 @@ def list_scenes() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in _scene_folder().glob("*.toml")))
 
 
+def _is_file(path: Path) -> bool:
+    """Whether there is one, also of a name that no file can have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
+
+
 def find_scene(name_or_path: str) -> Path:
     """The file of a named scene or at a path; SceneError if there is neither."""
-    with suppress(OSError):  # no name that a file can have
-        for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
-            if path.is_file():
-                return path
-    known, file, meant = ", ".join(list_scenes()), f"{name_or_path}.toml", ""
-    with suppress(OSError):
-        meant = f"; did you mean {file}" if Path(file).is_file() else ""
+    for path in (_scene_folder() / f"{name_or_path}.toml", Path(name_or_path)):
+        if _is_file(path):
+            return path
+    known, file = ", ".join(list_scenes()), f"{name_or_path}.toml"
+    meant = f"; did you mean {file}" if _is_file(Path(file)) else ""
     raise SceneError([f"there is no scene and no file {name_or_path!r}{meant}; scenes are {known}"])
 
 

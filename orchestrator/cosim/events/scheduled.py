@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import inf
 
-import numpy as np
-
 from components.contract.roles import FAILURE_COMMAND, RELEASE_COMMAND
 
 from ...assembly import Event
-from ..participant import Participant, Vector
+from ..participant import Participant, Vector, first_observations
 
 _REACHED = 1e-9  # s, what sums of step sizes may leave
 
@@ -29,8 +27,7 @@ class ScheduledEvents:
         self.happened: list[str] = []
         self._participants: Mapping[str, Participant] = {p.name: p for p in participants}
         self._observations = observations
-        sizes = [p.observation_layout.size for p in participants]
-        firsts = dict(zip(self._participants, np.cumsum([0, *sizes]).tolist(), strict=False))
+        firsts = first_observations(participants)
         self._places = {
             event.name: firsts[c.part]
             + self._participants[c.part].observation_layout[c.variable].start

@@ -8,7 +8,7 @@ import numpy as np
 
 from components.contract.roles import PENETRATION
 
-from ..participant import Participant, Vector
+from ..participant import Participant, Vector, first_observations
 
 
 class Strikes:
@@ -43,10 +43,9 @@ class Strikes:
 
 def penetrations(participants: Sequence[Participant]) -> Iterator[tuple[str, int]]:
     """Names of those that declare one, and its place among the observations of all, one's after the other's."""
-    first = 0
+    firsts = first_observations(participants)
     for participant in participants:
         layout = participant.observation_layout
         for quantity in layout.quantities:
             if quantity.role == PENETRATION:
-                yield participant.name, first + layout[quantity.name].start
-        first += layout.size
+                yield participant.name, firsts[participant.name] + layout[quantity.name].start

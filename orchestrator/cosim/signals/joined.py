@@ -10,7 +10,7 @@ import numpy as np
 from components import Quantity
 
 from ...assembly import Signal, SignalFmu
-from ..participant import Participant, ParticipantError, Vector
+from ..participant import Participant, ParticipantError, Vector, first_observations
 from .process import SignalProcess
 
 Target = tuple[str, str]
@@ -43,8 +43,7 @@ class Participants:
 
     def __init__(self, participants: Sequence[Participant], observations: Vector) -> None:
         self._by_name = {p.name: p for p in participants}
-        sizes = [p.observation_layout.size for p in participants]
-        self._firsts = dict(zip(self._by_name, np.cumsum([0, *sizes]).tolist(), strict=False))
+        self._firsts = first_observations(participants)
         self._observations = observations
         self._parameters: dict[Target, Vector] = {}
         self._left: set[Target] = set()

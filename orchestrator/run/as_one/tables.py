@@ -28,7 +28,7 @@ from ...cosim.implicit.elimination import eliminate
 from ...cosim.implicit.local_error import NO_LOAD
 from ...cosim.native.fields import constant
 from ...cosim.network import Network
-from ...cosim.participant import Participant
+from ...cosim.participant import Participant, first_observations
 from ...cosim.ports import Order, carried
 from ...cosim.rows import Rows
 from ...cosim.settings import Settings
@@ -265,14 +265,14 @@ def _line(line: HingeLine, number: Mapping[str, int]) -> list[int]:
 def _events(
     network: Network, events: Sequence[Event], lines: Sequence[str], number: Mapping[str, int]
 ) -> dict[str, ArrayLike]:
-    firsts = np.cumsum([0, *(p.observation_layout.size for p in network.participants)])
+    firsts = first_observations(network.participants)
     numbers, values = [len(events)], []
     for event in events:
         condition, place = event.condition, 0
         values += [nan if event.time is None else event.time, 0.0, 1.0]
         if condition is not None:
             part = network.by_name[condition.part]
-            place = int(firsts[number[condition.part]])
+            place = firsts[condition.part]
             place += part.observation_layout[condition.variable].start + condition.index
             size = max(1.0, abs(condition.value))
             values[-2:] = [condition.value, size if condition.rising else -size]

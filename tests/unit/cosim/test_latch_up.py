@@ -14,6 +14,7 @@ from orchestrator.cosim.latch_up import slopes, stiffened_line, stiffenings
 from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from tests.benchmark.stability import LATCH_RATE, panel_data, panel_scene
+from tests.unit.cosim.networks import start
 
 LATCH, DAMPING, STEP = 2e3, 40.0, 5e-3
 HINGES = ("left_hinge", "right_hinge")
@@ -28,13 +29,7 @@ def at_latch_up(joint):
         if part.kind == "hinge":
             part.start["latch_damping"] = 0.5 * DAMPING
     network = Network(in_process(parts), links)
-    for body in network.bodies:
-        body.write()
-        body.read()
-    network.carry_motion()
-    for participant in network.by_name.values():
-        participant.initialize(0.0)
-        participant.read()
+    start(network)
     solver = solver_for(network, Tolerance(1e-8))
     solver.save(0.0)
     solver.linearize(0.0, STEP)

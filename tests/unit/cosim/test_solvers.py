@@ -34,6 +34,7 @@ from orchestrator.run.run import as_fmus, run
 from orchestrator.scene import find_scene, load_scene
 from orchestrator.scene.builder import Scene
 from tests.unit.cosim.faulty import FaultyDamper
+from tests.unit.cosim.networks import start
 
 pytestmark = pytest.mark.skipif(library() is None, reason="no C compiler built the native solver")
 needs_native = pytest.mark.skipif(native_library() is None, reason="no C compiler built the native FMUs")
@@ -239,17 +240,6 @@ def test_tree_of_chains_has_no_fill():
 
 def wing():
     return assemble(load_scene(find_scene("amos3")), rigid={"all"})
-
-
-def start(network):
-    """Bring the participants to t = 0."""
-    for body in network.bodies:
-        body.write()
-        body.read()
-    network.carry_motion()
-    for participant in network.participants:
-        participant.initialize(0.0)
-        participant.read()
 
 
 @needs_native

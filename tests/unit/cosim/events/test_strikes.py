@@ -16,6 +16,7 @@ from orchestrator.cosim.network import Network
 from orchestrator.cosim.participant import in_process
 from orchestrator.cosim.settings import Settings
 from orchestrator.scene import load_scene
+from tests.unit.cosim.networks import start
 from tests.unit.cosim.test_compiled_master import assert_same, outcomes
 from tests.unit.run.as_one.host import Host
 
@@ -157,13 +158,7 @@ def test_a_contact_has_the_inertia_of_what_strikes_it(tmp_path):
     path.write_text(BAR, encoding="utf-8")
     assembly = assemble(load_scene(path))
     network = Network(in_process(assembly.parts), assembly.links)
-    for body in network.bodies:
-        body.write()
-        body.read()
-    network.carry_motion()
-    for participant in network.by_name.values():
-        participant.initialize(0.0)
-        participant.read()
+    start(network)
     solver = solver_for(network, Tolerance(1e-8))
     solver.save(0.0)
     solver.linearize(0.0, STEP)
