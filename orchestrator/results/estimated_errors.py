@@ -93,14 +93,21 @@ def doubts(
     advice = f"a smaller {'step' if fixed_step else 'tolerance'} makes it surer"
     if refined is not None:
         advice = f"a run at {refined:.2g} made it no surer than that"
-    shares: dict[Key, float] = {}
-    for (quantity, of), size in _sizes(numbers, errors):
-        if errors[quantity, of].most > MOST_TOLERANCES * tolerance * size:
-            shares[quantity, of] = errors[quantity, of].most / size
     return [
         f"{subject} may be off by {share:.1g} of {whole}, more than ten times the tolerance of {tolerance:g}; {advice}"
-        for subject, share, whole in _together(shares)
+        for subject, share, whole in _together(doubtful(numbers, errors, tolerance))
     ]
+
+
+def doubtful(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float
+) -> dict[Key, float]:
+    """The numbers that cannot be vouched for to ten tolerances, and what they may be off by at the most.
+
+    As a share of what each is judged by, see `doubts`.
+    """
+    shares = _shares(numbers, errors, PROMISED)
+    return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
 
 
 def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:

@@ -3,9 +3,9 @@
 A tolerance bounds what each step adds; what becomes of it is the scene's: a line that turns faster and faster
 towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
 them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall by that, a last run
-takes the smallest tolerance; where that does not help either, as where the motion is chaotic, the result says which
-numbers nobody can vouch for. Latch-ups, which size hinges, are held to what their errors may be at the most, loads
-to what is likely.
+takes a hundredth of the tolerance; where that does not help either, as where the motion is chaotic, the result says
+which numbers nobody can vouch for. Latch-ups, which size hinges, are held to what their errors may be at the most,
+loads to what is likely.
 """
 
 from __future__ import annotations
@@ -40,8 +40,9 @@ from .run import Loader, Outcome, RunError, as_fmus, run
 _AIM = 3.0
 """What an error may be at the most after a repetition, in tolerances."""
 _PER_DECADE = 5.0
-_MOST = 0.01
-"""Smallest part of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds."""
+_LEAST, _LEAST_FALLING = 0.01, 0.001
+"""Smallest parts of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds: of
+any, and of one whose errors have fallen as they should, where another decade is known to help."""
 _COSTLIEST = 50
 """Times the steps of the run before that a repetition may take: ten follow from the tolerance, others from ringing."""
 _UNTOLD = 1e4
@@ -70,8 +71,8 @@ def refined(
     asked = settings.tolerance
     error = error_in_tolerances(outcome, asked)
     given = settings.fixed_step is not None or settings.step_plan is not None
-    repeat, target = not given and is_too_uncertain(outcome, asked), error.most
-    while repeat and (tolerance := smaller_tolerance(settings.tolerance, target, asked)) < settings.tolerance:
+    repeat, target, least = not given and is_too_uncertain(outcome, asked), error.most, _LEAST * asked
+    while repeat and (tolerance := smaller_tolerance(settings.tolerance, target, least)) < settings.tolerance:
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
         warn(_sentence(assembly.name, outcome, asked, tolerance))
         try:
@@ -87,6 +88,7 @@ def refined(
         falls = error.most <= _FALLING * before.most
         repeat = is_too_uncertain(outcome, asked) or (falls and error.most > MOST_TOLERANCES)
         target = error.most if falls else _BEYOND
+        least = (_LEAST_FALLING if falls else _LEAST) * asked
     return outcome, settings
 
 
@@ -108,10 +110,10 @@ def _numbers(outcome: Outcome) -> list[tuple[Key, float]]:
     return [(number.key, number.value) for number in outcome.headline.numbers()]
 
 
-def smaller_tolerance(tolerance: float, error: float, asked: float | None = None) -> float:
-    """Where a run of a tolerance should be that may be off by so many of those asked for, the first if not given."""
+def smaller_tolerance(tolerance: float, error: float, least: float) -> float:
+    """Where a run of a tolerance should be that may be off by so many of those asked for, not below the least."""
     part = 0.1 if not isfinite(error) else 10.0 ** -(log(error / _AIM) / log(_PER_DECADE))
-    return max(TOLERANCES[0], _MOST * (asked or tolerance), tolerance * part)
+    return max(TOLERANCES[0], least, tolerance * part)
 
 
 class _Bounded:

@@ -6,7 +6,14 @@ from collections.abc import Collection, Iterator, Mapping
 from math import inf
 from typing import NamedTuple
 
-from orchestrator.results.estimated_errors import EstimatedError, Key, estimated_errors, round_off_of_loads
+from orchestrator.results.energy_ledger import tolerance_asked
+from orchestrator.results.estimated_errors import (
+    EstimatedError,
+    Key,
+    doubtful,
+    estimated_errors,
+    round_off_of_loads,
+)
 from orchestrator.results.key_figures import Headline
 from orchestrator.results.round_off import noise_floor
 from orchestrator.run.run import Outcome
@@ -60,16 +67,17 @@ def deviations(found: Outcome, reference: Outcome) -> list[Deviation]:
         for quantity, of in sorted({*ours, *true})
         if not _is_round_off((quantity, of), true)
     ]
+    told = _doubtful(found, estimates)
     return [
-        d._replace(told=_is_told(d, found.headline.warnings))
+        d._replace(told=(LATCH_TORQUE if d.group == LARGEST else d.group, d.of) in told)
         for d in (*single, *_largest(ours, true, estimates))
     ]
 
 
-def _is_told(deviation: Deviation, warnings: Collection[str]) -> bool:
-    quantity = LATCH_TORQUE if deviation.group == LARGEST else deviation.group
-    beginnings = f"the {quantity} of {deviation.of} may be off", "no headline number can be vouched for"
-    return any(sentence.startswith(beginnings) for sentence in warnings)
+def _doubtful(found: Outcome, estimates: Mapping[Key, EstimatedError]) -> Collection[Key]:
+    """Numbers that a run says it does not vouch for."""
+    numbers = [(number.key, number.value) for number in found.headline.numbers()]
+    return doubtful(numbers, estimates, tolerance_asked(found.result) or inf)
 
 
 def _numbers(found: Headline) -> dict[Key, float]:
