@@ -35,5 +35,7 @@ def stop_parts(line: HingeLine, mode: WrenchMode) -> Iterator[Part]:
         "aligned_angle": line.aligned_angle,
         "stowed_angle": line.initial_angle,
     }
+    if line.end_stop.full_damping_penetration is not None:
+        start["full_damping_penetration"] = line.end_stop.full_damping_penetration
     for hinge in line.hinges:
         yield Part(hinge.name + OF_HINGE, EndStop.kind, {"axis": line.axis, "wrench_mode": mode}, start)

@@ -20,6 +20,7 @@ from .units import (
     Arm,
     FrictionTorque,
     MomentOfInertia,
+    PositiveAngle,
     PositiveFrequency,
     PositiveRatio,
     Radius,
@@ -315,6 +316,8 @@ class EndStop(Table):
     """Total of the line's hinges."""
     damping: TurningDamping = 0.0
     """Total of the line's hinges."""
+    full_damping_penetration: PositiveAngle | None = None
+    """Angle beyond the stop's from which damping is full; by default 1 mrad, up to which it rises from nothing."""
 
 
 class HingeLine(Table):

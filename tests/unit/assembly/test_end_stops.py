@@ -50,6 +50,22 @@ def test_stiffness_is_that_of_the_line():
     assert result.warnings == ()
 
 
+@pytest.mark.parametrize(("keys", "full"), [({}, 1e-3), ({"full_damping_penetration": "0.005 rad"}, 5e-3)])
+def test_damping_rises_over_an_angle(keys, full):
+    """Closed form: the torque of an instant is k d + c rate s(d / full), with the cubic step s of the handbook."""
+    scene, base, panel = one_panel("one_panel", until=0.5)
+    scene.hinge_line(
+        "HL", base, panel, axis="+y", aligned_angle="90 deg", start_angle="89.9 deg", hinges={"hinge": "root"},
+        motor={"stowed": "20 N.m", "deployed": "20 N.m"}, end_stop={"stiffness": 2e4, "damping": 300.0, **keys},
+    )  # fmt: skip
+    result = fanfold.simulate(scene, tolerance=1e-4, estimate=False)
+    depth, rate = result["hinge_stop", "penetration"][:], result["hinge_stop", "angular_rate"][:]
+    part = np.clip(depth / full, 0.0, 1.0)
+    law = np.where(depth > 0.0, 2e4 * depth + 300.0 * rate * (3.0 - 2.0 * part) * part**2, 0.0)
+    torque = result["hinge_stop", "stop_torque"][:]
+    assert torque == pytest.approx(np.maximum(law, 0.0), abs=1e-2 * law.max())
+
+
 @pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
 @pytest.mark.filterwarnings("ignore:middle_line has no latch and passed")  # told, too
 def test_a_line_without_one_is_told_when_it_passes(tmp_path):
