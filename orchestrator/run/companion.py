@@ -5,9 +5,9 @@ it differs by is 2^n - 1 times the error of the run where the error goes with th
 the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
 of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
 difference, and half as much again at order 4. Where both numbers are near each other by chance, the rows around them
-differ by more (`near_peaks`), and where ringing is not resolved, the rows of the run itself tell what both miss alike
-(`step_ends`). Where steps twice as long do not lead to the end, or to loads beyond all measure, a companion of half
-the steps tells instead, at twice the cost.
+differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss alike
+(`step_ends`), and where steps damp it, how it fades in both (`lost_ringing`). Where steps twice as long do not lead to
+the end, or to loads beyond all measure, a companion of half the steps tells instead, at twice the cost.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from math import sqrt
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
+from ..results.error_sources.lost_ringing import lost_ringing
 from ..results.error_sources.near_peaks import differences_near
 from ..results.error_sources.step_ends import errors_of_step_ends, larger, promised_peaks
 from ..results.estimated_errors import (
@@ -106,9 +107,10 @@ def _errors(
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in companion.headline.numbers()}
     peaks = list(promised_peaks(told.result))
-    by_rows, near = (
+    by_rows, near, lost = (
         errors_of_step_ends(told.result, peaks),
         differences_near(told.result, peaks, companion.result),
+        lost_ringing(told.result, peaks, companion.result),
     )
     locked = told.headline.latch_impulses
     in_locks = {hinge for line in told.result.hinge_lines if line.name in locked for hinge in line.hinges}
@@ -122,7 +124,11 @@ def _errors(
     widest = {key: max(d, min(near.get(key, 0.0), _BY_CHANCE * d)) for key, d in found.items()}
     return beside_their_vector(
         {
-            key: larger(EstimatedError(share.likely * d, share.most * d), by_rows.get(key), at_least.get(key))
+            key: larger(
+                EstimatedError(share.likely * d, max(share.most * d, lost.get(key, 0.0))),
+                by_rows.get(key),
+                at_least.get(key),
+            )
             for key, d in widest.items()
         }
     )

@@ -23,7 +23,8 @@ from ..lines.latch_impulse import latch_impulse
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 
-_LOADS = {"N": "interface force peak", "N.m": "interface torque peak"}
+INTERFACE_PEAKS = {"N": "interface force peak", "N.m": "interface torque peak"}
+"""Promised quantities of loads on the spacecraft, by unit."""
 _OF_SAMPLING, _OF_RATES = 1.0 / 15.0, 0.25
 """Likely shares of what half the samples change, as a cubic through all errs by a sixteenth of what theirs does, and of
 what a rate changes: between that of second order and, where it rings, all of it."""
@@ -134,7 +135,7 @@ def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
         if line.name in times and latch_impulse(result, line, times[line.name]) is None:
             yield ("latch torque peak", line.name), line_latch_torque(result, line)
     for load in result.in_role(INTERFACE_LOAD):
-        if quantity := _LOADS.get(result.unit(*load)):
+        if quantity := INTERFACE_PEAKS.get(result.unit(*load)):
             yield from (((quantity, axis), v) for axis, v in zip("xyz", result.signal(*load).T, strict=True))
 
 

@@ -1,0 +1,122 @@
+"""How far beyond a peak of a load a ringing reaches that the steps of a run have damped, and nothing else.
+
+Joints without damping ring to the end of a run once a motor or a latch has stirred them. Steps that are some part of a
+swing damp them within hundreds of swings, a companion with steps twice as long within far fewer; once it has gone, both
+take long steps and tell the same peak without it. What joints, friction or latches damp fades in both alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..estimated_errors import Key
+from ..key_figures import jumps
+from ..result import Result, Vector
+from ..signal import EVENT_WIDTH
+from .step_ends import INTERFACE_PEAKS, Peaks, promised_peaks
+
+_FADED, _LASTING = 0.5, 8
+"""Part of a ringing that is left when its fading is told apart, and swings at least that it has lasted until then."""
+_ALIKE = 0.5
+"""Part of what a run has left of it then, of which a companion has less where steps are what damps it."""
+_PERIODS = 2.0
+"""Times, either way, by which half periods of one ringing differ as rows tell them; twice that for a companion."""
+_TOUCHED = 0.1
+"""Part of a ringing that a component's peak is at least, where it may turn into it: out of its plane it does not."""
+_AROUND = 4.0
+"""Half periods on either side of an instant in which a ringing has a swing."""
+
+
+class _Swings(NamedTuple):
+    """From one extreme of a signal to the next (n,): when and in which row it ends, half a period (s), amplitude."""
+
+    time: Vector
+    row: NDArray[np.intp]
+    half_period: Vector
+    amplitude: Vector
+
+    @classmethod
+    def of(cls, time: Vector, values: Vector) -> _Swings:
+        """Those of a signal (N,) that is smooth; times count from its first row."""
+        change = np.sign(np.diff(values))
+        moving = np.flatnonzero(change)
+        turns = moving[1:][np.diff(change[moving]) != 0.0]
+        at = time[turns] - time[0]
+        return cls(at[1:], turns[1:], np.diff(at), 0.5 * np.abs(np.diff(values[turns])))
+
+    def among(self, chosen: NDArray[np.bool_]) -> _Swings:
+        """Some of them."""
+        return _Swings(self.time[chosen], self.row[chosen], self.half_period[chosen], self.amplitude[chosen])
+
+    def like(self, half_period: float, times: float) -> _Swings:
+        """Those of a ringing with a half period, within so many times of it."""
+        return self.among((self.half_period > half_period / times) & (self.half_period < half_period * times))
+
+
+def lost_ringing(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
+    """By how much promised interface peaks of one result (N, N.m) would be passed by ringing that its steps damped.
+
+    peaks: of one. other: a run with every two of its steps as one. Ringing counts from where it is strongest; where it
+    is lost, later steps are longer than half of its period.
+    """
+    theirs = dict(promised_peaks(other))
+    found: dict[Key, float] = {}
+    for quantity in INTERFACE_PEAKS.values():
+        loads = {key: values for key, values in peaks if key[0] == quantity and key in theirs}
+        for key, values in loads.items():
+            for row, half_period, amplitude in _damped_by_steps(one, values, other, theirs[key]):
+                later = _longer_steps(one.time, row, half_period)
+                for beside, load in loads.items():
+                    peak = float(np.abs(load).max())
+                    if peak >= _TOUCHED * amplitude:
+                        beyond = float(np.abs(load[later]).max()) + amplitude - peak
+                        found[beside] = max(found.get(beside, 0.0), beyond)
+    return found
+
+
+def _damped_by_steps(
+    one: Result, ours: Vector, other: Result, theirs: Vector
+) -> Iterator[tuple[int, float, float]]:
+    """Row, half period (s) and amplitude of what rings strongest after each event, where steps alone damp it."""
+    longest = np.maximum.accumulate(_steps(one.time)[::-1])[::-1]
+    for mine, its in zip(_segments(one), _segments(other), strict=False):
+        swings = _Swings.of(one.time[mine], ours[mine])
+        lost = swings.among(longest[mine][swings.row] > swings.half_period)
+        if not lost.time.size:
+            continue
+        top = int(np.argmax(lost.amplitude))
+        start, half_period, amplitude = (
+            float(column[top]) for column in (lost.time, lost.half_period, lost.amplitude)
+        )
+        alike = swings.like(half_period, _PERIODS)
+        lasting = alike.among((alike.time >= start) & (alike.amplitude >= _FADED * amplitude))
+        faded = float(lasting.time[-1])
+        if faded - start < _LASTING * half_period:
+            continue
+        companion = _Swings.of(other.time[its], theirs[its]).like(half_period, 2.0 * _PERIODS)
+        near = companion.among(np.abs(companion.time - faded) <= _AROUND * half_period)
+        if near.amplitude.max(initial=0.0) < _ALIKE * lasting.amplitude[-1]:
+            yield mine.start + int(lost.row[top]), half_period, amplitude
+
+
+def _longer_steps(time: Vector, row: int, half_period: float) -> NDArray[np.intp]:
+    """Rows after one that a step longer than half a period ends at or begins with."""
+    return row + 1 + np.flatnonzero(_steps(time)[row + 1 :] > half_period)
+
+
+def _steps(time: Vector) -> Vector:
+    """The longer one of both steps beside each row."""
+    steps = np.diff(time, prepend=time[0], append=time[-1])
+    return np.maximum(steps[:-1], steps[1:])
+
+
+def _segments(result: Result) -> Sequence[slice]:
+    """Rows between events, at which a load jumps."""
+    of = np.searchsorted(sorted(jumps(result)), result.time + EVENT_WIDTH, side="right")
+    starts = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), result.time.size]
+    return [slice(a, b) for a, b in pairwise(starts)]
