@@ -26,8 +26,7 @@ _ALIKE = 0.5
 """Part of what a run has left of it then, of which a companion has less where steps are what damps it."""
 _PERIODS = 2.0
 """Times, either way, by which half periods of one ringing differ as rows tell them; twice that for a companion."""
-_TOUCHED = 0.1
-"""Part of a ringing that a component's peak is at least, where it may turn into it: out of its plane it does not."""
+_AXES = "xyz"
 _AROUND = 4.0
 """Half periods on either side of an instant in which a ringing has a swing."""
 
@@ -62,27 +61,27 @@ def lost_ringing(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
     """By how much promised interface peaks of one result (N, N.m) would be passed by ringing that its steps damped.
 
     peaks: of one. other: a run with every two of its steps as one. Ringing counts from where it is strongest; where it
-    is lost, later steps are longer than half of its period.
+    is lost, later steps are longer than half of its period. By then lines may have turned it into other components.
     """
     theirs = dict(promised_peaks(other))
     found: dict[Key, float] = {}
+    turned = _turned(one)
     for quantity in INTERFACE_PEAKS.values():
         loads = {key: values for key, values in peaks if key[0] == quantity and key in theirs}
         for key, values in loads.items():
-            for row, half_period, amplitude in _damped_by_steps(one, values, other, theirs[key]):
+            for row, half_period, lost in _damped_by_steps(one, values, other, theirs[key]):
                 later = _longer_steps(one.time, row, half_period)
                 for beside, load in loads.items():
-                    peak = float(np.abs(load).max())
-                    if peak >= _TOUCHED * amplitude:
-                        beyond = float(np.abs(load[later]).max()) + amplitude - peak
-                        found[beside] = max(found.get(beside, 0.0), beyond)
+                    part = 1.0 if beside == key else turned[_AXES.index(key[1]), _AXES.index(beside[1])]
+                    beyond = float(np.abs(load[later]).max() + part * lost - np.abs(load).max())
+                    found[beside] = max(found.get(beside, 0.0), beyond)
     return found
 
 
 def _damped_by_steps(
     one: Result, ours: Vector, other: Result, theirs: Vector
 ) -> Iterator[tuple[int, float, float]]:
-    """Row, half period (s) and amplitude of what rings strongest after each event, where steps alone damp it."""
+    """What rings strongest after each event where steps alone damp it: row, half a period (s), amplitude lost."""
     longest = np.maximum.accumulate(_steps(one.time)[::-1])[::-1]
     for mine, its in zip(_segments(one), _segments(other), strict=False):
         swings = _Swings.of(one.time[mine], ours[mine])
@@ -101,7 +100,17 @@ def _damped_by_steps(
         companion = _Swings.of(other.time[its], theirs[its]).like(half_period, 2.0 * _PERIODS)
         near = companion.among(np.abs(companion.time - faded) <= _AROUND * half_period)
         if near.amplitude.max(initial=0.0) < _ALIKE * lasting.amplitude[-1]:
-            yield mine.start + int(lost.row[top]), half_period, amplitude
+            yield mine.start + int(lost.row[top]), half_period, amplitude - alike.amplitude[-_LASTING:].max()
+
+
+def _turned(result: Result) -> Vector:
+    """Parts (3, 3) of a component's ringing that the turn of some hinge line may make ringing of another one."""
+    parts = np.zeros((3, 3))
+    for line in result.hinge_lines:
+        if line.axis:
+            across = np.sqrt(np.maximum(1.0 - np.square(line.axis), 0.0))
+            parts = np.maximum(parts, np.outer(across, across))
+    return parts
 
 
 def _longer_steps(time: Vector, row: int, half_period: float) -> NDArray[np.intp]:
