@@ -1,5 +1,7 @@
 """ARABSAT wing: the outer panel first, then all driven by the motor (Bagnoli 2007, section 5.2)."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -58,7 +60,14 @@ def test_phase_2_is_quasi_stationary_and_its_energy_balance_closes():
 
 @pytest.mark.slow
 @pytest.mark.skipif(native_library() is None, reason="takes minutes without native FMUs")
-def test_phase_2_as_it_is_run_takes_no_minutes_for_seconds():
-    """Regression: a beat that came a second later was taken for 16 tolerances; the repetition took 278,104 steps."""
-    result = fanfold.simulate(fanfold.load("arabsat", "phase2"))
-    assert result.costs["steps"] <= 25_000
+def test_phase_2_takes_no_minutes_for_seconds():
+    """Regression: a beat that came a second later was taken for 16 tolerances; the repetition took 278,104 steps.
+
+    Panel 4 alone shows it within 200 s, in 12,225 steps at the scene's tolerance.
+    """
+    scene = fanfold.load("arabsat", "phase2")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = fanfold.simulate(scene, rigid="panel5", flexible="panel4", until=200.0)
+    assert result.costs["steps"] <= 15_000
+    assert not any("run again" in str(one.message) for one in told)
