@@ -11,7 +11,7 @@ import pytest
 
 from fmus import native_library
 from fmus.native import compiler
-from fmus.native.compile import FLAGS, compile_library
+from fmus.native.compile import FLAGS, HERE, compile_files, sources
 from tests.conformance.programs.driver import ERROR, KINDS, OK, Fmu, Reference
 from tests.conformance.test_fmus import BACKENDS, path_of
 
@@ -134,12 +134,31 @@ def test_loads_of_the_base_follow_its_inputs_before_the_first_step():
         assert fmu.set(reference.firsts[1], reference.u) == OK
 
 
+ONE_KERNEL = """#include "kernel.h"
+extern const Kernel hinge_kernel;
+const Kernel *const kernels[] = {&hinge_kernel};
+const size_t kernel_count = 1;
+"""
+
+
 @pytest.mark.skipif(compiler() is None, reason="there is no C compiler")
 def test_names_take_a_prefix(tmp_path: Path):
-    """For static linking (FMI 2.0 section 2.1.1, FMI 3.0 section 2.2.2); internal names stay inside."""
+    """For static linking (FMI 2.0 section 2.1.1, FMI 3.0 section 2.2.2); internal names stay inside.
+
+    Names are those of the core, which is all of the library but its kernels: one of these does.
+    """
     prefixes = [f"-DFMI{version}_FUNCTION_PREFIX=wing_" for version in (2, 3)]
+    for name, text in {**sources(), "kernels.c": ONE_KERNEL}.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    names = {
+        "kernels.c",
+        "hinge.c",
+        "hinge_derivative.c",
+        *(path.name for path in (HERE / "core").glob("*.c")),
+    }
     target = tmp_path / "prefixed.so"
-    compile_library(target, [flag for flag in FLAGS if flag not in ("-O3", "-fvisibility=hidden")] + prefixes)
+    flags = [flag for flag in FLAGS if flag not in ("-O3", "-fvisibility=hidden")] + prefixes
+    compile_files([tmp_path / name for name in sorted(names)], target, flags)
     listed = subprocess.run(
         ["nm", "-D", "--defined-only", target], capture_output=True, text=True, check=True
     )
