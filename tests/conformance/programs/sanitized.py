@@ -11,8 +11,19 @@ import pytest
 from components.cache.locks import hold
 from fmus.native import FLAGS, compiler, sources
 
-SANITIZERS = ("-g", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-"""Without optimization, which takes four times as long and may remove what they would find."""
+SANITIZERS = (
+    "-g1",
+    "-O0",
+    "-fsanitize=address,undefined",
+    "-fno-sanitize=null",
+    "-fno-sanitize-recover=all",
+    "-fsanitize-undefined-trap-on-error",
+)
+"""Without optimization, which takes four times as long and may remove what they would find.
+
+Undefined behaviour ends the program by a signal, as its sentences take a fifth of the compiler's time: a debugger
+tells where. Accesses by a null pointer are AddressSanitizer's, with line numbers.
+"""
 
 
 def program(host, temporary):
