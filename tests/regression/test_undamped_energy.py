@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 SCENES = {
     "one_panel": (one_panel(), 4.4),
     "two_panels": (two_panels_with_latches(), 4.85),
-    "amos3": (fanfold.load("amos3"), 2.0),
+    "amos3": (fanfold.load("amos3"), 1.0),
 }
 """Scene, and the end: past the first latch peaks of the panels; the wing without its damper is free till then."""
 
