@@ -181,19 +181,18 @@ def test_swept_line_is_held_against_motor_and_harness(tmp_path):
 def test_work_of_a_sweep_is_the_change_of_energy():
     """Conservation: along equilibria the holding torque is the derivative of the stored energy, cables included.
 
-    Simpson's rule over 12 steps of a torque that is all but linear leaves less than 1e-6.
+    Simpson's rule over 2 steps of 0.3 rad of a torque that is all but linear misses 2e-8, and 2^4
+    times that over 2 steps of twice the size.
     """
     scene = load_scene(find_scene("amos3"))
     names = [line.name for line in scene.hinge_lines]
     target = Configuration(dict.fromkeys(names, 0.0), ())
-    steps = 12
-    found = quasi_static(scene, ("all",), (), target, (), [Sweep("HL1", 0.0, 1.2)], steps)
+    found = quasi_static(scene, ("all",), (), target, (), [Sweep("HL1", 0.0, 0.6)], 2)
     torque = np.array([one.holding_torques["HL1"] for one in found])
-    angle = np.array([one.angles["HL1"] for one in found])
-    weights = np.array([1, *(4, 2) * (steps // 2 - 1), 4, 1]) * (angle[-1] - angle[0]) / (3 * steps)
+    weights = np.array([1, 4, 1]) * (found[-1].angles["HL1"] - found[0].angles["HL1"]) / 6
     change = energy_of(found[-1], scene) - energy_of(found[0], scene)
-    assert abs(change) > 5.0
-    assert weights @ torque == pytest.approx(change, rel=1e-6)
+    assert abs(change) > 4.0
+    assert weights @ torque == pytest.approx(change, rel=1e-7)
 
 
 def energy_of(found, scene):
@@ -238,23 +237,21 @@ def test_what_has_no_equilibrium_is_refused(tmp_path):
 
 
 def test_command(tmp_path):
-    """Interface: JSON of one equilibrium and of a sweep, tables, and sentences."""
+    """Interface: JSON of one equilibrium and of a sweep, and sentences; tables are below."""
     arguments = ["analyse", "equilibrium", "amos3", "--rigid", "all"]
     result = CliRunner().invoke(main, [*arguments, "--preload", "--json"])
     assert result.exit_code == 0, result.output
     (one,) = json.loads(result.stdout)["equilibria"]
     assert one["loads"]["yoke_loop"]["axial_force_n"] == pytest.approx(80.0)
     assert set(one["holding_torques_nm"]) == {"HL1", "HL2", "HL3"}
-    sweep = [*arguments, "--sweep", "HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:3.14159rad", "--steps", "3"]
-    result = CliRunner().invoke(main, [*sweep, "--json"])
-    assert [round(one["angles_rad"]["HL1"], 6) for one in json.loads(result.stdout)["equilibria"]] == [
+    sweep = ["workbench", "--rigid", "all", "--sweep", "HL=0deg:1.570796rad", "--steps", "3"]
+    result = CliRunner().invoke(main, ["analyse", "equilibrium", *sweep, "--json"])
+    assert [round(one["angles_rad"]["HL"], 6) for one in json.loads(result.stdout)["equilibria"]] == [
         0.0,
         0.523599,
-        1.047198,
+        1.047197,
         1.570796,
     ]
-    assert "quasi-static sweep" in CliRunner().invoke(main, sweep).stdout
-    assert "static equilibrium" in CliRunner().invoke(main, arguments).stdout
     for extra, words in (
         (["--sweep", "HL1=0deg"], "is not of the form HL1=0deg:90deg"),
         (["--sweep", "HL1=1deg:1deg"], "the two angles are the same"),
@@ -273,27 +270,16 @@ def test_command(tmp_path):
         assert words in refused.stderr
 
 
-def test_examples_of_the_help_work():
-    """Both commands of the help run as they are printed."""
-    shown = CliRunner().invoke(main, ["analyse", "equilibrium", "--help"]).stdout
-    lines = shown[shown.index("Examples:") :].replace("\\\n", "").splitlines()[1:]
-    examples = [line.split()[1:] for line in lines if line.strip()]
-    assert len(examples) == 2
-    for arguments in examples:
-        assert arguments[:2] == ["analyse", "equilibrium"]
-        result = CliRunner().invoke(main, arguments)
-        assert result.exit_code == 0, result.output
-
-
 def test_a_sweep_goes_through_slack_cables_with_its_drive():
     """Conservation along phase 2 of ARABSAT, whose free lines follow the swept one by loops with a slack strand.
 
     The drive goes with the line that it turns, and shares its torque with what holds the line by their stiffnesses,
     2e4 and 1e7 N.m/rad. The work of both is the change of the stored energy. By the trapezoidal rule: over 30 deg
-    the torque of 1.4 N.m bends by 4e-4 N.m, over 5 deg by 1/36 of that, of which the rule misses a twelfth: 7e-7.
+    the torque of 1.4 N.m bends by 4e-4 N.m, over 3 deg by 1/100 of that, of which the rule misses a twelfth: 2e-7.
+    Less than 3 deg the search does in one step, not in halves.
     """
     scene = load_scene(find_scene("arabsat"), ("phase2",))
-    way = radians(5.0)
+    way = radians(3.0)
     found = quasi_static(scene, ("all",), (), configuration(scene), (), [Sweep("HL1", 0.0, way)], 1)
     held, driven = (
         [one.holding_torques["HL1"] for one in found],
@@ -302,30 +288,39 @@ def test_a_sweep_goes_through_slack_cables_with_its_drive():
     assert driven == pytest.approx([torque * 2e4 / 1e7 for torque in held], rel=1e-6)
     assert found[1].loads["yoke_loop"]["tension_a"][0] == 0.0
     change = energy_of(found[1], scene) - energy_of(found[0], scene)
-    assert change < -0.1
-    assert 0.5 * way * sum(held + driven) == pytest.approx(change, rel=2e-6)
+    assert change < -0.06
+    assert 0.5 * way * sum(held + driven) == pytest.approx(change, rel=5e-7)
 
 
-@pytest.mark.parametrize(
-    "sweep", [(), ("--sweep", "HL1=0deg:90deg,HL2=0deg:180deg,HL3=0deg:180deg", "--steps", "1")]
-)
-def test_tables_fit_80_columns(sweep):
-    """Nothing is cut, and round-off (1e-10 N at the base, beside 80 N of the loops) is no load."""
-    arguments = ["analyse", "equilibrium", "amos3", "--rigid", "all", *sweep]
+def told(arguments):
+    """The tables of a command in a narrow terminal, which cuts nothing off."""
     result = CliRunner().invoke(main, arguments, env={"COLUMNS": "80"})
     assert result.exit_code == 0, result.output
     assert max(map(len, result.stdout.splitlines())) <= 80
     assert "\u2026" not in result.stdout
-    if sweep:
-        ends = [
-            line.split()
-            for line in result.stdout.splitlines()
-            if line.split()[:3] == ["90.00", "180.00", "180.00"]
-        ]
-        assert sum(len(words) - 3 for words in ends) == 7  # three torques and four tensions
-    else:
-        assert "base" not in result.stdout
-        assert "loads are left out, zero or below a millionth of the largest" in result.stdout
+    return result.stdout
+
+
+def test_examples_of_the_help_fit_80_columns():
+    """Both commands of the help run as they are printed; an end of the sweep has three torques and four tensions."""
+    shown = CliRunner().invoke(main, ["analyse", "equilibrium", "--help"]).stdout
+    lines = shown[shown.index("Examples:") :].replace("\\\n", "").splitlines()[1:]
+    one, sweep = (line.split()[1:] for line in lines if line.strip())
+    assert one[:2] == sweep[:2] == ["analyse", "equilibrium"]
+    assert "static equilibrium" in told(one)
+    swept = told(sweep)
+    assert "quasi-static sweep" in swept
+    rows = [
+        words for line in swept.splitlines() if (words := line.split())[:3] == ["90.00", "180.00", "180.00"]
+    ]
+    assert sum(len(words) - 3 for words in rows) == 7
+
+
+def test_tables_leave_out_what_is_none():
+    """Round-off (1e-10 N at the base, beside 80 N of the loops) is no load."""
+    shown = told(["analyse", "equilibrium", "amos3", "--rigid", "all"])
+    assert "base" not in shown
+    assert "loads are left out, zero or below a millionth of the largest" in shown
 
 
 PENDULUM = """
