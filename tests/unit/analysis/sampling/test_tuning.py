@@ -19,6 +19,8 @@ from tests.unit.analysis.sampling.flap import ANGLE, ENDS, INERTIA, MOTOR, flap
 pytestmark = pytest.mark.slow
 
 RANGE = "uniform(0.5 N.m, 3 N.m)"
+ROUGH = {"tolerance": 1e-4}
+"""Of runs, where what is proved hangs on none of their errors; the flap has 1e-6."""
 
 
 def test_a_torque_from_a_latch_time():
@@ -107,7 +109,7 @@ def test_a_unit_may_follow_a_target_at_once(wanted):
 def test_what_targets_do_not_tell_is_named():
     """Definition: the damping of a latch moves no latch time."""
     vary = {MOTOR: RANGE, "hinge_line.line.latch.damping_ratio": "uniform(0.01, 0.5)"}
-    found = fanfold.tune(flap(), vary, {"line.latch_time": 1.75}, accuracy=1e-5)
+    found = fanfold.tune(flap(), vary, {"line.latch_time": 1.75}, accuracy=1e-5, **ROUGH)
     assert found.reached
     assert found.blind == ("hinge_line.line.latch.damping_ratio",)
 
@@ -133,7 +135,7 @@ def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, 
         return replace(found, errors=np.ones_like(found.errors)) if doubtful else found
 
     monkeypatch.setattr(tuning, "gradients", spy)
-    found = fanfold.tune(flap(), SEVEN, {"line.latch_time": 1.75}, accuracy=1e-5)
+    found = fanfold.tune(flap(), SEVEN, {"line.latch_time": 1.75}, accuracy=1e-5, **ROUGH)
     assert found.reached
     assert made
     # 1 + 0.6 (7 + 1), rounded up, for every set of derivatives, and one run a key where these are worth nothing
@@ -145,7 +147,7 @@ def test_derivatives_that_nobody_vouches_for_are_not_searched_with(monkeypatch, 
 
 def test_a_target_beyond_the_range_is_not_reached():
     """The nearest end of the range is what is found."""
-    found = fanfold.tune(flap(), {MOTOR: RANGE}, {"line.latch_time": 0.5}, most_runs=20)
+    found = fanfold.tune(flap(), {MOTOR: RANGE}, {"line.latch_time": 0.5}, most_runs=20, **ROUGH)
     assert not found.reached
     assert found.values[MOTOR] == pytest.approx(3.0, abs=0.02)
 
@@ -156,7 +158,7 @@ def test_a_number_that_jumps_is_named():
 
     With less it swings back, and latches when a second torque comes at 6 s: no motor latches it at 5.5 s.
     """
-    scene = flap().with_settings({ENDS[1]: "-1 N.m", "scene.until": "15 s"})
+    scene = flap().with_settings({ENDS[1]: "-1 N.m"})
     late = {"profile": "ramp", "start": 6.0, "duration": 0.5, "change": 0.6}
     scene.connection(
         "push",
@@ -165,7 +167,12 @@ def test_a_number_that_jumps_is_named():
         structure={"direction": (0.0, 1.0, 0.0), "torque": [late]},
     )
     found = fanfold.tune(
-        scene, {ENDS[0]: "uniform(0.9 N.m, 1.1 N.m)"}, {"line.latch_time": 5.5}, most_runs=20
+        scene,
+        {ENDS[0]: "uniform(0.9 N.m, 1.1 N.m)"},
+        {"line.latch_time": 5.5},
+        most_runs=20,
+        until=10,
+        **ROUGH,
     )
     assert not found.reached
     (sentence,) = found.jumps
@@ -177,11 +184,12 @@ def test_runs_are_no_more_than_asked():
     """Derivatives at the end are among them, by differences of three keys here."""
     latch = {f"hinge_line.line.latch.{key}*": "uniform(0.5, 2)" for key in ("stiffness", "effective_inertia")}
     vary = {MOTOR: RANGE, **latch}
-    assert fanfold.tune(flap(), vary, {"line.latch_time": 1.4}, accuracy=1e-9, most_runs=9).runs <= 9
+    target = {"line.latch_time": 1.4}
+    assert fanfold.tune(flap(), vary, target, accuracy=1e-9, most_runs=9, **ROUGH).runs <= 9
     with pytest.raises(
         fanfold.FanfoldError, match=r"3 runs are too few: the first and its derivatives cost 4"
     ):
-        fanfold.tune(flap(), vary, {"line.latch_time": 1.4}, most_runs=3)
+        fanfold.tune(flap(), vary, target, most_runs=3)
 
 
 WRONG = {
