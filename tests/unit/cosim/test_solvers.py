@@ -457,8 +457,8 @@ def test_library_of_another_version_is_refused(monkeypatch):
     assert library() is not None
 
 
-END = 0.008
-"""s, in which ARABSAT is let go and its hinges break away one after the other."""
+END = 0.0044
+"""s, in which ARABSAT is let go and the first of its hinges break away."""
 
 
 def sticking():
@@ -477,13 +477,11 @@ def test_corrections_that_take_each_other_back_are_halved(monkeypatch):
     that on the machine: Python took 1,110 to 1,238 iterations there, so they are not compared.
     """
     halved = run(sticking(), None, Settings(), END).costs
-    part = 0.55 * END
-    begun = run(sticking(), None, Settings(), part).costs
     with monkeypatch.context() as patch:
         patch.setattr(native_solver._LIMITS, "halvings", 0)
-        whole, whole_begun = (run(sticking(), None, Settings(), end).costs for end in (END, part))
+        whole = run(sticking(), None, Settings(), END).costs
     assert halved.rejected < 0.5 * whole.rejected
     in_python(monkeypatch)
-    python = run(sticking(), None, Settings(), part).costs
-    assert python.steps == pytest.approx(begun.steps, rel=0.05)
-    assert 0 < python.rejected < 0.5 * whole_begun.rejected
+    python = run(sticking(), None, Settings(), END).costs
+    assert python.steps == pytest.approx(halved.steps, rel=0.05)
+    assert 0 < python.rejected < 0.5 * whole.rejected
