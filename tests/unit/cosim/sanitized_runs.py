@@ -40,7 +40,7 @@ def main() -> None:
         wing.write_text(f"extends = '{find_scene('workbench')}'\n{EVENTS}", encoding="utf-8")
         runs = [
             (wing, 0.02, [], Settings(snapshot_every=0.01)),
-            (find_scene("bepicolombo"), 0.02, ["all"], Settings()),
+            (find_scene("bepicolombo"), 0.005, ["all"], Settings()),
             (wing, 5.0, ["all"], Settings(tolerance=1e-3)),
             (wing, 0.1, ["all"], Settings(fixed_step=7e-3, order=2)),
             (wing, 0.1, ["all"], Settings(step_plan=[[5e-3] * 5])),
