@@ -45,8 +45,8 @@ def spring_damper(tmp_path_factory):
 
 
 def angles(wing):
-    """Angles (rad) of all lines after a second."""
-    run = fanfold.simulate(wing, rigid="all", tolerance=1e-4, until=1.0, estimate=False)
+    """Angles (rad) of all lines after 0.7 s."""
+    run = fanfold.simulate(wing, rigid="all", tolerance=1e-3, until=0.7, estimate=False)
     return np.array([run[hinge, "angle"][-1] for hinge in HINGES])
 
 
@@ -66,11 +66,14 @@ def with_foreign(file, **keys):
 
 @pytest.mark.filterwarnings("ignore:.* has not latched")  # it ends before
 def test_a_foreign_damper_acts_as_ours(spring_damper):
-    """Independent path: the damper within the implicit step; one that is sampled comes near it with its own step."""
+    """Independent path: the damper within the implicit step; one that is sampled errs with its step.
+
+    By half a step of delay, from 10 ms, which its file documents, to 4 ms.
+    """
     own = angles("amos3")
     documented, finer = (
         np.abs(angles(with_foreign(spring_damper, **keys)) / own - 1.0).max()
-        for keys in ({}, {"step": "2 ms"})
+        for keys in ({}, {"step": "4 ms"})
     )
-    assert documented < 0.01  # half a step of delay
-    assert finer < 0.25 * documented
+    assert documented < 0.01
+    assert 0.35 < finer / documented < 0.45
