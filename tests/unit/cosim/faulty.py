@@ -12,7 +12,7 @@ from components import REGISTRY, ComponentError
 from components.contract.component import Vector
 from components.damper import EddyCurrentDamper
 
-FAILS_AT = 0.03
+FAILS_AT = 0.01
 """s"""
 FAULTS = ("none", "error", "nan", "observation", "load", "noise")
 

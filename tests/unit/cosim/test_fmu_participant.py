@@ -281,12 +281,12 @@ def test_fmus_equal_components(tmp_path, monkeypatch):
     monkeypatch.setattr(solvers, "library", lambda: None)
     assembly = assemble(load_scene(PANELS))
     load = partial(as_fmus, backend="python")
-    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.05, load=load)
+    outside = run(assembly, tmp_path / "fmus.h5", Settings(), 0.02, load=load)
     within = run(
         assembly,
         tmp_path / "components.h5",
         Settings(),
-        0.05,
+        0.02,
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
     assert outside.segments == within.segments
@@ -352,7 +352,7 @@ def test_fmu_that_cannot_roll_back(tmp_path):
         assembly,
         tmp_path / "run.h5",
         Settings(fixed_step=2e-4),
-        0.2,
+        0.1,
         warn=warnings.append,
         load=with_brake(assembly, Untouchable("brake", path, isolate=False)),
     )
@@ -363,7 +363,7 @@ def test_fmu_that_cannot_roll_back(tmp_path):
         assembly,
         tmp_path / "implicit.h5",
         Settings(),
-        0.2,
+        0.1,
         load=lambda _: nullcontext(in_process(assembly.parts)),
     )
     angles = [Result.open(o.path).signal("middle_left", "angle") for o in (outcome, implicit)]

@@ -299,7 +299,7 @@ def test_derivatives_equal_differences_of_steps():
 
 
 @pytest.mark.parametrize(
-    ("backend", "end"), [pytest.param("native", 0.1, marks=needs_native), ("python", 0.02)]
+    ("backend", "end"), [pytest.param("native", 0.1, marks=needs_native), ("python", 0.01)]
 )
 def test_native_solver_equals_python(tmp_path, monkeypatch, backend, end):
     """Independent path: solved in C and in Python, wings take the same steps and sweeps to the same motion.
