@@ -142,7 +142,7 @@ def test_python_fmus_resume(tmp_path, interruptions):
     """Identity of every bit where PythonFMUs keep their states themselves."""
     whole = tmp_path / "whole.h5"
     fanfold.simulate(
-        TWO_PANELS, until=0.02, checkpoint=0.012, save=whole, estimate=False, backend="python", rigid="all"
+        TWO_PANELS, until=0.01, checkpoint=0.006, save=whole, estimate=False, backend="python", rigid="all"
     )
     fanfold.resume(interruptions[-1])
     assert_same_bits(whole, interruptions[-1])

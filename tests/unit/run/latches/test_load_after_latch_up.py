@@ -48,21 +48,21 @@ def test_a_lock_keeps_its_load_when_another_line_locks(backend):
     The second panel opens slowly and stops dead, so next to nothing changes for the first lock. Regression: all locks
     were engaged anew in the impulse of the second, so that the first began without load, and swung to 100 N.m.
     """
-    scene = fanfold.Scene("two_locks", until="0.7 s", tolerance=1e-3)
+    scene = fanfold.Scene("two_locks", until="0.56 s")
     base = scene.base(points={"root": (0, 0, 0)})
     panel = {"mass": 5.0, "center_of_mass": (0.5, 0, 0), "inertia": (0.2, 0.5, 0.7)}
     inner = scene.body("inner", rigid={**panel, "points": {"root": (0, 0, 0), "tip": (1, 0, 0)}})
     outer = scene.body("outer", rigid={**panel, "points": {"root": (0, 0, 0)}})
     for name, inboard, outboard, start, torque, point in (
         ("HL1", base, inner, "89.99 deg", 50.0, "root"),
-        ("HL2", inner, outer, "89.9 deg", 0.02, "tip"),
+        ("HL2", inner, outer, "89.95 deg", 0.02, "tip"),
     ):
         scene.hinge_line(
             name, inboard, outboard, axis="+y", aligned_angle="90 deg", start_angle=start,
             motor={"stowed": torque, "deployed": torque}, latch={"kind": "kinematic", "stiffness": 1e3},
             hinges={f"{name.lower()}_hinge": (point, "root")},
         )  # fmt: skip
-    result = fanfold.simulate(scene, backend=backend, estimate=False)
+    result = fanfold.simulate(scene, backend=backend, step=5e-3, estimate=False)
     first, second = result.latch_times["HL1"], result.latch_times["HL2"]
     assert first < second - 0.2
     torque = result.signal("hl1_hinge", "latch_torque")[result.time > second + 1e-6]
