@@ -59,7 +59,7 @@ def test_steps_are_chosen_by_the_tolerance(spring):
 
 def test_estimates_see_what_the_steps_cost(spring):
     """The companion takes every two steps as one, of the FMU as well: its torque's peak tells the true error."""
-    scene = controlled(spring, 0.5, iterated=True, parameters=STIFF)  # the peak is at 0.4 s
+    scene = controlled(spring, 0.5, iterated=True, parameters=STIFF)  # the peak is at 0.49 s
     run = fanfold.simulate(scene, tolerance=1e-3, refine=False)
     exact = np.max(np.abs(swung(0.5)(np.linspace(0.0, 0.5, 10001))[0])) * STIFF["gain"]
     peak = np.max(np.abs(run["controller", "torque"][:]))
