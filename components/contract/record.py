@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import accumulate
 from typing import Annotated, Any, Generic, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -52,15 +53,15 @@ def flagged(description: str) -> Quantity:
     return Quantity("", "1", description, variability="discrete")
 
 
+_Names = dict[str, Any]
+"""Kinds of tuples that an expression makes, by what it calls them."""
+
+
 class _Field(NamedTuple):
-    """Number of scalars of a type, and what makes a value of them."""
+    """Number of scalars of a type, and the expression of its value, which is told the first one's place in a list v."""
 
     size: int
-    make: Callable[[list[float]], Any]
-
-
-_Part = tuple[slice, Callable[[list[float]], Any]]
-"""Where the numbers of a field are, and what makes a value of them."""
+    expression: Callable[[int, _Names], str]
 
 
 class Record(Generic[T]):
@@ -80,16 +81,13 @@ class Record(Generic[T]):
 
     def __init__(self, kind: type[T], **sizes: int) -> None:
         self._kind = kind
-        self.quantities, self._parts = _declared(kind, tuple(sizes.items()))
-        self.size = sum(quantity.size for quantity in self.quantities)
+        self.quantities, self._field, self._make = _declared(kind, tuple(sizes.items()))
+        self.size = self._field.size
 
-    def of(self, v: list[float]) -> T:
-        """The named tuple of as many numbers."""
-        return self._kind(*(make(v[part]) for part, make in self._parts))
-
-    def read(self, values: Vector) -> T:
-        """The named tuple of a flat array (size,)."""
-        return self.of(values.tolist())
+    def read(self, values: Vector | list[float]) -> T:
+        """The named tuple of a flat array (size,), or of as many numbers."""
+        made: T = self._make(values if isinstance(values, list) else values.tolist())
+        return made
 
     def write(self, record: T) -> Vector:
         """The flat array (size,) of a named tuple; ComponentError for anything else, ValueError for another size."""
@@ -108,30 +106,35 @@ class Record(Generic[T]):
 @cache  # structures of one kind ask for the same again and again
 def _declared(
     kind: type[tuple[Any, ...]], given: tuple[tuple[str, int], ...]
-) -> tuple[tuple[Quantity, ...], tuple[_Part, ...]]:
-    """Variables of a named tuple in order, and where the numbers of each field are."""
-    sizes, position = dict(given), 0
-    parts: list[_Part] = []
+) -> tuple[tuple[Quantity, ...], _Field, Callable[[list[float]], Any]]:
+    """Variables of a named tuple in order, and what makes one of a list of numbers.
+
+    That is compiled, as named tuples are themselves: it is what kernels in Python do most.
+    """
+    sizes = dict(given)
+    parts: list[_Field] = []
     found: list[Quantity] = []
     for name, hint in get_type_hints(kind, include_extras=True).items():
         if get_origin(hint) is Annotated:
             inner, quantity = get_args(hint)
-            size, make = _field(inner, sizes.get(name, quantity.size))
+            part = _field(inner, sizes.get(name, quantity.size))
             if quantity.name not in ("", name):
                 raise TypeError(f"{kind.__name__}.{name} is declared as {quantity.name}")
-            found.append(replace(quantity, name=name, size=size, resized=quantity.resized or name in sizes))
+            found.append(
+                replace(quantity, name=name, size=part.size, resized=quantity.resized or name in sizes)
+            )
+            parts.append(part)
         else:
-            part = Record(hint, **sizes)
-            size, make = part.size, part.of
-            found.extend(part.quantities)
-        parts.append((slice(position, position + size), make))
-        position += size
-    return tuple(found), tuple(parts)
+            record = Record(hint, **sizes)
+            parts.append(record._field)
+            found.extend(record.quantities)
+    whole, names = _tuple(parts, kind), {"new": tuple.__new__}
+    return tuple(found), whole, eval(f"lambda v: {whole.expression(0, names)}", names)
 
 
 def _field(hint: Any, count: int) -> _Field:  # noqa: ANN401 - any type
     if hint is float:
-        return _Field(1, lambda v: v[0])
+        return _SCALAR
     if isinstance(hint, type) and hasattr(hint, "_fields"):
         return _tuple([_field(h, 1) for h in get_type_hints(hint).values()], hint)
     arguments = get_args(hint)
@@ -140,18 +143,27 @@ def _field(hint: Any, count: int) -> _Field:  # noqa: ANN401 - any type
     return _tuple([_field(h, 1) for h in arguments])
 
 
-def _tuple(inner: Sequence[_Field], kind: Callable[..., Any] | None = None) -> _Field:
+_SCALAR = _Field(1, lambda place, _: f"v[{place}]")
+
+
+def _tuple(inner: Sequence[_Field], kind: type[tuple[Any, ...]] | None = None) -> _Field:
     """A tuple of fields, of a kind of its own where it is named."""
-    ends = np.cumsum([0, *(f.size for f in inner)]).tolist()
-    if ends[-1] == len(inner):
-        return _Field(ends[-1], (lambda v: kind(*v)) if kind else tuple)
-    parts = [(slice(a, b), f.make) for a, b, f in zip(ends, ends[1:], inner, strict=False)]
+    size = sum(field.size for field in inner)
 
-    def make(v: list[float]) -> Any:  # noqa: ANN401 - any type
-        values = (build(v[part]) for part, build in parts)
-        return kind(*values) if kind else tuple(values)
+    def expression(place: int, names: _Names) -> str:
+        if all(field is _SCALAR for field in inner):
+            values = f"v[{place}:{place + size}]"
+        else:
+            places = accumulate((field.size for field in inner), initial=place)
+            made = (field.expression(at, names) for field, at in zip(inner, places, strict=False))
+            values = f"({', '.join(made)},)"
+        if kind is None:
+            return f"tuple({values})"
+        name = f"{kind.__name__}_{len(names)}"
+        names[name] = kind
+        return f"new({name}, {values})"
 
-    return _Field(ends[-1], make)
+    return _Field(size, expression)
 
 
 def _append_scalars(value: Any, found: list[float]) -> None:  # noqa: ANN401 - a tree of tuples

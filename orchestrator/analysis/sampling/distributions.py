@@ -9,7 +9,7 @@ from math import log
 from typing import Any
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from components import FanfoldError
 from components.contract.component import Vector
@@ -82,13 +82,13 @@ def _numbers(text: str, inside: str) -> tuple[list[float], str]:
 def _uniform(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
     low, high = numbers
     _refuse(text, low < high, "the second number must be larger than the first")
-    return _bounded(text, unit, stats.uniform(low, high - low), low, high)
+    return _bounded(text, unit, scipy.stats.uniform(low, high - low), low, high)
 
 
 def _triangular(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
     low, mode, high = numbers
     _refuse(text, low <= mode <= high and low < high, "its numbers must rise: lowest, most likely, highest")
-    found = stats.triang((mode - low) / (high - low), low, high - low)
+    found = scipy.stats.triang((mode - low) / (high - low), low, high - low)
     return _bounded(text, unit, found, low, high)
 
 
@@ -96,13 +96,13 @@ def _normal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
     mean, deviation = numbers
     _refuse(text, deviation > 0.0, "its standard deviation must be positive")
     edge = _SIGMAS * deviation
-    return _bounded(text, unit, stats.norm(mean, deviation), mean - edge, mean + edge)
+    return _bounded(text, unit, scipy.stats.norm(mean, deviation), mean - edge, mean + edge)
 
 
 def _lognormal(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
     median, ratio = numbers
     _refuse(text, median > 0.0 and ratio > 1.0, "its median must be positive, and its ratio more than 1")
-    found, edge = stats.lognorm(log(ratio), scale=median), ratio**_SIGMAS
+    found, edge = scipy.stats.lognorm(log(ratio), scale=median), ratio**_SIGMAS
     return _bounded(text, unit, found, median / edge, median * edge)
 
 
@@ -110,7 +110,7 @@ def _truncated(text: str, unit: str, numbers: Sequence[float]) -> Distribution:
     mean, deviation, low, high = numbers
     _refuse(text, deviation > 0.0, "its standard deviation must be positive")
     _refuse(text, low < high, "the last number must be larger than the one before")
-    found = stats.truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
+    found = scipy.stats.truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
     return _bounded(text, unit, found, low, high)
 
 

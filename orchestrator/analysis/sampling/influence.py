@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.stats import sobol_indices
+import scipy
 
 from components.contract.component import Vector
 from components.contract.errors import unknown
@@ -107,7 +107,7 @@ def _variance_shares(study: Study, values: Vector) -> dict[str, tuple[float, flo
         "f_B": blocks[1],
         "f_AB": blocks[2:],
     }
-    found = sobol_indices(func=known, n=n)
+    found = scipy.stats.sobol_indices(func=known, n=n)
     if np.max(found.total_order) > _MOST_SHARE:
         return None
     pairs = zip(np.ravel(found.first_order), np.ravel(found.total_order), strict=True)

@@ -9,7 +9,7 @@ from math import prod
 from typing import Final
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from components.contract.component import Vector
 
@@ -95,19 +95,19 @@ def _random(plan: Plan) -> Vector:
 
 
 def _latin_hypercube(plan: Plan) -> Vector:
-    design = qmc.LatinHypercube(len(plan.varied), rng=np.random.default_rng(plan.seed))
+    design = scipy.stats.qmc.LatinHypercube(len(plan.varied), rng=np.random.default_rng(plan.seed))
     return _of_probabilities(plan, design.random(plan.runs))
 
 
 def _sobol(plan: Plan) -> Vector:
-    design = qmc.Sobol(len(plan.varied), rng=np.random.default_rng(plan.seed))
+    design = scipy.stats.qmc.Sobol(len(plan.varied), rng=np.random.default_rng(plan.seed))
     return _of_probabilities(plan, design.random(plan.runs))
 
 
 def _sobol_indices(plan: Plan) -> Vector:
     """A, B, and for each parameter A with that column of B (Saltelli et al. 2010), one below the other."""
     d = len(plan.varied)
-    design = qmc.Sobol(2 * d, rng=np.random.default_rng(plan.seed)).random(plan.runs)
+    design = scipy.stats.qmc.Sobol(2 * d, rng=np.random.default_rng(plan.seed)).random(plan.runs)
     a, b = design[:, :d], design[:, d:]
     mixed = [np.where(np.arange(d) == k, b, a) for k in range(d)]
     return _of_probabilities(plan, np.concatenate([a, b, *mixed]))

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Self
 
 import h5py
 import numpy as np
-from scipy.stats import binomtest
+import scipy
 
 from components.cache.disk import replace_file
 from components.contract.component import Vector
@@ -138,7 +138,7 @@ class Study:
             if not known.size:
                 continue
             missed, count = int((known == 0.0).sum()), len(known)
-            bounds = binomtest(missed, count).proportion_ci(_CONFIDENCE)
+            bounds = scipy.stats.binomtest(missed, count).proportion_ci(_CONFIDENCE)
             found[line] = Share(missed / count, float(bounds.low), float(bounds.high), missed, count)
         return found
 
