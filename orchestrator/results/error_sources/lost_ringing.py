@@ -70,7 +70,7 @@ def lost_ringing(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
         loads = {key: values for key, values in peaks if key[0] == quantity and key in theirs}
         for key, values in loads.items():
             for row, half_period, lost in _damped_by_steps(one, values, other, theirs[key]):
-                later = _longer_steps(one.time, row, half_period)
+                later = row + np.flatnonzero(_steps(one.time)[row:] > half_period)
                 for beside, load in loads.items():
                     part = 1.0 if beside == key else turned[_AXES.index(key[1]), _AXES.index(beside[1])]
                     beyond = float(np.abs(load[later]).max() + part * lost - np.abs(load).max())
@@ -85,7 +85,8 @@ def _damped_by_steps(
     longest = np.maximum.accumulate(_steps(one.time)[::-1])[::-1]
     for mine, its in zip(_segments(one), _segments(other), strict=False):
         swings = _Swings.of(one.time[mine], ours[mine])
-        lost = swings.among(longest[mine][swings.row] > swings.half_period)
+        longer = longest[mine][swings.row] > swings.half_period
+        lost = swings.among(longer & (swings.half_period > EVENT_WIDTH))
         if not lost.time.size:
             continue
         top = int(np.argmax(lost.amplitude))
@@ -111,11 +112,6 @@ def _turned(result: Result) -> Vector:
             across = np.sqrt(np.maximum(1.0 - np.square(line.axis), 0.0))
             parts = np.maximum(parts, np.outer(across, across))
     return parts
-
-
-def _longer_steps(time: Vector, row: int, half_period: float) -> NDArray[np.intp]:
-    """Rows after one that a step longer than half a period ends at or begins with."""
-    return row + 1 + np.flatnonzero(_steps(time)[row + 1 :] > half_period)
 
 
 def _steps(time: Vector) -> Vector:
