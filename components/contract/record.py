@@ -85,8 +85,11 @@ class Record(Generic[T]):
         self.size = self._field.size
 
     def read(self, values: Vector | list[float]) -> T:
-        """The named tuple of a flat array (size,), or of as many numbers."""
-        made: T = self._make(values if isinstance(values, list) else values.tolist())
+        """The named tuple of a flat array (size,), or of as many numbers; ValueError for another size."""
+        numbers = values if isinstance(values, list) else values.tolist()
+        if len(numbers) != self.size:
+            raise ValueError(f"{self._kind.__name__} has {self.size} numbers; {len(numbers)} are given")
+        made: T = self._make(numbers)
         return made
 
     def write(self, record: T) -> Vector:

@@ -51,6 +51,7 @@ def test_reading_and_writing_are_inverse(numbers):
     state = record.read(np.array(numbers))
     assert state.pairs[1] == Pair(numbers[8], numbers[9])
     assert state.common.wrench == tuple(numbers[3:5])
+    assert (type(state), type(state.common), type(state.pairs[0])) == (State, Common, Pair)
     assert record.write(state).tolist() == numbers
 
 
@@ -59,6 +60,8 @@ def test_a_field_of_another_size_is_refused():
     state = record.read(np.zeros(10))
     with pytest.raises(ValueError, match="State has 11 numbers; 10 are declared"):
         record.write(state._replace(common=Common((0.0, 0.0, 0.0), (1.0, 2.0, 3.0))))
+    with pytest.raises(ValueError, match="State has 10 numbers; 9 are given"):
+        record.read(np.zeros(9))
 
 
 def test_what_a_function_forgot_to_return_is_told():
