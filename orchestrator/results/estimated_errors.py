@@ -17,11 +17,14 @@ ESTIMATED_ERRORS = "estimated_errors"
 MOST_TOLERANCES = 10.0
 """What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
-_OF_STOPS = "stop torque peak"
+OF_STOPS = "stop torque peak"
+"""Judged beside the stop that is struck the hardest."""
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
 _OF_VECTOR = 0.1
 """Of the largest error of a vector's components, that none of them is less than at the most."""
-PROMISED = (*OF_LATCHES, *_LOADS, _OF_STOPS)
+SIZING = (*OF_LATCHES, OF_STOPS)
+"""Quantities that size hinges."""
+PROMISED = (*SIZING, *_LOADS)
 """Quantities that a run vouches for, or says that it does not."""
 
 
@@ -114,7 +117,7 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
     """In words what is off, all components of a load at once, by the largest part, and of what it is one."""
     for quantity, of in shares:
         if quantity not in _LOADS:
-            whole = "the largest of all stops" if quantity == _OF_STOPS else "its size"
+            whole = "the largest of all stops" if quantity == OF_STOPS else "its size"
             yield f"the {quantity} of {of}", shares[quantity, of], whole
             continue
         components = [axis for load, axis in shares if load == quantity]
@@ -176,7 +179,7 @@ def _sizes(
     """
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0)
-        for load in (*_LOADS, _OF_STOPS)
+        for load in (*_LOADS, OF_STOPS)
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:

@@ -196,7 +196,7 @@ class Headline:
     def _numbers_of_loads(self) -> Iterator[Number]:
         for name, torques in self.torque_peaks.items():
             for variable, torque in torques.items():
-                yield Number(f"{variable.replace('_', ' ')} peak", name, torque, "N.m")
+                yield Number(peak_of(variable), name, torque, "N.m")
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
                 words = variable.replace("_", " ")
@@ -246,11 +246,11 @@ def headline(result: Result) -> Headline:
         attitude_at_end=_last(result, ATTITUDE, "rad"),
         attitude_rate_peaks=_component_peaks(result, ATTITUDE, "rad/s"),
         torque_peaks=_by_component(
-            (name, label, abs(peak(result, torque).value)) for name, label, torque in _loads(result, "N.m")
+            (name, label, abs(peak(result, torque).value)) for name, label, torque in loads(result, "N.m")
         ),
         force_extremes=_by_component(
             (name, label, (float(force.min()), float(force.max())))
-            for name, label, force in _loads(result, "N")
+            for name, label, force in loads(result, "N")
         ),
         motor_energy=_motor_energy(result, last),
         supplied_energy=_supplied_energy(result, last),
@@ -421,7 +421,12 @@ def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:
     yield from zip(POINT_PEAKS, of, strict=True)
 
 
-def _loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:
+def peak_of(load: str) -> str:
+    """What the headline calls the peak of a load."""
+    return f"{load.replace('_', ' ')} peak"
+
+
+def loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:
     """Component, signal and values of every load of a unit; the axes of a vector are signals of their own."""
     for name, variable in result.in_role(LOAD):
         if result.unit(name, variable) != unit:

@@ -4,8 +4,8 @@ A tolerance bounds what each step adds; what becomes of it is the scene's: a lin
 towards its latch, or a beat long after one, magnifies it. The estimated errors tell, and how far to go follows from
 them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they do not fall by that, a last run
 takes a hundredth of the tolerance; where that does not help either, as where the motion is chaotic, the result says
-which numbers nobody can vouch for. Latch-ups, which size hinges, are held to what their errors may be at the most,
-loads to what is likely.
+which numbers nobody can vouch for. Latch-ups and stops, which size hinges, are held to what their errors may be at the
+most, loads to what is likely.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from ..cosim.settings import Settings
 from ..cosim.stepping import StepError
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
-    OF_LATCHES,
     PROMISED,
+    SIZING,
     EstimatedError,
     Key,
     estimated_errors,
@@ -42,7 +42,7 @@ _AIM = 3.0
 _PER_DECADE = 5.0
 _LEAST, _LEAST_FALLING = 0.01, 0.001
 """Smallest parts of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds: of
-any, and of one whose errors have fallen as they should where those of latch-ups are still too large."""
+any, and of one whose errors have fallen as they should where those of latch-ups and stops are still too large."""
 _COSTLIEST = 50
 """Times the steps of the run before that a repetition may take: ten follow from the tolerance, others from ringing."""
 _UNTOLD = 1e4
@@ -88,20 +88,20 @@ def refined(
         falls = error.most <= _FALLING * before.most
         repeat = is_too_uncertain(outcome, asked) or (falls and error.most > MOST_TOLERANCES)
         target = error.most if falls else _BEYOND
-        further = falls and _of_latch_ups(outcome) > MOST_TOLERANCES * asked
+        further = falls and _of_hinges(outcome) > MOST_TOLERANCES * asked
         least = (_LEAST_FALLING if further else _LEAST) * asked
     return outcome, settings
 
 
 def is_too_uncertain(outcome: Outcome, tolerance: float) -> bool:
-    """Whether a number is likely to be off by ten tolerances, or one of a latch-up, which sizes hinges, at the most."""
+    """Whether a number is likely to be off by ten tolerances, or one that sizes hinges at the most."""
     likely = error_in_tolerances(outcome, tolerance).likely
-    return max(likely, _of_latch_ups(outcome) / tolerance) > MOST_TOLERANCES
+    return max(likely, _of_hinges(outcome) / tolerance) > MOST_TOLERANCES
 
 
-def _of_latch_ups(outcome: Outcome) -> float:
-    """What numbers of latch-ups may be off by at the most, as a share of each."""
-    return largest_shares(_numbers(outcome), estimated_errors(outcome.result), OF_LATCHES).most
+def _of_hinges(outcome: Outcome) -> float:
+    """What numbers that size hinges may be off by at the most, as a share of each."""
+    return largest_shares(_numbers(outcome), estimated_errors(outcome.result), SIZING).most
 
 
 def error_in_tolerances(outcome: Outcome, tolerance: float) -> EstimatedError:
@@ -189,7 +189,7 @@ def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> st
         number, share = least_sure(numbers, errors)
         said = f"{number} is likely to be off by {_times(share.likely / asked)} the tolerance of {asked:g}"
     else:
-        among = OF_LATCHES if _of_latch_ups(outcome) > MOST_TOLERANCES * asked else PROMISED
+        among = SIZING if _of_hinges(outcome) > MOST_TOLERANCES * asked else PROMISED
         number, share = least_sure(numbers, errors, among, by="most")
         said = f"{number} may be off by {_times(share.most / asked)} the tolerance of {asked:g}"
     return f"{name}: {said}; it is run again at {tolerance:.2g}"

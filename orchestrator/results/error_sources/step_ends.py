@@ -2,9 +2,10 @@
 
 A companion with longer steps sees three things by chance only. The peak of a ringing that steps do not resolve is the
 row that came nearest to it: without every other row it is another one. Where an event starts a motion that is over
-within two steps, what stood out between rows may have been higher than the peak that the run tells, at another time.
-And a line latches with the rates that its hinges have at one instant: where bodies ring within a step, these are off
-those at which the angles of the last steps arrive, and the damping of the latch makes a torque of them at once.
+within two steps, what stood out between rows may have been higher than the peak that the run tells, at another time;
+so with a damped stop that is struck. And a line latches with the rates that its hinges have at one instant: where
+bodies ring within a step, these are off those at which the angles of the last steps arrive, and the damping of the
+latch makes a torque of them at once.
 """
 
 from __future__ import annotations
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 from components.contract.roles import INTERFACE_LOAD
 
 from ...assembly import HingeLine
-from ..estimated_errors import EstimatedError, Key
-from ..key_figures import extremes, jumps, latch_times, line_latch_torque
+from ..estimated_errors import OF_STOPS, EstimatedError, Key
+from ..key_figures import extremes, jumps, latch_times, line_latch_torque, loads, peak_of
 from ..lines.latch_impulse import latch_impulse
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
@@ -39,7 +40,7 @@ Peaks = Sequence[tuple[Key, Vector]]
 
 
 def errors_of_step_ends(result: Result, peaks: Peaks) -> dict[Key, EstimatedError]:
-    """By how much latch torque peaks and interface load peaks (N.m, N) are off, each by what it is off most."""
+    """By how much promised peaks of torques and loads (N.m, N) are off, each by what it is off most."""
     found: dict[Key, EstimatedError] = {}
     events = jumps(result)
     for key, values in peaks:
@@ -137,6 +138,9 @@ def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
     for load in result.in_role(INTERFACE_LOAD):
         if quantity := INTERFACE_PEAKS.get(result.unit(*load)):
             yield from (((quantity, axis), v) for axis, v in zip("xyz", result.signal(*load).T, strict=True))
+    for component, label, torque in loads(result, "N.m"):
+        if peak_of(label) == OF_STOPS:
+            yield (OF_STOPS, component), torque
 
 
 def _largest(time: Vector, values: Vector, events: list[float]) -> float:
