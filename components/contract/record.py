@@ -84,12 +84,11 @@ class Record(Generic[T]):
         self.quantities, self._field, self._make = _declared(kind, tuple(sizes.items()))
         self.size = self._field.size
 
-    def read(self, values: Vector | list[float]) -> T:
-        """The named tuple of a flat array (size,), or of as many numbers; ValueError for another size."""
-        numbers = values if isinstance(values, list) else values.tolist()
-        if len(numbers) != self.size:
-            raise ValueError(f"{self._kind.__name__} has {self.size} numbers; {len(numbers)} are given")
-        made: T = self._make(numbers)
+    def read(self, values: Vector) -> T:
+        """The named tuple of a flat array (size,); ValueError for another size."""
+        if values.size != self.size:
+            raise ValueError(f"{self._kind.__name__} has {self.size} numbers; {values.size} are given")
+        made: T = self._make(values.tolist())
         return made
 
     def write(self, record: T) -> Vector:
