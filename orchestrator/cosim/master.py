@@ -57,8 +57,8 @@ class Master(CoSimulation):
         share = stepping.share_of_steps(settings.tolerance)
         largest = min(share * settings.largest_step, self._signals.longest_step)
         self._sizes = StepSizes(largest, share * settings.smallest_step, network.order)
-        self._sizes.restart(min(share * settings.start_step, largest))
-        self._event_step = share * settings.event_step
+        self._start_step = min(share * settings.start_step, largest)
+        self._sizes.restart(self._start_step)
         self._guard = EnergyGuard(self._energies)
         self._divided = DividedStep()
         self._plan = stepping.StepPlan(settings.step_plan or ())
@@ -378,7 +378,7 @@ class Master(CoSimulation):
     def _renew(self, known: float = 0.0) -> None:
         """Go on with short steps (s), or what is known to be short enough; nothing before tells of what follows."""
         self.solver.restart()
-        if (size := max(self._event_step, known)) < self._sizes.size:
+        if (size := max(self._start_step, known)) < self._sizes.size:
             self._sizes.restart(size, stirred=False)
         self._begin_segment()
 
@@ -436,7 +436,7 @@ class Master(CoSimulation):
         solver, h = self.solver, self._sizes.size
         if line.kinematic or not self._controlled:
             self._command(LATCH_COMMAND.name, 1.0, line.hinges)
-            return min(h, self._event_step)
+            return min(h, self._start_step)
         before = latch_up.slopes(solver, line.hinges, self.time, h)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
         after = latch_up.slopes(solver, line.hinges, self.time, h)
@@ -450,10 +450,8 @@ class Master(CoSimulation):
             self._judge_loads()
             if slow.fastest:
                 h = latch_up.resolving(solver, self.time, slow, size, h, self._error.resolved_angle)
-            else:
-                h = min(h, self._event_step)
         self._command(LATCH_COMMAND.name, 1.0, line.hinges)
-        return h
+        return min(h, self._start_step)
 
     def _judge_loads(self) -> None:
         """Judge those of lines and stops by the energies of now; what an event changed may strike stops anew."""

@@ -12,11 +12,11 @@ from .ports import Order
 class Settings:
     """Numbers of the master.
 
-    tolerance: relative accuracy asked of a run. largest_step, smallest_step, start_step, event_step: down to a
-    tolerance of 1e-4; below, they go with its root, as the rotations' error goes with the square of a step.
-    smallest_step: that accuracy may ask for. start_step: before errors can be told, for which two steps must be seen;
-    what motors stir up by starting begins in these. event_step: the largest after an event of which nothing else is
-    known. fixed_step: constant communication step size instead of control, divided only where it does not converge.
+    tolerance: relative accuracy asked of a run. largest_step, smallest_step, start_step: down to a tolerance of 1e-4;
+    below, they go with its root, as the rotations' error goes with the square of a step. smallest_step: that accuracy
+    may ask for. start_step: the largest before errors can be told, for which two steps must be seen, at the start and
+    after events; what rings from then on, as joints do from motors that start or latches that damp, begins in these.
+    fixed_step: constant communication step size instead of control, divided only where it does not converge.
     step_plan: step sizes of an earlier run to follow, one list per segment between events. driving_energy (J): what
     motors will put through the scene, beside which errors are judged before it moves. order: of the coupling; None:
     what is best.
@@ -29,7 +29,6 @@ class Settings:
     largest_step: float = 0.02
     smallest_step: float = 2e-5
     start_step: float = 2e-5
-    event_step: float = 2e-4
     fixed_step: float | None = None
     step_plan: Sequence[Sequence[float]] | None = None
     driving_energy: float = 0.0

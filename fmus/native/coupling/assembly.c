@@ -480,8 +480,7 @@ static void take_tolerance(Assembly *a, double tolerance) {
     const double share = fmin(1.0, sqrt(tolerance / by[REFERENCE_TOLERANCE]));
     m->sizes.largest = share * by[LARGEST_STEP];
     m->sizes.smallest = share * by[SMALLEST_STEP];
-    m->start_step = share * by[START_STEP];
-    m->event_step = share * by[EVENT_STEP];
+    m->start_step = fmin(share * by[START_STEP], m->sizes.largest);
     m->error.allowed = allowed_error(by, tolerance, (double)m->sizes.order, by[LOOSE]);
     m->error.resolved = allowed_error(by, tolerance, 2.0, by[LOOSE_AT_ORDER_2]);
 }

@@ -16,7 +16,7 @@ enum { FITTED = 4, RING = 6, SNAPSHOTS = 3 };
    the tolerance below which they shrink, what iterations leave of the tolerance and at most, what a step may err by, and
    powers of the tolerance above that limit, of the coupling's order and of the second. */
 enum {
-    LARGEST_STEP, SMALLEST_STEP, START_STEP, EVENT_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED,
+    LARGEST_STEP, SMALLEST_STEP, START_STEP, REFERENCE_TOLERANCE, ITERATED, LEAST_ITERATED, MOST_ITERATED,
     ALLOWED_SHARE, LOOSE, LOOSE_AT_ORDER_2, OF_TOLERANCE
 };
 

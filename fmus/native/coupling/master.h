@@ -87,7 +87,7 @@ struct Master {
     void *taker;
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
-    double start_step, event_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
+    double start_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
     size_t lines, events, strikes, impulses, steps, rejected, happened, repeats;
     char said[512];
 };
@@ -212,7 +212,7 @@ static void begin_segment(Master *m) {
 
 static void renew(Master *m) {
     coupling_restart(&m->network);
-    if (m->event_step < size_now(&m->loop)) restart_sizes(m, m->event_step, 0);
+    if (m->start_step < size_now(&m->loop)) restart_sizes(m, m->start_step, 0);
     begin_segment(m);
 }
 
@@ -388,7 +388,7 @@ static double engage(Master *m, HingeLine *line) {
     double h = size_now(&m->loop);
     if (line->is_kinematic) {
         command_latches(m, line, 1.0);
-        return fmin(h, m->event_step);
+        return fmin(h, m->start_step);
     }
     if (!slopes_of(m, line, h, before)) return 0.0;
     command_latches(m, line, 1.0);
@@ -402,10 +402,10 @@ static double engage(Master *m, HingeLine *line) {
     if (slow->hinges) {
         const double size = note_whole_swing(m, slow);
         judge_loads(m);
-        h = fastest_of(slow) > 0.0 ? resolving(m, slow, size, h) : fmin(h, m->event_step);
+        if (fastest_of(slow) > 0.0) h = resolving(m, slow, size, h);
     }
     command_latches(m, line, 1.0);
-    return h;
+    return fmin(h, m->start_step);
 }
 
 /* Have others that lock at this instant do so with a line: those with the same mark. */
@@ -754,7 +754,7 @@ static int begin_run(Master *m, const double *wrenches) {
     watch_all(m);
     m->error.energy = fmax(1e-3 * fabs(n->energies[KINETIC] + n->energies[POTENTIAL]),
                            fmax(m->driving_energy, 1e-9));
-    restart_sizes(m, fmin(m->start_step, m->sizes.largest), 1);
+    restart_sizes(m, m->start_step, 1);
     return 1;
 }
 

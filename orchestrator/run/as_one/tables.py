@@ -185,7 +185,6 @@ def _by_tolerance(assembly: Assembly, settings: Settings, order: Order) -> list[
         settings.largest_step,
         settings.smallest_step,
         settings.start_step,
-        settings.event_step,
         stepping.REFERENCE_TOLERANCE,
         *stepping.iterated(assembly.hinge_lines, order),
         stepping.ALLOWED_SHARE,

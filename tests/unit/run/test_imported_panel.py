@@ -11,6 +11,7 @@ import tomli_w
 import orchestrator as fanfold
 from components.flexible.beam_frame import Member, beam_frame
 from components.imported.matrices import write_npz
+from orchestrator.cosim.stepping import iterated
 from orchestrator.scene import find_scene
 from tests.references.imports.frame_model import SECTION, frame_data
 from tests.references.imports.matrix_writers import WRITERS
@@ -32,6 +33,10 @@ LATCHED = 1.3
 """s; with this motor the line latches at 1.137 s."""
 
 
+TOLERANCE = 1e-3
+ITERATED = iterated([], 4).of(TOLERANCE)
+
+
 def deployed(folder, files):
     """The workbench with this panel in place of its own, and a stronger motor."""
     tree = tomllib.loads(find_scene("workbench").read_text(encoding="utf-8"))
@@ -42,7 +47,7 @@ def deployed(folder, files):
     points = {"attachment_points": {"hl_left": 1, "hl_right": 2}}
     tree["body"] = [{"name": "panel", "fixed_interface_modes": 6, "import": table | points}]
     (folder / "scene.toml").write_text(tomli_w.dumps(tree), encoding="utf-8")
-    return fanfold.simulate(folder / "scene.toml", until=LATCHED, tolerance=1e-3, estimate=False)
+    return fanfold.simulate(folder / "scene.toml", until=LATCHED, tolerance=TOLERANCE, estimate=False)
 
 
 @pytest.fixture(scope="module")
@@ -59,13 +64,16 @@ def own(tmp_path_factory, data):
 
 @pytest.mark.parametrize("program", WRITERS)
 def test_a_panel_deploys_the_same_by_every_path(tmp_path, data, own, program):
-    """Latch times to 1e-9, and torques to what the digits of the files leave: DMIG has ten."""
+    """Latch times to 1e-9, and torques to what the digits of the files leave: DMIG has ten.
+
+    Or to what iterations leave in two runs, of which one may have taken one more.
+    """
     writer, digits = WRITERS[program]
     other = deployed(tmp_path, writer(tmp_path, data))
     assert other.latch_times["HL"] == pytest.approx(own.latch_times["HL"], rel=1e-9)
     for signal in ("latch_torque", "angle"):
         mine, theirs = (run.signal("hinge_left", signal) for run in (own, other))
-        np.testing.assert_allclose(theirs, mine, atol=max(5.0 * digits, 1e-9) * np.abs(mine).max())
+        np.testing.assert_allclose(theirs, mine, atol=max(5.0 * digits, 2.0 * ITERATED) * np.abs(mine).max())
 
 
 def test_a_body_without_rows_of_stress_is_told(own):
