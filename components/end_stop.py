@@ -36,7 +36,7 @@ class _Parameters(NamedTuple):
     stiffness: Annotated[float, tunable("N.m/rad", "Torque per angle beyond it", 1e4, 1e-9)]
     damping: Annotated[float, tunable("N.m.s/rad", "Torque per rate at full damping", 0.0, 0.0)]
     full_damping_penetration: Annotated[
-        float, tunable("rad", "Angle beyond it from which damping is full", 1e-3, 1e-9)
+        float, tunable("rad", "Angle beyond it from which damping is full", 1e-3, 1e-9, 0.5)
     ]
     aligned_angle: Annotated[float, tunable("rad", "Angle where the axes of both ports coincide")]
     stowed_angle: Annotated[float, tunable("rad", "Angle to which the first one is the nearest")]

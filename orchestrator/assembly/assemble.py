@@ -66,6 +66,7 @@ def assemble(
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
     connections = _connection_parts(scene, is_flexible, wrench_mode)
+    _refuse_out_of_range(scene, connections)
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
     hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode, poses)
@@ -145,6 +146,23 @@ def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode
     parts += [loop_part(loop, mode) for loop in scene.loops]
     parts += [damper_part(scene, damper, mode) for damper in scene.dampers]
     return parts + [Part(one.name, one.kind, *component_values(one, mode)) for one in scene.connections]
+
+
+def _refuse_out_of_range(scene: CheckedScene, connections: Sequence[Part]) -> None:
+    """SceneError on shares of lines' values that their components do not take."""
+    problems = []
+    for part in connections:
+        component = part.component()
+        layout = component.parameter_layout
+        values = layout.start_values()
+        for name, value in part.start.items():
+            values[layout[name]] = value
+        try:
+            component.check_ranges(values)
+        except ComponentError as error:
+            problems.append(f"{scene.file}: {part.name}: {error}")
+    if problems:
+        raise SceneError(problems)
 
 
 def _model(scene: CheckedScene, body: Body, flexible: bool) -> ModalData:

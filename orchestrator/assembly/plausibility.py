@@ -11,9 +11,11 @@ import numpy as np
 from components.contract.frames import Vector3, cross, dot, norm, subtract
 from components.end_stop import EndStop
 from components.flexible.plate import Panel
+from components.hold_down import HoldDown
 
 from ..scene.bodies import body_definition, body_model, scene_points
 from ..scene.body_tables import Body, Inertial
+from ..scene.component_connections import first_number
 from ..scene.connection_tables import Ccl
 from ..scene.loops.closing import closed, left_open, start_poses
 from ..scene.loops.rates import start_rates
@@ -51,6 +53,10 @@ _NO_RATE = 1e-9
 """m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
 _FAR_CENTER = 100.0
 """Of the radius of gyration, that no centre of mass is from all points of its body."""
+_OVERDAMPED = 2.0
+"""Damping ratio beyond which no latch is meant to brake."""
+_GIVES_WAY = pi / 6.0
+"""rad, further into which a motor does not press what is to stop it."""
 _ROUGHEST = 2.0
 """Coefficient of friction, of clean metals in vacuum."""
 _SMALL = 0.01
@@ -66,10 +72,12 @@ def doubts(scene: CheckedScene) -> list[str]:
         *_unlikely_friction(scene),
         *_without_load(scene),
         *_never_stepped(scene),
+        *_released_too_late(scene),
         *_held_by_friction(scene),
         *_beyond_tables(scene),
         *_through_one_another(scene),
         *_stopped_before_latch(scene),
+        *_unlikely_ends(scene),
         *contradicted_curves(scene),
         *_unlike_travels(scene),
         *_open_at_the_start(scene),
@@ -126,6 +134,33 @@ def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
                 f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
+            )
+
+
+def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
+    """Latches that brake like tar, and end stops that a line's own motor presses in."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
+            ratio = line.latch.damping_ratio
+            yield (
+                f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
+                f"'{ratio:g} %' is a hundredth of it"
+            )
+        if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
+            yield (
+                f"hinge_line.{line.name}.end_stop.stiffness: is {line.end_stop.stiffness:g} N.m/rad, so soft that the "
+                f"{line.motor_energy:.3g} J of the line's motor press it in by more than {degrees(_GIVES_WAY):.0f} deg"
+            )
+
+
+def _released_too_late(scene: CheckedScene) -> Iterator[str]:
+    """Hold-downs that would let go after the run has ended."""
+    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
+        release = first_number(bolt, "release_time")
+        if release > scene.header.until:
+            yield (
+                f"connection.{bolt.name}: its release_time of {release:g} s comes after the run has ended, at "
+                f"{scene.header.until:g} s"
             )
 
 

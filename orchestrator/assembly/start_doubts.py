@@ -8,11 +8,15 @@ from math import degrees
 from components.hold_down import HoldDown
 from components.rail import Rail
 
-from ..scene.component_connections import first_number
+from ..scene.bodies import scene_points
+from ..scene.component_connections import first_number, seated
 from ..scene.locked_groups import joined
+from ..scene.loops.closing import start_poses
 from ..scene.schema import CheckedScene
 from .bolted_lines import bolts_across
 
+_DEEP = 1e-3
+"""m, by which a rail starts pressed or pulled off its plane."""
 _AWAY = 1e-3
 """rad, from the stowed angle, where a line starts in mid-travel."""
 
@@ -20,6 +24,7 @@ _AWAY = 1e-3
 def start_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from _bolted_on_the_way(scene)
+    yield from _strained_rails(scene)
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
         yield from _struck_by_preload(scene)
         yield from _ringing_rails(scene)
@@ -52,6 +57,27 @@ def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
                 f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
                 "takes at the start, for which steps are small all along; scene.preload = true starts in the "
                 "equilibrium, false says that the ringing is meant"
+            )
+
+
+def _strained_rails(scene: CheckedScene) -> Iterator[str]:
+    """Rails without stiffness, which guide nothing, and those that start out of their plane."""
+    rails = [one for one in scene.connections if one.kind == Rail.kind]
+    points = scene_points(scene) if rails else {}
+    poses = start_poses(scene, points) if rails else {}
+    for rail in rails:
+        started = seated(rail, points, poses)
+        started.initialize()
+        stiffness, force = (
+            started.parameter("normal_stiffness"),
+            abs(float(started.observed()["normal_force"][0])),
+        )
+        if not stiffness:
+            yield f"connection.{rail.name}: its normal_stiffness is 0, so nothing keeps the trolley on its rail"
+        elif force > _DEEP * stiffness:
+            yield (
+                f"connection.{rail.name}: initial_offset starts its trolley {1e3 * force / stiffness:.4g} mm off its "
+                f"plane, which normal_stiffness turns into {force:.4g} N"
             )
 
 

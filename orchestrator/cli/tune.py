@@ -124,6 +124,8 @@ def _report(found: Tuned) -> None:
     console.print(table)
     told = "within" if found.reached else "not within what was asked:"
     console.print(f"targets are met {told} {found.residual:.2g}, at the start {found.start_residual:.2g}")
+    for name in found.at_ends:
+        console.print(f"Warning: {name} lies at an end of its range; a wider one may reach the targets")
     for sentence in found.jumps:
         console.print(f"Warning: {sentence}")
     for name in found.blind:

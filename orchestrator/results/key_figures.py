@@ -21,7 +21,16 @@ from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
 from .lines.latch_impulse import latch_impulse
-from .lines.straying import Overrun, bent, folded_back, is_released, overruns
+from .lines.straying import (
+    Overrun,
+    ShortOfStop,
+    bent,
+    folded_back,
+    is_released,
+    overruns,
+    pressed_stops,
+    short_of_stops,
+)
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
@@ -66,9 +75,10 @@ class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
-    latch that passed their deployed angle. folded_back: how far (rad) and when (s) lines with a latch or an end stop
-    went furthest behind where they started. bent: how far (rad) and when lines turned furthest about other axes than
-    their own, where that is more than any hinge does.
+    latch that passed their deployed angle. short_of_stops: lines that an end stop alone ends and that never came to it;
+    pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
+    and when (s) lines with a latch or an end stop went furthest behind where they started. bent: how far (rad) and when
+    lines turned furthest about other axes than their own, where that is more than any hinge does.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
     latches between rigid bodies, N.m.s; their torque is that of the lock and no load of the wing. interface_*_peaks:
@@ -106,6 +116,8 @@ class Headline:
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
     bent: Mapping[str, Peak] = field(default_factory=dict)
+    short_of_stops: Mapping[str, ShortOfStop] = field(default_factory=dict)
+    pressed_stops: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
     hinge_force_peaks: Mapping[str, float] = field(default_factory=dict)
@@ -130,6 +142,17 @@ class Headline:
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
                 f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
                 f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
+            )
+        for line, short in self.short_of_stops.items():
+            yield (
+                f"{line} has not come to its end stop at {degrees(short.stop_angle):.4g} deg: it went to "
+                f"{degrees(short.largest):.2f} deg, and at {self.end_time:g} s it stands at "
+                f"{degrees(short.last):.2f} deg"
+            )
+        for line, depth in self.pressed_stops.items():
+            yield (
+                f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
+                "stiffness of end_stop"
             )
         for line, back in self.folded_back.items():
             yield (
@@ -227,6 +250,8 @@ def headline(result: Result) -> Headline:
         overruns=overruns(result),
         folded_back=folded_back(result),
         bent=bent(result),
+        short_of_stops=short_of_stops(result),
+        pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses={
             line.name: impulse

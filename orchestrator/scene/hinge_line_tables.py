@@ -431,7 +431,11 @@ class HingeLine(Table):
         if (self.harness is not None) != any(hinge.harness for hinge in self.hinges):
             raise ValueError("give a table harness and mark the hinges that carry it, or neither")
         if not self.is_pivot and not self.deployed_angle > self.stowed_angle:
-            raise ValueError("latch_angle, by default aligned_angle, must exceed stowed_angle")
+            ends, stowed = degrees(self.deployed_angle), degrees(self.stowed_angle)
+            raise ValueError(
+                f"latch_angle, by default aligned_angle, is {ends:g} deg and must exceed stowed_angle, {stowed:g} deg; "
+                "a line without a latch needs it too, as the angle where its motor has its deployed torque"
+            )
         if self.stop_angle is not None and self.stop_angle <= self.initial_angle:
             stop, start = degrees(self.stop_angle), degrees(self.initial_angle)
             raise ValueError(

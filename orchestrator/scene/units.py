@@ -27,7 +27,7 @@ LARGEST = 1e30
 """Of any quantity in its SI unit; none of an array is, and products of several stay numbers."""
 Sign = Literal["any", "zero or positive", "positive"]
 
-_TURNING = {"rad": 1.0, "deg": pi / 180.0}
+_TURNING = {"rad": 1.0, "deg": pi / 180.0, "mrad": 1e-3}
 UNITS: Mapping[str, Mapping[str, float]] = {
     "1": {"1": 1.0, "%": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
@@ -45,7 +45,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9},
     "N.m2": {"N.m2": 1.0},
     "N": {"N": 1.0, "kN": 1e3},
-    "N.m": {"N.m": 1.0, "N.mm": 1e-3},
+    "N.m": {"N.m": 1.0, "N.mm": 1e-3, "kN.m": 1e3},
     "N/m": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3},
     "N.s/m": {"N.s/m": 1.0, "N.s/mm": 1e3},
     "N.m/rad": {f"N.m/{unit}": 1.0 / factor for unit, factor in _TURNING.items()},

@@ -255,9 +255,13 @@ def _follow_finer(
     together: Sequence[Together],
     watch: Callable[[float, float], None],
 ) -> Followed:
-    """A run at a smaller tolerance, with the first neighbour of every key and that in all of them."""
+    """A run at a smaller tolerance, with the first neighbour of every key and that in all of them.
+
+    Its largest step is half as long: smooth motion takes the largest at any tolerance.
+    """
     settings = options.settings(assembly)
-    settings = replace(settings, tolerance=max(_FINER * settings.tolerance, TOLERANCES[0]))
+    finer = max(_FINER * settings.tolerance, TOLERANCES[0])
+    settings = replace(settings, tolerance=finer, largest_step=0.5 * settings.largest_step)
     others = _named(parameters, [sides[:1] for sides in beside]) | {"all of them": together[0].assembly}
     return run_beside(assembly, others, settings, options.until or assembly.until, watch)
 

@@ -25,7 +25,10 @@ from .varied import varied
 
 _FORMAT = "fanfold study"
 _CONFIDENCE = 0.95
-_MAIN = ("latch time", "latch impulse", "latch torque peak", "interface force peak", "interface torque peak")
+_MAIN = (
+    *("latch time", "latch impulse", "latch torque peak", "stop torque peak", "contact force highest"),
+    *("interface force peak", "interface torque peak"),
+)
 
 
 class Share(NamedTuple):
@@ -122,7 +125,7 @@ class Study:
 
     @property
     def main_numbers(self) -> list[str]:
-        """Numbers that a deployment is judged by first: of latches, and loads on the base in sum."""
+        """Numbers that a deployment is judged by first: of latches, stops, contacts, and loads on the base in sum."""
         return [name for name in self.numbers if name.startswith(_MAIN)]
 
     def not_latching(self) -> dict[str, Share]:

@@ -39,6 +39,8 @@ _TIE = 0.01
 """Of the accuracy, what the whole range of a key weighs: values that meet the targets are those next to the start."""
 _BLIND = 1e-4
 """Of the largest singular value: a combination of keys that moves all targets less is not told by them."""
+_AT_END = 0.01
+"""Of a range, from where its end is what keeps a search, which never quite comes to it."""
 _NEAR, _JUMP = 0.01, 100.0
 """Shares of ranges between two runs, and how many times what derivatives say their numbers differ where one jumps."""
 
@@ -60,8 +62,9 @@ class Tuned:
 
     settings: keys of the scene with the values that were found. residual, start_residual: largest relative difference
     from a target, of a curve the root of the mean square over its range. derivatives: of the numbers wanted (rows, in
-    their units) by what was varied (columns). blind: what was varied that the targets do not tell. runs: deployments,
-    or what took as long. jumps: sentences of what keeps targets from being met, numbers that change at once.
+    their units) by what was varied (columns). at_ends: what came to an end of its range, where targets are missed.
+    blind: what was varied that the targets do not tell. runs: deployments, or what took as long. jumps: sentences of
+    what keeps targets from being met, numbers that change at once.
     """
 
     scene: str
@@ -74,6 +77,7 @@ class Tuned:
     start_residual: float
     derivatives: Vector
     reached: bool
+    at_ends: tuple[str, ...]
     blind: tuple[str, ...]
     jumps: tuple[str, ...]
     runs: int
@@ -339,10 +343,17 @@ def _told(search: _Search, start: Vector) -> Tuned:
         start_residual=search.size(search.known[tuple(start.tolist())][1]),
         derivatives=rows,
         reached=residual <= search.accuracy,
+        at_ends=() if residual <= search.accuracy else _at_ends(search.varied, best),
         blind=_blind(search.varied, moved, search.accuracy),
         jumps=() if residual <= search.accuracy else _jumps(search, best, moved),
         runs=search.runs,
     )
+
+
+def _at_ends(varied: Sequence[Varied], point: Vector) -> tuple[str, ...]:
+    """What a point has at an end of its range, by name."""
+    shares = zip(varied, point.tolist(), strict=True)
+    return tuple(one.name for one, share in shares if min(share, 1.0 - share) < _AT_END)
 
 
 def _jumps(search: _Search, best: Vector, moved: Vector) -> tuple[str, ...]:

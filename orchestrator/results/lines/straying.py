@@ -23,6 +23,9 @@ _FOLDED_BACK = radians(5.0)
 _GIVES_WAY = radians(1.0)
 """Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
 
+_PRESSED = radians(30.0)
+"""Further into an end stop is where it stops nothing."""
+
 _BENT = radians(30.0)
 """Rotations across a line that are no longer small: their sine is 5 % less."""
 
@@ -33,6 +36,15 @@ class Overrun:
 
     deployed_angle: float
     passed_at: float
+    largest: float
+    last: float
+
+
+@dataclass(frozen=True, slots=True)
+class ShortOfStop:
+    """A line with an end stop and no latch that never touched it: the stop's angle, the largest and the last (rad)."""
+
+    stop_angle: float
     largest: float
     last: float
 
@@ -65,6 +77,36 @@ def overruns(result: Result) -> dict[str, Overrun]:
         if passed.size:
             at = float(result.time[passed[0]])
             found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+    return found
+
+
+def short_of_stops(result: Result) -> dict[str, ShortOfStop]:
+    """Lines, by name, that an end stop alone ends and that never came to it, but for those released."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.latches or is_released(result, line):
+            continue
+        if not result.has(line.sensor + OF_HINGE, "penetration") or not result.has(line.sensor, "angle"):
+            continue
+        angle, depth = (
+            result.signal(line.sensor, "angle"),
+            result.signal(line.sensor + OF_HINGE, "penetration"),
+        )
+        if depth.max() < 0.0:
+            found[line.name] = ShortOfStop(float(angle[0] - depth[0]), float(angle.max()), float(angle[-1]))
+    return found
+
+
+def pressed_stops(result: Result) -> dict[str, Peak]:
+    """How far (rad) lines, by name, went beyond an end stop that gave way like none."""
+    found = {}
+    for line in result.hinge_lines:
+        stop = line.sensor + OF_HINGE
+        if result.has(stop, "penetration") and result.has(stop, "in_contact"):
+            depth = result.signal(stop, "penetration") * result.signal(stop, "in_contact")
+            deepest = int(np.argmax(depth[rows_joined(result, line)]))
+            if depth[deepest] > _PRESSED:
+                found[line.name] = Peak(float(result.time[deepest]), float(depth[deepest]))
     return found
 
 

@@ -1,5 +1,7 @@
 """End stops of hinge lines: where they begin, how stiff they are, and that a bounce without damping loses nothing."""
 
+import re
+import warnings
 from math import pi, radians, sin
 
 import numpy as np
@@ -120,6 +122,42 @@ def test_a_line_goes_as_far_into_its_stop_as_its_motor_presses():
     found = fanfold.impacts(result)
     assert {impact.contact for impact in found} == {"left_stop", "right_stop"}
     assert all(impact.angular for impact in found)
+
+
+@pytest.mark.parametrize(
+    ("motor", "stop", "told"),
+    [
+        (None, {"stiffness": 2e4}, "HL has not come to its end stop at 90 deg: it went to 80.00 deg"),
+        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 2e4}, ""),
+        ({"stowed": 1.0, "deployed": 1.0}, {"stiffness": 0.1}, "HL went .* deg beyond its end stop"),
+    ],
+)
+def test_a_line_that_its_stop_does_not_end_is_told(motor, stop, told):
+    """Regression: a line with a stop and no latch that never opened was told nowhere; neither was a stop like none."""
+    scene, base, panel = one_panel("ended", until=4.0)
+    line = {"motor": motor} if motor else {}
+    scene.hinge_line(
+        "HL", base, panel, axis="+y", aligned_angle="90 deg", start_angle="80 deg", hinges={"hinge": "root"},
+        end_stop=stop, **line,
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sentences = list(fanfold.simulate(scene, estimate=False).headline.open_ends())
+    assert len(sentences) == bool(told)
+    assert all(re.match(told, one) for one in sentences)
+
+
+def test_what_a_stop_does_not_take_is_refused_before_the_run():
+    """Regression: `check` passed it, and `run` refused it without the file's name."""
+    scene, base, panel = one_panel("sharp", until=4.0)
+    scene.hinge_line(
+        "HL", base, panel, axis="+y", aligned_angle="90 deg", hinges={"hinge": "root"},
+        end_stop={"stiffness": 2e4, "full_damping_penetration": 1e-12},
+    )  # fmt: skip
+    report = fanfold.check_scene(scene)
+    assert any(
+        "sharp" in one and "hinge_stop: full_damping_penetration = 1e-12" in one for one in report.problems
+    )
 
 
 def test_names_of_stops_are_taken():

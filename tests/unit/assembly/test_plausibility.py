@@ -338,6 +338,62 @@ def test_a_stop_before_the_latch_is_told():
         assert len(told) == count
 
 
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"hinge_line.HL.latch.damping_ratio": 20.0}, "damping_ratio: is 20, 20 times what is critical"),
+        ({"hinge_line.HL.latch.damping_ratio": 2.0}, ""),
+        (
+            {"hinge_line.HL.end_stop": {"angle": "185 deg", "stiffness": 1e-6}},
+            "press it in by more than 30 deg",
+        ),
+        ({"hinge_line.HL.end_stop": {"angle": "185 deg", "stiffness": 1e4}}, ""),
+    ],
+)
+def test_ends_that_nobody_means_are_told(settings, sentence):
+    """Regression: tar for a latch, and a stop that a line went through by 800 deg, without a word."""
+    told = [
+        one for one in doubts(Scene.load("workbench", settings=settings).check()) if "hinge_line.HL" in one
+    ]
+    assert len(told) == bool(sentence)
+    assert all(sentence in one for one in told)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ({"normal_stiffness": 0.0}, "nothing keeps the trolley on its rail"),
+        (
+            {"initial_offset": (0.0, 0.01, 0.0)},
+            "its trolley 10 mm off its plane, which normal_stiffness turns into 1e+04 N",
+        ),
+        ({"initial_offset": (0.01, 0.0, 0.01)}, ""),
+    ],
+)
+def test_rails_that_do_not_guide_are_told(parameters, sentence):
+    """Rule: the plane is where the trolley starts, the normal its y axis here."""
+    tree = Scene.load("amos3-ground").tree
+    rail = next(one for one in tree["connection"] if one["kind"] == "rail")
+    rail["parameters"] |= parameters
+    told = [one for one in doubts(Scene.of_tree("rig.toml", tree).check()) if rail["name"] in one]
+    assert len(told) == bool(sentence)
+    assert all(sentence in one for one in told)
+
+
+def test_a_hold_down_that_lets_go_after_the_end_is_told():
+    for release, count in ((3.0, 1), (1.0, 0)):
+        scene = Scene("bolted", until=2.0, preload=False)
+        ports = {"inboard": (scene.base(points={"a": (0, 0, 0)}), "a")}
+        body = {"mass": 1.0, "center_of_mass": (0, 0, 0), "inertia": (1, 1, 1), "points": {"b": (0, 0, 0)}}
+        place = {"body": ports["inboard"][0], "point": "a"}
+        ports["outboard"] = (scene.body("lid", rigid=body, place=place), "b")
+        scene.connection("bolt", "hold_down", ports=ports, parameters={"release_time": release})
+        told = [
+            one for one in doubts(scene.check()) if "release_time of 3 s comes after the run has ended" in one
+        ]
+        assert len(told) == count
+
+
 def test_pulleys_that_turn_against_each_other_are_told():
     """Regression: radii that fit were called not to, and to fit as they were."""
     scene = load_scene(find_scene("amos3"), (), ["hinge_line.HL3.axis=-y"])

@@ -174,16 +174,16 @@ KEYS = ("hinge_line.HL3.motor.stowed", "friction.coefficient", "damper.damper.da
 
 @pytest.mark.slow
 def test_amos3_against_runs_of_their_own(monkeypatch):
-    """Runs of their own along the same steps, to their own latch-ups: to 1e-5 of the gradient of each latch number.
+    """Runs of their own along the same steps, to their own latch-ups: to 2e-5 of the gradient of each latch number.
 
     Loads at the interface are differences of larger ones in stiff joints, and err by the rounding of these.
     """
-    scene, options = fanfold.load("amos3"), Options(rigid=frozenset({"all"}), until=12.0, tolerance=1e-3)
+    scene, options = fanfold.load("amos3"), Options(rigid=frozenset({"all"}), until=12.6, tolerance=1e-3)
     found = fanfold.gradients(
-        scene, KEYS, central=True, verify=False, rigid="all", until=12.0, tolerance=1e-3
+        scene, KEYS, central=True, verify=False, rigid="all", until=12.6, tolerance=1e-3
     )
     assembly = options.assemble(scene.check_one_run())
-    followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), 12.0)
+    followed = run_beside(assembly, {"itself": assembly}, options.settings(assembly), 12.6)
     monkeypatch.setattr(crossings, "EVENT_TOLERANCE", MET)
     plan = stepping.to_own_events(followed.segments)
     true = [differences(scene, options, parameter(scene.tree, key), plan) for key in KEYS]
@@ -191,7 +191,7 @@ def test_amos3_against_runs_of_their_own(monkeypatch):
         if number.key in true[0]:
             wanted = np.array([one[number.key] for one in true]) * found.values
             off = np.linalg.norm(row * found.values - wanted) / np.linalg.norm(wanted)
-            assert off < (1e-5 if name.startswith("latch") else 1e-4), name
+            assert off < (2e-5 if name.startswith("latch") else 1e-4), name
 
 
 def test_a_run_with_neighbours_is_the_run():

@@ -150,6 +150,7 @@ def test_a_target_beyond_the_range_is_not_reached():
     found = fanfold.tune(flap(), {MOTOR: RANGE}, {"line.latch_time": 0.5}, most_runs=20, **ROUGH)
     assert not found.reached
     assert found.values[MOTOR] == pytest.approx(3.0, abs=0.02)
+    assert found.at_ends == (MOTOR,)
 
 
 @pytest.mark.filterwarnings("ignore:hinge_line.line. at 4")  # the motor turns back half way
