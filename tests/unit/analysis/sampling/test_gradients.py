@@ -174,7 +174,7 @@ KEYS = ("hinge_line.HL3.motor.stowed", "friction.coefficient", "damper.damper.da
 
 @pytest.mark.slow
 def test_amos3_against_runs_of_their_own(monkeypatch):
-    """Runs of their own along the same steps, to their own latch-ups: to 2e-5 of the gradient of each latch number.
+    """Runs of their own along the same steps, to their own latch-ups: to 5e-5 of the gradient of each latch number.
 
     Loads at the interface are differences of larger ones in stiff joints, and err by the rounding of these.
     """
@@ -191,7 +191,7 @@ def test_amos3_against_runs_of_their_own(monkeypatch):
         if number.key in true[0]:
             wanted = np.array([one[number.key] for one in true]) * found.values
             off = np.linalg.norm(row * found.values - wanted) / np.linalg.norm(wanted)
-            assert off < (2e-5 if name.startswith("latch") else 1e-4), name
+            assert off < (5e-5 if name.startswith("latch") else 1e-4), name
 
 
 def test_a_run_with_neighbours_is_the_run():
