@@ -32,7 +32,7 @@ def test_a_quantity_has_its_unit(text, unit, value):
         ("0", "rad", "it is '0'; give it with its unit: 0rad or 0deg"),
         ("", "N.m", "it is ''; give it with its unit: 1N.m or 1N.mm"),
         ("deg", "rad", "give it with its unit: 1rad or 1deg"),
-        (X),
+        ("45grad", "rad", "it is '45grad'; give it with its unit: 45rad or 45deg or 45mrad"),
         ("51.3N.m", "N.m/rad", "give it with its unit: 51.3N.m/rad or 51.3N.m/deg"),
         ("1..deg", "rad", "give it with its unit"),
         ("nandeg", "rad", "it is 'nan deg'; it must be finite"),
