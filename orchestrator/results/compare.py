@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
-from .key_figures import POINT_PEAKS, latch_times, line_latch_torque, peak, shown
+from .estimated_errors import POINT_PEAKS
+from .key_figures import latch_times, line_latch_torque, peak, shown
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise

@@ -17,6 +17,12 @@ ESTIMATED_ERRORS = "estimated_errors"
 MOST_TOLERANCES = 10.0
 """What a number may be off by before it cannot be vouched for."""
 _LOADS = ("interface force peak", "interface torque peak")
+TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
+"""Of single hinges, with the torque about their line."""
+POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
+"""Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
+_ADDED_UP = 10.0
+"""Times which round-off of one joint is that of a scene."""
 OF_STOPS = "stop torque peak"
 """Judged beside the stop that is struck the hardest."""
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
@@ -127,12 +133,13 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
-    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside those of the other, and of latches.
+    """Magnitude up to which all loads of a kind (N or N.m) are round-off beside others: at the base, hinges, latches.
 
-    Iterations end beside these and one newton (metre), see `cosim.implicit.convergence.Tolerance`.
+    Iterations end beside these and one newton (metre), see `cosim.implicit.convergence.Tolerance`; what they leave in
+    several joints adds up.
     """
-    beside = (value for key, value in numbers if key[0] in (*_LOADS, "latch torque peak"))
-    return noise_floor((1.0, *beside))
+    beside = (value for key, value in numbers if key[0] in (*_LOADS, *POINT_PEAKS, "latch torque peak"))
+    return _ADDED_UP * noise_floor((1.0, *beside))
 
 
 def largest_shares(

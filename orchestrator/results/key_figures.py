@@ -6,7 +6,7 @@ across the event.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import degrees
 from typing import Any, NamedTuple, TypeVar
@@ -19,7 +19,7 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
-from .estimated_errors import Key, doubts, estimated_errors, unknown_errors
+from .estimated_errors import POINT_PEAKS, Key, doubts, estimated_errors, round_off_of_loads, unknown_errors
 from .lines.latch_impulse import latch_impulse
 from .lines.straying import (
     Overrun,
@@ -38,11 +38,6 @@ from .signal import EVENT_WIDTH, Peak, highest_crest
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
-
-TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
-"""Of single hinges, with the torque about their line."""
-POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
-"""Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
 
 _NEAR_PEAK = 0.1
 """Samples within this part of a signal's range below its largest may hide the highest peak between them."""
@@ -318,14 +313,19 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
 
 
 def _floors(found: Headline) -> dict[str, float]:
-    """Magnitudes of round-off: of the interface loads by quantity, of forces by component."""
+    """Magnitudes of round-off: of loads at the base and at points by quantity, of forces by component."""
+    beside = round_off_of_loads((number.key, number.value) for number in found.numbers())
+
+    def floor(peaks: Collection[float]) -> float:
+        return beside if max(peaks, default=0.0) <= beside else noise_floor(peaks)
+
     return {
-        "interface force peak": noise_floor(found.interface_force_peaks),
-        "interface torque peak": noise_floor(found.interface_torque_peaks),
+        "interface force peak": floor(found.interface_force_peaks),
+        "interface torque peak": floor(found.interface_torque_peaks),
         "attitude peak": noise_floor(found.attitude_peaks),
         "attitude at the end": noise_floor(found.attitude_peaks),
         "attitude rate peak": noise_floor(found.attitude_rate_peaks),
-        **{quantity: noise_floor(peaks.values()) for quantity, peaks in _point_peaks(found)},
+        **{quantity: floor(peaks.values()) for quantity, peaks in _point_peaks(found)},
         **{
             name: noise_floor(force for extremes in forces.values() for force in extremes)
             for name, forces in found.force_extremes.items()

@@ -6,8 +6,9 @@ the coupling where vibrations are resolved, and no power at all where errors are
 of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
 difference, and half as much again at order 4. Where both numbers are near each other by chance, the rows around them
 differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss alike
-(`step_ends`), and where steps damp it, how it fades in both (`lost_ringing`). Where steps twice as long do not lead to
-the end, or to loads beyond all measure, a companion of half the steps tells instead, at twice the cost.
+(`step_ends`), where steps damp it, how it fades in both (`lost_ringing`), and where small differences grow, what they
+have come to elsewhere (`coming_apart`). Where steps twice as long do not lead to the end, or to loads beyond all
+measure, a companion of half the steps tells instead, at twice the cost.
 """
 
 from __future__ import annotations
@@ -19,17 +20,19 @@ from math import sqrt
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
+from ..results.error_sources.coming_apart import beyond_peaks
 from ..results.error_sources.lost_ringing import lost_ringing
 from ..results.error_sources.near_peaks import differences_near
 from ..results.error_sources.step_ends import errors_of_step_ends, larger, promised_peaks
 from ..results.estimated_errors import (
     ESTIMATED_ERRORS,
+    TORQUE_PEAKS,
     EstimatedError,
     Key,
     beside_their_vector,
     errors_text,
 )
-from ..results.key_figures import TORQUE_PEAKS, headline
+from ..results.key_figures import headline
 from ..results.result_file import with_statistics
 from .errors import InterruptedRunError
 from .run import Loader, Outcome, RunError, as_fmus, run
@@ -107,10 +110,9 @@ def _errors(
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in companion.headline.numbers()}
     peaks = list(promised_peaks(told.result))
-    by_rows, near, lost = (
-        errors_of_step_ends(told.result, peaks),
-        differences_near(told.result, peaks, companion.result),
-        lost_ringing(told.result, peaks, companion.result),
+    by_rows = errors_of_step_ends(told.result, peaks)
+    near, lost, apart = (
+        of(told.result, peaks, companion.result) for of in (differences_near, lost_ringing, beyond_peaks)
     )
     locked = told.headline.latch_impulses
     in_locks = {hinge for line in told.result.hinge_lines if line.name in locked for hinge in line.hinges}
@@ -125,7 +127,9 @@ def _errors(
     return beside_their_vector(
         {
             key: larger(
-                EstimatedError(share.likely * d, max(share.most * d, lost.get(key, 0.0))),
+                EstimatedError(
+                    share.likely * d, max(share.most * d, lost.get(key, 0.0), apart.get(key, 0.0))
+                ),
                 by_rows.get(key),
                 at_least.get(key),
             )

@@ -7,17 +7,16 @@ take long steps and tell the same peak without it. What joints, friction or latc
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..estimated_errors import Key
-from ..key_figures import jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
+from .between_events import rows_between_events
 from .step_ends import INTERFACE_PEAKS, Peaks, promised_peaks
 
 _FADED, _LASTING = 0.5, 8
@@ -83,7 +82,7 @@ def _damped_by_steps(
 ) -> Iterator[tuple[int, float, float]]:
     """What rings strongest after each event where steps alone damp it: row, half a period (s), amplitude lost."""
     longest = np.maximum.accumulate(_steps(one.time)[::-1])[::-1]
-    for mine, its in zip(_segments(one), _segments(other), strict=False):
+    for mine, its in zip(rows_between_events(one), rows_between_events(other), strict=False):
         swings = _Swings.of(one.time[mine], ours[mine])
         longer = longest[mine][swings.row] > swings.half_period
         lost = swings.among(longer & (swings.half_period > EVENT_WIDTH))
@@ -118,10 +117,3 @@ def _steps(time: Vector) -> Vector:
     """The longer one of both steps beside each row."""
     steps = np.diff(time, prepend=time[0], append=time[-1])
     return np.maximum(steps[:-1], steps[1:])
-
-
-def _segments(result: Result) -> Sequence[slice]:
-    """Rows between events, at which a load jumps."""
-    of = np.searchsorted(sorted(jumps(result)), result.time + EVENT_WIDTH, side="right")
-    starts = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), result.time.size]
-    return [slice(a, b) for a, b in pairwise(starts)]

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import orchestrator as fanfold
 from orchestrator.results.compare import compare
-from orchestrator.results.key_figures import POINT_PEAKS
+from orchestrator.results.estimated_errors import POINT_PEAKS
 from orchestrator.results.signal import EVENT_WIDTH
 from orchestrator.views.plots import draw_one
 
