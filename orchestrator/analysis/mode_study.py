@@ -25,7 +25,7 @@ from ..scene.bodies import body_definition, body_model
 from ..scene.body_tables import Body
 from ..scene.builder import Scene
 from ..scene.locked_groups import held_bodies
-from .studies import LatchStudy, run_case
+from .studies import LatchStudy, refuse_without_latches, run_case
 
 _LISTED = 8
 
@@ -87,6 +87,7 @@ def mode_study(
         count: assemble(scene.with_settings({key: count}).check(), rigid, {*flexible, studied.name})
         for count in counts
     }
+    refuse_without_latches(assemblies[counts[0]])
     cases = []
     for count, assembly in assemblies.items():
         settings = Settings(tolerance or assembly.tolerance, assembly.largest_step)

@@ -14,10 +14,11 @@ from components.contract.frames import Vector3, add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
 
 from ..assembly.assemble import assemble
+from ..assembly.doubts.cable_loops import loop_travels
+from ..assembly.doubts.plausibility import assembled_doubts
 from ..assembly.effective_inertia import effective_inertia
 from ..assembly.fidelities import choose_fidelity
 from ..assembly.hinges import line_latch
-from ..assembly.plausibility import assembled_doubts, loop_travels
 from ..scene import CheckedScene
 from ..scene.bodies import (
     Attachment,

@@ -12,7 +12,7 @@ from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..run.progress import Progress, silent
 from ..run.run import RunError
-from .studies import LatchStudy, refuse_unlatched, run_case
+from .studies import LatchStudy, refuse_unlatched, refuse_without_latches, run_case
 
 _SMALLEST, _LARGEST = 1e-7, 1.0
 
@@ -39,6 +39,7 @@ def step_study(
     progress: Progress = silent,
 ) -> LatchStudy:
     """Runs at fixed step sizes (s) beside one with step control; results in the folder, if there is one."""
+    refuse_without_latches(assembly)
     steps = study_steps(steps)
     controlled = Settings(tolerance or assembly.tolerance, assembly.largest_step)
 

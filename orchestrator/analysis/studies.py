@@ -85,6 +85,14 @@ def run_case(
         return Case(label, value, run(assembly, path, settings, assembly.until, watch=watch))
 
 
+def refuse_without_latches(assembly: Assembly) -> None:
+    """RunError where no hinge line of an assembly has a latch, so that there is nothing to run for."""
+    if not any(line.latches for line in assembly.hinge_lines):
+        raise RunError(
+            f"{assembly.name}: no hinge line of it has a latch, and latch-ups are what is compared"
+        )
+
+
 def refuse_unlatched(reference: Case) -> None:
     """RunError where no line latched, so that there is nothing to compare."""
     if not reference.outcome.headline.latch_times:

@@ -15,7 +15,7 @@ from fmus import Backend, native_library
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
-from ..assembly.plausibility import assembled_doubts
+from ..assembly.doubts.plausibility import assembled_doubts
 from ..assembly.spin import unstiffened_spins
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order

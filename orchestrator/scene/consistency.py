@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from math import acos, degrees
 
 from components.contract.errors import unknown
-from components.contract.frames import Vector3, norm, subtract
+from components.contract.frames import Vector3, add, cross, dot, norm, rotate, subtract
 
 from .bodies import Attachment, StartPose, motions
 from .body_tables import Body
@@ -15,6 +16,10 @@ from .hinge_line_tables import HingeLine
 from .locked_groups import joined
 from .schema import CheckedScene
 
+_PARALLEL = 0.5
+"""Cosine between the axes of two pulleys, below which no cable leads one by the other."""
+_ALONG = 1e-6
+"""m, across their axis, within which one pulley is right behind another."""
 _HINGE_GAP = 1e-3
 """m; how far apart the points of a hinge may be when stowed."""
 
@@ -137,6 +142,34 @@ def disconnected(base: str, bodies: Iterable[str], lines: Iterable[HingeLine]) -
                 f"body.{body}: nothing says where it starts, as no chain of hinge lines leads to it from {base}; give "
                 "it a place = { body, point } if connections hold it (a free spacecraft is the [base], with free = "
                 "{ mass, center_of_mass, inertia })"
+            )
+
+
+def impossible_loops(
+    scene: CheckedScene, points: Mapping[str, Mapping[str, Vector3]], poses: Mapping[str, StartPose]
+) -> Iterator[str]:
+    """Cable loops around pulleys that, when stowed, face away or of which one lies within the other."""
+    for loop in scene.loops:
+        pulleys = loop.pulley_1, loop.pulley_2
+        axis, other = (rotate(poses[pulley.body].orientation, loop.axis) for pulley in pulleys)
+        if dot(axis, other) < _PARALLEL:
+            apart = degrees(acos(max(-1.0, dot(axis, other))))
+            yield (
+                f"ccl.{loop.name}.axis: when stowed, the axes of its pulleys are {apart:.3g} deg apart, as "
+                f"{loop.pulley_2.body} lies so beside {loop.pulley_1.body}; axis is that of the lines between them, in "
+                "the axes of both bodies"
+            )
+            continue
+        first, second = (
+            poses[pulley.body].place(add(points[pulley.body][pulley.point], pulley.offset))
+            for pulley in pulleys
+        )
+        apart = norm(cross(subtract(second, first), axis))
+        difference = abs(loop.pulley_1.radius - loop.pulley_2.radius)
+        if apart <= difference + _ALONG:
+            yield (
+                f"ccl.{loop.name}: when stowed, its pulleys are {apart:.4g} m apart across their axis, and their radii "
+                f"differ by {difference:.4g} m, so no cable runs around both; check axis and the points of the pulleys"
             )
 
 

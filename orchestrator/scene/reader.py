@@ -187,6 +187,7 @@ def _checked(file: str, tree: Tree, added: Collection[str] = ()) -> tuple[Checke
     found = closed(replace(scene, connections=joints), points)
     poses = found.poses
     reader.note(consistency.carried_along(scene))
+    reader.note(consistency.impossible_loops(scene, points, poses))
     if not reader.note([*consistency.open_hinges(scene, points, poses), *open_loops(found)]):
         reader.note(buried_contacts(scene, points, poses, refused))
         reader.note(plugin_problems(scene, points, poses, refused))

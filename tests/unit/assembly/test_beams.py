@@ -10,7 +10,7 @@ import orchestrator as fanfold
 from components import REGISTRY, Instance
 from orchestrator.analysis.scene_check import check_scene
 from orchestrator.assembly.assemble import assemble
-from orchestrator.assembly.plausibility import doubts
+from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.scene import SceneError
 from orchestrator.views.shapes import placed
 from tests.unit.scene.scene_cases import parts_of

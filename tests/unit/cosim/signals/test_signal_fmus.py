@@ -12,7 +12,7 @@ from components import REGISTRY
 from components.drive import MotionLaw
 from fmus import build_fmu
 from orchestrator.assembly import SignalFmu
-from orchestrator.assembly.plausibility import doubts
+from orchestrator.assembly.doubts.plausibility import doubts
 from orchestrator.cosim.compiled_master import CompiledMaster
 from orchestrator.cosim.master import Master
 from orchestrator.cosim.participant import ParticipantError

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from ..scene.schema import CheckedScene
-from ..scene.signals.tables import Fmu
-from . import Assembly, Event, HingeLine, SignalFmu
-from .signal_fmus import MEETS_RATES
+from ...scene.schema import CheckedScene
+from ...scene.signals.tables import Fmu
+from .. import Assembly, Event, HingeLine, SignalFmu
+from ..signal_fmus import MEETS_RATES
 
 
 def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:

@@ -1,0 +1,161 @@
+"""What a scene begins with that is hardly meant: blows, open loops, strained rails, hold-downs in mid-travel."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import degrees, pi, remainder
+
+import numpy as np
+
+from components.hold_down import HoldDown
+from components.rail import Rail
+
+from ...scene.bodies import scene_points
+from ...scene.component_connections import first_number, seated
+from ...scene.locked_groups import joined
+from ...scene.loops.closing import closed, left_open, start_poses
+from ...scene.loops.rates import start_rates
+from ...scene.schema import CheckedScene
+from ..bolted_lines import bolts_across
+
+_DEEP = 1e-3
+"""m, by which a rail starts pressed or pulled off its plane."""
+_AWAY = 1e-3
+"""rad, from the stowed angle, where a line starts in mid-travel."""
+
+_CLOSED = 1e-6
+"""m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
+_TURNED = 0.2
+"""rad; places are written to a few degrees, and loops close from there; tables may end as early."""
+_FLAT = 1e-3
+"""rad; how far from half a turn two panels are still folded onto each other."""
+_NO_RATE = 1e-9
+"""m/s and rad/s, that laws leave which begin at rest, such as a cosine."""
+
+
+def start_doubts(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from _bolted_on_the_way(scene)
+    yield from _strained_rails(scene)
+    yield from _open_at_the_start(scene)
+    yield from _turned_to_close(scene)
+    yield from _moving_from_rest(scene)
+    yield from _turned_from_the_world(scene)
+    if not scene.header.preload and "preload" not in scene.header.model_fields_set:
+        yield from _struck_by_preload(scene)
+        yield from _ringing_rails(scene)
+
+
+def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
+    """Loops and hold-downs whose preload acts all at once at the start."""
+    roots = joined(scene)
+    for loop in scene.loops:
+        if loop.preload > 0.0 and roots[loop.pulley_1.body] != roots[loop.pulley_2.body]:
+            yield f"ccl.{loop.name}: {_blow(loop.preload)}"
+    for bolt in (one for one in scene.connections if one.kind == HoldDown.kind):
+        preload = first_number(bolt, "preload")
+        if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
+            yield f"connection.{bolt.name}: {_blow(preload)}"
+
+
+def _blow(preload: float) -> str:
+    return (
+        f"its preload of {preload:g} N strikes the wing at the start; scene.preload = true starts in the equilibrium "
+        "under it, false says that the blow is meant"
+    )
+
+
+def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
+    """Rails that take a weight all at once at the start, and ring under it for ever."""
+    for rail in (one for one in scene.connections if one.kind == Rail.kind):
+        if any(scene.header.gravity) and not first_number(rail, "normal_damping"):
+            yield (
+                f"connection.{rail.name}: nothing damps it (normal_damping), so it rings under the weight that it "
+                "takes at the start, for which steps are small all along; scene.preload = true starts in the "
+                "equilibrium, false says that the ringing is meant"
+            )
+
+
+def _strained_rails(scene: CheckedScene) -> Iterator[str]:
+    """Rails without stiffness, which guide nothing, and those that start out of their plane."""
+    rails = [one for one in scene.connections if one.kind == Rail.kind]
+    points = scene_points(scene) if rails else {}
+    poses = start_poses(scene, points) if rails else {}
+    for rail in rails:
+        started = seated(rail, points, poses)
+        started.initialize()
+        stiffness, force = (
+            started.parameter("normal_stiffness"),
+            abs(float(started.observed()["normal_force"][0])),
+        )
+        if not stiffness:
+            yield f"connection.{rail.name}: its normal_stiffness is 0, so nothing keeps the trolley on its rail"
+        elif force > _DEEP * stiffness:
+            yield (
+                f"connection.{rail.name}: initial_offset starts its trolley {1e3 * force / stiffness:.4g} mm off its "
+                f"plane, which normal_stiffness turns into {force:.4g} N"
+            )
+
+
+def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:
+    """Hold-downs across lines that start away from where they are stowed: they grip there."""
+    for line in scene.hinge_lines:
+        away = line.initial_angle - line.stowed_angle
+        if line.held or abs(away) <= _AWAY:
+            continue
+        for bolt in bolts_across(scene, [line.name]):
+            yield (
+                f"connection.{bolt}: it holds bodies where the run begins, and {line.name} starts "
+                f"{degrees(away):.3g} deg from its stowed angle; leave out a hold-down that has let go by then"
+            )
+
+
+def _open_at_the_start(scene: CheckedScene) -> Iterator[str]:
+    """Joints between what lines carry, where start angles do not bring their points together."""
+    for name, size in left_open(scene, scene_points(scene)).items():
+        if size > _CLOSED:
+            yield (
+                f"connection.{name}: hinge lines carry its bodies, and their start angles leave it open by "
+                f"{1e3 * size:.4g} mm (or mrad), which its stiffness turns into load; check the stowed_angle of each "
+                "line of the loop and its digits, or place a body of the loop instead"
+            )
+
+
+def _turned_to_close(scene: CheckedScene) -> Iterator[str]:
+    """Placed bodies that joints turn far out of the attitude that they are written with."""
+    bare = [one for one in scene.connections if one.preset is not None and one.axes is None]
+    for name, angle in closed(scene, scene_points(scene)).turned.items() if bare else ():
+        if angle > _TURNED:
+            joints = ", ".join(one.name for one in bare if name in {seat.body for seat in one.ports.values()})
+            advice = f"give {joints} axes (in the world), or " if joints else ""
+            yield (
+                f"body.{name}: joints turn it by {degrees(angle):.3g} deg from where its place says, as their ports "
+                f"have the axes of their bodies; {advice}place it as they hold it"
+            )
+
+
+def _moving_from_rest(scene: CheckedScene) -> Iterator[str]:
+    """Motions that have a rate where all else starts from a static equilibrium."""
+    if not scene.header.preload:
+        return
+    points = scene_points(scene)
+    rates = start_rates(scene, points, start_poses(scene, points))
+    if names := ", ".join(name for name, rate in rates.items() if np.abs(rate).max() > _NO_RATE):
+        yield (
+            f"scene.preload: all starts at rest, in static equilibrium, and motions lead {names} at a rate from t = 0 "
+            "on: that is a blow; begin motions at rest, or leave preload out"
+        )
+
+
+def _turned_from_the_world(scene: CheckedScene) -> Iterator[str]:
+    """Bases that a motion turns at the start, beside bodies whose places are those of the world."""
+    placed = [body.name for body in scene.bodies if body.place is not None]
+    if scene.base.motion is None or not placed:
+        return
+    turn = scene.base.motion.laws[1].value(0.0)
+    if abs(remainder(turn, 2.0 * pi)) > _FLAT:
+        yield (
+            f"base.motion: it begins with the base turned by {degrees(turn):.4g} deg, and places of "
+            f"{', '.join(placed)} and axes of connections are those of the world, which do not turn along; write "
+            "these as they are then, or let the law begin at a whole turn"
+        )

@@ -1,0 +1,201 @@
+"""What hinge lines say that is hardly meant: what opens them, resists them and ends their motion."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from math import degrees, pi
+
+import numpy as np
+
+from components.end_stop import EndStop
+
+from ...scene.bodies import scene_points
+from ...scene.connection_tables import Connection
+from ...scene.schema import CheckedScene
+from ..hinges import contradicted_curves
+from .bodies import panel_of
+
+_ANGLES = 181
+"""Places on a line's way that are looked at."""
+_NOTHING = 1e-9
+"""Of a motor's largest torque: rounding where it gives none."""
+_TURNED = 0.2
+"""rad; places are written to a few degrees, and loops close from there; tables may end as early."""
+_FLAT = 1e-3
+"""rad; how far from half a turn two panels are still folded onto each other."""
+_OVERDAMPED = 2.0
+"""Damping ratio beyond which no latch is meant to brake."""
+_GIVES_WAY = pi / 6.0
+"""rad, further into which a motor does not press what is to stop it."""
+_FAR = 0.05
+"""rad, beyond which nothing that sticks gives way."""
+_ROUGHEST = 2.0
+"""Coefficient of friction, of clean metals in vacuum."""
+
+
+def line_doubts(scene: CheckedScene) -> Iterator[str]:
+    """Sentences with their keys."""
+    yield from _unstopped(scene)
+    yield from _unlikely_friction(scene)
+    yield from _held_by_friction(scene)
+    yield from _beyond_tables(scene)
+    yield from _through_one_another(scene)
+    yield from _stopped_before_latch(scene)
+    yield from _unlikely_ends(scene)
+    yield from _damped_by_few(scene)
+    yield from contradicted_curves(scene)
+    yield from _free_along_the_line(scene)
+
+
+def _unstopped(scene: CheckedScene) -> Iterator[str]:
+    """Lines that a motor opens and nothing ends, nor a stop that is a connection between their bodies."""
+    stopped = [
+        {seat.body for seat in one.ports.values()} for one in scene.connections if one.kind == EndStop.kind
+    ]
+    for line in scene.hinge_lines:
+        ends = line.latch is not None or line.end_stop is not None or line.held
+        if line.motor is not None and not ends and {line.inboard, line.outboard} not in stopped:
+            yield (
+                f"hinge_line.{line.name}: a motor opens it, and it has neither a latch nor an end_stop, so nothing "
+                f"keeps it at {degrees(line.deployed_angle):g} deg"
+            )
+
+
+def _stopped_before_latch(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose end stop lies before their latch, which they do not reach then."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.stop_angle is not None and line.stop_angle < line.deployed_angle:
+            yield (
+                f"hinge_line.{line.name}: its end stop is at {degrees(line.stop_angle):g} deg, before its latch at "
+                f"{degrees(line.deployed_angle):g} deg, which it reaches only as far as it presses the stop in"
+            )
+
+
+def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
+    """Latches that brake like tar, friction that sticks like rubber, end stops that a line's own motor presses in."""
+    for line in scene.hinge_lines:
+        if line.latch is not None and line.latch.damping_ratio > _OVERDAMPED:
+            ratio = line.latch.damping_ratio
+            yield (
+                f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
+                f"'{ratio:g} %' is a hundredth of it"
+            )
+        if line.presliding is not None and line.friction_preload > _FAR * line.presliding.stiffness:
+            wound = line.friction_preload / line.presliding.stiffness
+            yield (
+                f"hinge_line.{line.name}.presliding.stiffness: is {line.presliding.stiffness:g} N.m/rad, so soft that "
+                f"the line turns by {degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m "
+                "slides; what sticks gives way by milliradians"
+            )
+        if line.end_stop is not None and line.motor_energy > 0.5 * line.end_stop.stiffness * _GIVES_WAY**2:
+            yield (
+                f"hinge_line.{line.name}.end_stop.stiffness: is {line.end_stop.stiffness:g} N.m/rad, so soft that the "
+                f"{line.motor_energy:.3g} J of the line's motor press it in by more than {degrees(_GIVES_WAY):.0f} deg"
+            )
+
+
+def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
+    """A coefficient that no pin has, and lines whose friction is to stick and that have none."""
+    if scene.friction.coefficient > _ROUGHEST:
+        yield (
+            f"friction.coefficient: is {scene.friction.coefficient:g}, and pins have {_ROUGHEST:g} at the most; "
+            f"'{scene.friction.coefficient:g} %' is a hundredth of it"
+        )
+    for line in scene.hinge_lines:
+        if line.presliding is not None and not line.has_friction and not scene.friction.coefficient:
+            yield (
+                f"hinge_line.{line.name}.presliding: there is no friction that could stick; give the line "
+                "friction_preload, or friction.coefficient"
+            )
+
+
+def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose friction and harness take more than their motor gives, somewhere on the way."""
+    for line in scene.hinge_lines:
+        if line.motor is None or line.held:
+            continue
+        angles = np.linspace(line.initial_angle, line.deployed_angle, _ANGLES)
+        given = np.array([line.motor_law.value(angle) for angle in angles.tolist()])
+        taken = np.full(_ANGLES, line.friction_preload)
+        if line.harness is not None:
+            opening = line.harness.opening_law
+            taken -= np.array([opening.value(angle) for angle in angles.tolist()])
+        short = np.flatnonzero(given < taken - _NOTHING * np.abs(given).max())
+        if short.size:
+            k = int(short[0])
+            yield (
+                f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
+                f"friction and harness take {taken[k]:.4g} N.m; unless its speed carries it on or something else "
+                "drives it, it stops there"
+            )
+
+
+def _beyond_tables(scene: CheckedScene) -> Iterator[str]:
+    """Lines that go beyond what tables of their motor or harness tell."""
+    for line in scene.hinge_lines:
+        low, high = sorted((line.initial_angle, line.deployed_angle))
+        for name, table in (("motor", line.motor), ("harness", line.harness)):
+            if table is None or not table.angle:
+                continue
+            for end, beyond in (
+                (table.angle[0], low - table.angle[0]),
+                (table.angle[-1], table.angle[-1] - high),
+            ):
+                if beyond < -_TURNED:
+                    yield (
+                        f"hinge_line.{line.name}.{name}: its table ends at {degrees(end):.4g} deg, and the line goes "
+                        f"from {degrees(low):.4g} to {degrees(high):.4g} deg; beyond, the torque goes on by the slope "
+                        "at the end"
+                    )
+
+
+def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
+    """Latches of lines in closed loops, damped by the inertia of what hinge lines alone carry."""
+    if scene.structural_damping is not None:
+        return
+    placed = {body.name for body in scene.bodies if body.place is not None}
+    for line in scene.hinge_lines:
+        latch, carried = line.latch, {b.name for b in scene.bodies if line in scene.lines_inward(b.name)}
+        if latch is None or line.held or latch.effective_inertia is not None or latch.damping_ratio == 0.0:
+            continue
+        joints = (c for c in scene.connections if c.preset is not None)
+        beside = {seat.body for joint in joints if _joins(joint, carried) for seat in joint.ports.values()}
+        if moved := sorted(beside & placed):
+            yield (
+                f"hinge_line.{line.name}.latch.effective_inertia: {', '.join(moved)} move with the line, and its "
+                "damping counts what hinge lines carry alone; give the inertia of all that moves"
+            )
+
+
+def _joins(joint: Connection, bodies: Collection[str]) -> bool:
+    return any(seat.body in bodies for seat in joint.ports.values())
+
+
+def _free_along_the_line(scene: CheckedScene) -> Iterator[str]:
+    """Lines whose hinges all let their body slide, where nothing else could hold it."""
+    if scene.loops or scene.connections:
+        return
+    for line in scene.hinge_lines:
+        if not line.held and {hinge.kind for hinge in line.hinges} == {"cylindrical"}:
+            yield (
+                f"hinge_line.{line.name}: all its hinges are cylindrical, so {line.outboard} slides along the line "
+                "freely; make one of them revolute"
+            )
+
+
+def _through_one_another(scene: CheckedScene) -> Iterator[str]:
+    """Panels folded onto each other by a line on those faces of theirs that are not the ones that part as it opens."""
+    points, panels = scene_points(scene), {body.name for body in scene.bodies if panel_of(body) is not None}
+    for line in scene.hinge_lines:
+        folded = abs(line.aligned_angle - line.initial_angle - pi) < _FLAT
+        if line.held or not folded or not {line.inboard, line.outboard} <= panels:
+            continue
+        first = line.hinges[0]
+        apart = points[line.inboard][first.inboard][2] + points[line.outboard][first.outboard][2]
+        if apart * line.axis[1] < 0.0:
+            side = "above" if apart > 0.0 else "below"
+            yield (
+                f"hinge_line.{line.name}: {line.outboard} lies {1e3 * abs(apart):.4g} mm {side} {line.inboard} (along "
+                "its z) and opens to the other side, through it; change the sign of panel.hinge_line_offsets there, or "
+                "of axis"
+            )

@@ -1,0 +1,29 @@
+"""What a consistent scene says that is hardly meant: sentences to be told before it is run."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from ...scene.schema import CheckedScene
+from .. import Assembly
+from ..hinges import unfollowed_curves
+from .at_the_start import start_doubts
+from .bodies import body_doubts, unlike_twins
+from .cable_loops import loop_doubts
+from .idle import idle_doubts
+from .lines import line_doubts
+from .signals import signal_sentences
+
+
+def doubts(scene: CheckedScene) -> list[str]:
+    """Everything about a scene that is hardly meant, as sentences with their keys."""
+    kinds = (line_doubts, idle_doubts, loop_doubts, start_doubts, body_doubts)
+    return [sentence for of in kinds for sentence in of(scene)]
+
+
+def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
+    """The same, and what is hardly meant of it as assembled with these bodies flexible."""
+    yield from doubts(scene)
+    yield from signal_sentences(assembly, scene)
+    yield from unfollowed_curves(scene, bending)
+    yield from unlike_twins(scene, bending)
