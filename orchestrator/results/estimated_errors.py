@@ -25,12 +25,21 @@ _ADDED_UP = 10.0
 """Times which round-off of one joint is that of a scene."""
 OF_STOPS = "stop torque peak"
 """Judged beside the stop that is struck the hardest."""
+OF_CONTACTS = "contact force highest"
+"""Judged beside the contact that is pressed the hardest."""
 OF_LATCHES = ("latch time", "latch impulse", "latch torque peak")
 _OF_VECTOR = 0.1
 """Of the largest error of a vector's components, that none of them is less than at the most."""
+_AMONG = {
+    **dict.fromkeys(_LOADS, "its largest component"),
+    OF_STOPS: "the largest of all stops",
+    OF_CONTACTS: "the largest of all contacts",
+}
+"""What is judged beside the largest of its kind, and that in words."""
+_SAID = {OF_CONTACTS: "highest contact force"}
 SIZING = (*OF_LATCHES, OF_STOPS)
 """Quantities that size hinges."""
-PROMISED = (*SIZING, *_LOADS)
+PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
 """Quantities that a run vouches for, or says that it does not."""
 
 
@@ -93,9 +102,8 @@ def doubts(
     """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
 
     Latch times, impulses and torques are judged beside their own values, components of a load beside its largest, stops
-    beside the one that is struck the hardest; by what the error may be at the most. refined: the smaller tolerance that
-    the run took in the end, if it did.
-    fixed_step: whether steps do not follow from the tolerance.
+    and contacts beside the one that is struck the hardest; by what the error may be at the most. refined: the smaller
+    tolerance that the run took in the end, if it did. fixed_step: whether steps do not follow from the tolerance.
     """
     if tolerance is None:
         return []
@@ -120,16 +128,16 @@ def doubtful(
 
 
 def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
-    """In words what is off, all components of a load at once, by the largest part, and of what it is one."""
+    """In words what is off, all that is judged beside one value at once, by the largest part, and of what it is one."""
     for quantity, of in shares:
-        if quantity not in _LOADS:
-            whole = "the largest of all stops" if quantity == OF_STOPS else "its size"
-            yield f"the {quantity} of {of}", shares[quantity, of], whole
+        whole = _AMONG.get(quantity)
+        if whole is None:
+            yield f"the {quantity} of {of}", shares[quantity, of], "its size"
             continue
-        components = [axis for load, axis in shares if load == quantity]
-        if of == components[0]:
-            most = max(shares[quantity, axis] for axis in components)
-            yield f"the {quantity} of {', '.join(components)}", most, "its largest component"
+        members = [one for like, one in shares if like == quantity]
+        if of == members[0]:
+            most = max(shares[quantity, one] for one in members)
+            yield f"the {_SAID.get(quantity, quantity)} of {', '.join(members)}", most, whole
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
@@ -164,7 +172,7 @@ def least_sure(
     """In words the number with the largest error of promised quantities, and both its errors over its size."""
     shares = _shares(numbers, errors, quantities)
     quantity, of = max(shares, key=lambda key: float(getattr(shares[key], by)))
-    return f"the {quantity} of {of}", shares[quantity, of]
+    return f"the {_SAID.get(quantity, quantity)} of {of}", shares[quantity, of]
 
 
 def _shares(
@@ -185,8 +193,7 @@ def _sizes(
     Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise.
     """
     largest = {
-        load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0)
-        for load in (*_LOADS, OF_STOPS)
+        load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _AMONG
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:

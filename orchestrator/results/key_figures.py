@@ -217,9 +217,8 @@ class Headline:
                 yield Number(peak_of(variable), name, torque, "N.m")
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
-                words = variable.replace("_", " ")
-                yield Number(f"{words} lowest", name, low, "N")
-                yield Number(f"{words} highest", name, high, "N")
+                yield Number(f"{variable.replace('_', ' ')} lowest", name, low, "N")
+                yield Number(highest_of(variable), name, high, "N")
 
 
 def headline(result: Result) -> Headline:
@@ -449,6 +448,11 @@ def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:
 def peak_of(load: str) -> str:
     """What the headline calls the peak of a load."""
     return f"{load.replace('_', ' ')} peak"
+
+
+def highest_of(load: str) -> str:
+    """What the headline calls the highest value of a force."""
+    return f"{load.replace('_', ' ')} highest"
 
 
 def loads(result: Result, unit: str) -> Iterator[tuple[str, str, Vector]]:

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from components.contract.roles import INTERFACE_LOAD
 
 from ...assembly import HingeLine
-from ..estimated_errors import OF_STOPS, EstimatedError, Key
-from ..key_figures import extremes, jumps, latch_times, line_latch_torque, loads, peak_of
+from ..estimated_errors import OF_CONTACTS, OF_STOPS, EstimatedError, Key
+from ..key_figures import extremes, highest_of, jumps, latch_times, line_latch_torque, loads, peak_of
 from ..lines.latch_impulse import latch_impulse
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
@@ -141,6 +141,9 @@ def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
     for component, label, torque in loads(result, "N.m"):
         if peak_of(label) == OF_STOPS:
             yield (OF_STOPS, component), torque
+    for component, label, force in loads(result, "N"):
+        if highest_of(label) == OF_CONTACTS:
+            yield (OF_CONTACTS, component), force
 
 
 def _largest(time: Vector, values: Vector, events: list[float]) -> float:
