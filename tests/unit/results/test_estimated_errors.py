@@ -177,6 +177,18 @@ def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
     )
 
 
+def test_contacts_are_doubted_in_one_sentence():
+    """Convention as for stops. Regression: nobody vouched for forces of contacts, and nothing said so."""
+    pads = [("contact force highest", f"pad{k}") for k in range(3)]
+    errors = {pad: EstimatedError(1.0, most) for pad, most in zip(pads, (4.0, 0.5, 2.0), strict=True)}
+    (sentence,) = doubts(
+        [(pad, force) for pad, force in zip(pads, (100.0, 5.0, 9.0), strict=True)], errors, 1e-3
+    )
+    assert sentence.startswith(
+        "the highest contact force of pad0, pad2 may be off by 0.04 of the largest of all contacts"
+    )
+
+
 def test_components_of_a_load_are_doubted_in_one_sentence():
     """Rule: a component that is nothing has no size of its own that it could be off by."""
     load = "interface force peak"
