@@ -23,6 +23,8 @@ _SLACK = 0.01
 """Hz, of a free beam's first bending: ropes, hoses and cloths bend so slowly, no boom or panel does."""
 _FIRST_BENDING = 22.3733
 """Square of the first wave number of a free beam times its length, 4.730^2."""
+_LIGHTEST = 1.0
+"""kg/m3, of air; the lightest foams have five times that."""
 _DENSEST = 22_600.0
 """kg/m3, of osmium: nothing is denser."""
 _FAR_CENTER = 100.0
@@ -78,7 +80,7 @@ def _large_inertia(key: str, inertial: Inertial, points: list[Vector3]) -> Itera
 
 
 def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
-    """Panels that are no plates, denser than any material, or slack, by what their stiffnesses tell."""
+    """Panels that are no plates, denser or lighter than any material, or slack, by what their stiffnesses tell."""
     for body in scene.bodies:
         panel = panel_of(body)
         if panel is None:
@@ -97,6 +99,11 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
                 "material; check the units of areal_mass and of thickness"
+            )
+        if density < _LIGHTEST:
+            yield (
+                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, lighter than any foam; "
+                "check the unit of areal_mass"
             )
         first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
         if first < _SLACK and plate.prestress == 0.0:

@@ -11,6 +11,8 @@ from components.contract.frames import Vector3, cross, dot, norm
 from ...scene.connection_tables import Ccl
 from ...scene.schema import CheckedScene
 
+_STIFFEST = 1e8
+"""N/m, of five square centimetres of steel along a metre."""
 _ASKEW = 1e-3
 """Sine of the angle between a loop's axis and a line's, from which on the loop does not lead the line."""
 
@@ -19,6 +21,17 @@ def loop_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from _unlike_travels(scene)
     yield from _askew_loops(scene)
+    yield from _stiffest(scene)
+
+
+def _stiffest(scene: CheckedScene) -> Iterator[str]:
+    """Strands that no cable is as stiff as; steps follow what rings on them."""
+    for loop in scene.loops:
+        if loop.strand_stiffness > _STIFFEST:
+            yield (
+                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel has "
+                "2e7 N/m; check the unit, as steps follow what rings on it"
+            )
 
 
 class Travels(NamedTuple):

@@ -278,6 +278,13 @@ def test_loops_around_nothing_are_refused(key, sentence):
         load_scene(find_scene("amos3"), (), [key])
 
 
+def test_strands_stiffer_than_any_cable_are_told():
+    """Regression: 1e12 N/m passed without a word, and the run crawled."""
+    for stiffness, count in (("1e12 N/m", 1), ("1e7 N/m", 0)):
+        told = doubts(Scene.load("amos3", settings={"ccl.panel_loop.strand_stiffness": stiffness}).check())
+        assert len([one for one in told if "strand_stiffness: is 1e+12 N/m" in one]) == count
+
+
 def test_a_loop_about_another_axis_is_told():
     """Rule: pulleys lead lines whose axis is theirs, either way round; by default it is y."""
     loop = "ccl.panel_loop.axis=[0.0, 0.0, 1.0]"
@@ -318,6 +325,7 @@ arm = { y = "0.5 m", length = "30 mm", patch = "60 mm" }
         ("3 kg/m2", "20 mm", '"70 GPa"', []),
         ("3 kg/m2", "20 m", '"70 GPa"', ["plate theory does not hold"]),
         ("3000 kg/m2", "20 mm", '"70 GPa"', ["denser than any material"]),
+        ("1e-6 kg/m2", "20 mm", '"70 GPa"', ["lighter than any foam"]),
         ("3 kg/m2", "20 mm", "70", ["it would bend at 0.00091 Hz, as a cloth does"]),
     ],
 )
