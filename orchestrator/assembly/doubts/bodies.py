@@ -95,15 +95,15 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
                 f"{key}: {like}, and it is {side:.3g} m wide: plate theory does not hold for it; check the "
                 "units of its thickness or stiffness"
             )
+        elif density < _LIGHTEST:
+            yield (
+                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, lighter than any foam; "
+                "check the unit of areal_mass"
+            )
         if density > _DENSEST:
             yield (
                 f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
                 "material; check the units of areal_mass and of thickness"
-            )
-        if density < _LIGHTEST:
-            yield (
-                f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, lighter than any foam; "
-                "check the unit of areal_mass"
             )
         first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
         if first < _SLACK and plate.prestress == 0.0:

@@ -29,8 +29,8 @@ def _stiffest(scene: CheckedScene) -> Iterator[str]:
     for loop in scene.loops:
         if loop.strand_stiffness > _STIFFEST:
             yield (
-                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel has "
-                "2e7 N/m; check the unit, as steps follow what rings on it"
+                f"ccl.{loop.name}.strand_stiffness: is {loop.strand_stiffness:g} N/m, and a metre of 1 cm2 of steel "
+                "has 2e7 N/m; check the unit, as steps follow what rings on it"
             )
 
 
