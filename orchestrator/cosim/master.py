@@ -17,6 +17,7 @@ from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .events.breaks import HoldDowns, times_to_break
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
+from .events.instant_rows import InstantRows
 from .events.judged_loads import JudgedLoads
 from .events.strikes import Strikes
 from .implicit.convergence import Solution, Tolerance
@@ -65,6 +66,7 @@ class Master(CoSimulation):
         self._judged = JudgedLoads(solver)
         self._strikes = Strikes(network.participants, solver.observations)
         self._reached: list[HingeLine | Event] = []
+        self._jumps = InstantRows(solver, self._rows, self._observe, self._add_instant)
         self._laws = times_to_break(network.participants)
         self._hold_downs = HoldDowns(network.participants)
         self._break = inf
@@ -114,6 +116,8 @@ class Master(CoSimulation):
             self._accept(h, solution)
             for one in reached:
                 self._let_act(one)
+            if waiting := self._jumps.waiting:
+                self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, *waiting)
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._pass_break()
             self._keep_snapshot(h)
@@ -314,10 +318,13 @@ class Master(CoSimulation):
         free = {i for i, one in enumerate(self.network.connections) if one.name in event.releases}
         self._judged.let_go(free)
         self.solver.forget_all()
-        self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, roughness)
+        latching = [line for line in self._pending if line.name in event.latches]
+        self._record_jump(
+            self._instant(self._sizes.size), self.solver.forget_all, roughness, others=bool(latching)
+        )
         self._hold_downs.note()
         self._watch()
-        self._latch_all([line for line in self._pending if line.name in event.latches])
+        self._latch_all([line for line in latching if line in self._pending])
         self._judge_loads()
         self._renew()
 
@@ -394,39 +401,24 @@ class Master(CoSimulation):
         return min(INSTANT, INSTANT_SHARE * size)
 
     def _roughness(self) -> Vector | None:
-        """Before an event acts: what loads of an instant are off, for `_record_jump` to tell the event's part alone."""
-        solver, after, found = self.solver, min(INSTANT, INSTANT_SHARE * self._sizes.size), None
-        solver.restore()
-        if solver.solve(self.time, after, solver.accepted).converged:
-            self._observe(after)
-            found = self._rows.roughness(self.time, len(self.segments[-1]))
-        solver.restore()
-        solver.forget_all()
-        return found
+        return self._jumps.roughness(self.time, self._sizes.size, len(self.segments[-1]))
 
     def _record_jump(
-        self, after: float, forget: Callable[[], None], roughness: Vector | None = None
+        self,
+        after: float,
+        forget: Callable[[], None],
+        roughness: Vector | None = None,
+        *,
+        others: bool = False,
     ) -> Vector | None:
-        """A row with what an event makes of loads, from a step (s) too short for motion, which is then taken back.
+        others |= any(one in (*self._pending, *self._scheduled.conditional) for one in self._reached)
+        return self._jumps.record(self.time, after, forget, roughness, others=others)
 
-        The wrenches of that step; None where it does not converge.
-        """
-        solver, found = self.solver, None
-        solver.restore()
-        if solver.solve(self.time, after, solver.accepted).converged:
-            found = solver.wrenches.copy()
-            self._observe(after)
-            if roughness is not None:
-                self._rows.smooth(roughness)
-        else:
-            solver.restore()
-            self._observe()
+    def _add_instant(self, after: float) -> None:
+        """A row of an instant that lies a little (s) behind the present time."""
         self.time += after
         self._record(after, 0)
         self.time -= after
-        solver.restore()
-        forget()
-        return found
 
     def _engage(self, line: HingeLine) -> float:
         """Latch a line, and return the step size (s) to go on with.
@@ -490,4 +482,5 @@ class Master(CoSimulation):
 
     def _record(self, h: float, iterations: int, *, accepted: bool = False) -> None:
         self._guard.accept(self._energies)
+        self._jumps.waiting = []
         super()._record(h, iterations, accepted=accepted)

@@ -39,7 +39,7 @@ from .run import Loader, Outcome, RunError, as_fmus, run
 
 _SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.75)}
 """Of the difference, by order: likely ones between 1 / (2^n - 1) and 1, in the middle of order 2, and where most random
-wings lie; of 37 numbers of theirs that order 4 had off by more than a tolerance, 35 were off by less than 1.7 times it."""
+wings lie; of 37 of their numbers that order 4 had off by more than a tolerance, 35 were off by less than 1.7 of it."""
 _FINER = EstimatedError(1.0, 2.0)
 """Of the difference from half the steps: all of it where steps resolve what happens, and two of its kind elsewhere."""
 _ASTRAY = 1e3

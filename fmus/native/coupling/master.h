@@ -88,7 +88,7 @@ struct Master {
     const char **link_name, **event_name;
     double *row_values, *energy_start, *before_lines, *before_events;
     double start_step, usual_relative, driving_energy, segment, held_segment, event_time, is_crossed, tried, stalled;
-    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats;
+    size_t lines, events, strikes, impulses, steps, rejected, happened, repeats, untold;
     char said[512];
 };
 
@@ -268,6 +268,7 @@ static int is_solved(const Master *m, int status) {
 static int note_roughness(Master *m) {
     Network *n = &m->network;
     const RowBlock *r = &m->loop.rows;
+    if (m->untold) return 1; /* that of what acted first at this instant */
     if (!restore_all(n)) return 0;
     if (is_solved(m, solve(&m->solver, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), n->accepted))) {
         if (!observe_all(m)) return 0;
@@ -294,19 +295,31 @@ static void smooth(Master *m) {
     }
 }
 
-/* A row with what an event makes of loads, from a step too short for motion, which is then taken back. */
+/* Whether lines or events are still to act at this instant. */
+static int others_act(const Master *m) {
+    for (size_t i = 0; i < m->lines; i++) {
+        const double pending = *m->line[i].pending;
+        if (pending == REACHED || pending == COMMANDED || pending == PASSED) return 1;
+    }
+    for (size_t i = 0; i < m->events; i++)
+        if (*m->event[i].pending == REACHED) return 1;
+    return 0;
+}
+
+/* A row with what an event makes of loads, from a step too short for motion, which is then taken back. Where others are
+   to act at this instant the row is left to the last of them: what is between them lasts no time. */
 static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     Network *n = &m->network;
     if (!restore_all(n)) return 0;
-    if (is_solved(m, solve(&m->solver, after, n->accepted))) {
-        if (!observe_all(m)) return 0;
+    const int solved = is_solved(m, solve(&m->solver, after, n->accepted));
+    if (!solved) memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
+    if ((!solved && !restore_all(n)) || !observe_all(m)) return 0;
+    m->untold = (size_t)others_act(m);
+    if (!m->untold) {
         smooth(m);
-    } else {
-        memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
-        if (!restore_all(n) || !observe_all(m)) return 0;
+        note_energies(&m->loop);
+        add_row(m, m->loop.time + after, after);
     }
-    note_energies(&m->loop);
-    add_row(m, m->loop.time + after, after);
     if (!restore_all(n)) return 0;
     forget(&m->solver);
     return 1;
@@ -346,6 +359,8 @@ static int make_impulse(Master *m, double h) {
     if (!observe_all(m)) return 0;
     note_energies(&m->loop);
     add_row(m, m->loop.time, h);
+    m->untold = 0;
+    memset(m->roughness, 0, m->loop.rows.corrections * sizeof(double));
     return 1;
 }
 
@@ -482,10 +497,10 @@ static int supply(Master *m, double before) {
 /* Go on after something jumped: latches that were commanded with it engage at once. */
 static int go_on(Master *m, const size_t *latch, size_t latches) {
     forget_all(&m->solver);
-    if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
-    watch_all(m);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending) *m->line[latch[i]].pending = COMMANDED;
+    if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
+    watch_all(m);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending == COMMANDED && !latch_line(m, m->line + latch[i], COMMANDED)) return 0;
     judge_loads(m);
@@ -637,6 +652,7 @@ static int let_act(Master *m) {
         if (*m->line[i].pending == REACHED) fine = latch_line(m, m->line + i, REACHED);
     for (size_t i = 0; fine && i < m->events; i++)
         if (*m->event[i].pending == REACHED) fine = happen(m, m->event + i);
+    if (fine && m->untold) fine = record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all);
     return fine;
 }
 

@@ -1,0 +1,72 @@
+"""Rows with what events make of loads at their instant, from steps too short for motion, which are taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from components.numerics.scheme import INSTANT, INSTANT_SHARE
+
+from ..implicit.solver import Solver
+from ..participant import Vector
+from ..rows import Rows
+
+
+class InstantRows:
+    """One row an instant: of several events at one, that of the last tells, as what is between them lasts no time.
+
+    observe: takes how long after the present time (s); tell: a row so long after it. waiting: what loads were off, by
+    `roughness`, before the first event of an instant whose row is still to come; empty where none is.
+    """
+
+    def __init__(
+        self, solver: Solver, rows: Rows, observe: Callable[[float], object], tell: Callable[[float], None]
+    ) -> None:
+        self._solver, self._rows, self._observe, self._tell = solver, rows, observe, tell
+        self.waiting: list[Vector | None] = []
+
+    def roughness(self, time: float, size: float, steps: int) -> Vector | None:
+        """Before an event acts at a time (s): what loads of an instant are off, for the event's part alone to be told.
+
+        size: of steps (s); steps: since the last event.
+        """
+        if self.waiting:
+            return self.waiting[0]
+        solver, after, found = self._solver, min(INSTANT, INSTANT_SHARE * size), None
+        solver.restore()
+        if solver.solve(time, after, solver.accepted).converged:
+            self._observe(after)
+            found = self._rows.roughness(time, steps)
+        solver.restore()
+        solver.forget_all()
+        return found
+
+    def record(
+        self,
+        time: float,
+        after: float,
+        forget: Callable[[], None],
+        roughness: Vector | None = None,
+        *,
+        others: bool = False,
+    ) -> Vector | None:
+        """A row so long after a time (s), unless others are to act at that; the solver then forgets what it is told.
+
+        The wrenches of that step; None where it does not converge.
+        """
+        solver, found = self._solver, None
+        solver.restore()
+        if solver.solve(time, after, solver.accepted).converged:
+            found = solver.wrenches.copy()
+            self._observe(after)
+            if roughness is not None:
+                self._rows.smooth(roughness)
+        else:
+            solver.restore()
+            self._observe(0.0)
+        if others:
+            self.waiting = [roughness]
+        else:
+            self._tell(after)
+        solver.restore()
+        forget()
+        return found
