@@ -33,6 +33,7 @@ from ..scene.bodies import (
 from ..scene.body_tables import Body, Fidelity
 from ..scene.connection_tables import Ccl
 from ..scene.hinge_line_tables import HingeLine
+from ..scene.locked_groups import held_bodies
 from ..scene.loops.closing import Closed, extended, start_poses
 
 Places = Mapping[str, StartPose]
@@ -145,7 +146,11 @@ def check_scene(
     bends = {name: fidelity != "rigid" for name, fidelity in chosen.items()}
     # says what only an assembly can tell, such as that a body has not the modes asked for
     assembly = assemble(scene, rigid, flexible, large_deformation=large_deformation)
-    models = {body.name: body_model(body, chosen[body.name] == "flexible") for body in scene.bodies}
+    held = held_bodies(scene)
+    models = {
+        body.name: body_model(body, chosen[body.name] == "flexible" and body.name not in held)
+        for body in scene.bodies
+    }
     base = base_model(scene.base)
     if base is not None:
         models = {scene.base.name: base, **models}
@@ -196,13 +201,15 @@ def _out_of_reach(far: Closed) -> list[str]:
 def _bodies(
     scene: CheckedScene, models: Mapping[str, ModalData], chosen: Mapping[str, Fidelity]
 ) -> list[BodyOverview]:
-    bodies = {body.name: body for body in scene.bodies}
+    bodies, held = {body.name: body for body in scene.bodies}, held_bodies(scene)
     rows = []
     for name, points in scene_points(scene).items():
         data = models.get(name)
         model = (
             ("moved" if scene.base.motion is not None else "fixed")
             if data is None
+            else "rigid, as one piece with others by held lines"
+            if name in held and name in bodies
             else _model_words(bodies[name], chosen[name], data.frequency.size)
             if name in bodies
             else "rigid"

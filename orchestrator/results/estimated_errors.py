@@ -190,12 +190,16 @@ def _sizes(
 ) -> Iterator[tuple[Key, float]]:
     """What a run promises and has errors of, with the sizes that these are judged by.
 
-    Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise.
+    Forces that are round-off beside the torques of the scene, or torques beside its forces, are no promise, nor are
+    components that are beside others.
     """
     largest = {
         load: max((abs(value) for key, value in numbers if key[0] == load), default=0.0) for load in _AMONG
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:
-        if key[0] in PROMISED and key in errors and not largest.get(key[0], inf) <= round_off:
-            yield key, largest.get(key[0], abs(value))
+        if key[0] not in PROMISED or key not in errors or largest.get(key[0], inf) <= round_off:
+            continue
+        size = largest.get(key[0], abs(value))
+        if key[0] not in _AMONG or max(abs(value), errors[key].likely) > noise_floor([size]):
+            yield key, size

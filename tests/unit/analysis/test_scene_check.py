@@ -42,6 +42,15 @@ def test_bodies_lines_and_loops_are_those_of_the_scene(checked):
     assert checked.problems == checked.warnings == ()
 
 
+def test_a_held_body_is_shown_as_it_runs():
+    """Regression: a body that a held line makes one rigid piece with the base was shown as flexible."""
+    found = fanfold.check_scene("amos3", settings={"hinge_line.HL1.held": True}, flexible="all")
+    assert found.problems == ()
+    models = {body.name: body.model for body in found.bodies}
+    assert models["yoke"] == "rigid, as one piece with others by held lines"
+    assert models["panel1"].startswith("flexible")
+
+
 def one_panel(**keys):
     """A panel on a fixed base, with further keys of its body."""
     scene = fanfold.Scene("own", until="4 s")

@@ -200,6 +200,16 @@ def test_components_of_a_load_are_doubted_in_one_sentence():
     )
 
 
+def test_a_component_that_is_round_off_in_both_runs_is_not_doubted():
+    """Rule. Regression: errors of its neighbours were said of a component that is zero by symmetry."""
+    load = "interface force peak"
+    numbers = [((load, axis), value) for axis, value in zip("xyz", (500.0, 1e-7, 1000.0), strict=True)]
+    errors = {(load, "x"): EstimatedError(5.0, 20.0), (load, "y"): EstimatedError(1e-7, 1e-7)}
+    errors[load, "z"] = EstimatedError(400.0, 700.0)
+    (sentence,) = doubts(numbers, beside_their_vector(errors), 1e-3)
+    assert sentence.startswith("the interface force peak of x, z may be off by 0.7")
+
+
 def test_components_of_one_load_ring_together():
     """Wing 60 of the campaign: torque about x was off by 12 tolerances, of which neighbours told and it did not."""
     load = "interface torque peak"
