@@ -32,7 +32,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "1": {"1": 1.0, "%": 0.01},
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "rad": _TURNING,
-    "s": {"s": 1.0, "ms": 1e-3, "min": 60.0},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "Hz": {"Hz": 1.0, "kHz": 1e3},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
     "m/s2": {"m/s2": 1.0, "mm/s2": 1e-3},

@@ -10,6 +10,9 @@ from ...scene.signals.tables import Fmu
 from .. import Assembly, Event, HingeLine, SignalFmu
 from ..signal_fmus import MEETS_RATES
 
+_MOST_STEPS = 1e6
+"""Of an FMU in a run; a millisecond each is a quarter of an hour."""
+
 
 def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
     """What is said of FMUs that take part, though they can: what is hardly meant, or hardly known."""
@@ -17,6 +20,7 @@ def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
             yield from _bare_units(fmu)
+            yield from _all_too_often(table, scene.header.until)
             yield from _of_several_hinges(fmu, table, assembly.hinge_lines)
             yield from _set_by_events(fmu, assembly.events)
             if fmu.is_wing:
@@ -29,6 +33,15 @@ def _bare_units(fmu: SignalFmu) -> Iterator[str]:
     if bare:
         listed = ", ".join(dict.fromkeys(f"{s.variable} in {s.unit}" for s in bare))
         yield f"fmu.{fmu.name}: {Path(fmu.path).name} says no unit of some variables, which are taken as {listed}"
+
+
+def _all_too_often(table: Fmu, until: float) -> Iterator[str]:
+    """FMUs whose own step the run has to stop at more often than anybody waits for."""
+    if table.step is not None and until > _MOST_STEPS * table.step:
+        yield (
+            f"fmu.{table.name}: its step of {table.step:g} s is made {until / table.step:.2g} times in {until:g} s, "
+            "and the run steps to every one; check the unit of step"
+        )
 
 
 def _of_several_hinges(fmu: SignalFmu, table: Fmu, lines: Sequence[HingeLine]) -> Iterator[str]:

@@ -234,7 +234,7 @@ def test_what_cannot_be_searched_is_a_sentence(kind):
             "time,left.angel\n0,0\n1,1\n",
             "curve left.angel: is not a known signal; did you mean left.angle; signals",
         ),
-        ("time (h),left.angle\n0,0\n1,1\n", "its times are in h; give them in s or ms or min"),
+        ("time (h),left.angle\n0,0\n1,1\n", "its times are in h; give them in s or ms or us or min"),
         (
             "time,left.angle (N)\n0,0\n1,1\n",
             "curve left.angle: it is in N; behind its name stands rad or deg",

@@ -259,6 +259,13 @@ def test_a_step_that_the_run_does_not_reach_is_told(controller):
     assert doubts(controlled(controller, until=1.0, step=1.0).check_one_run()) == []
 
 
+def test_a_step_that_is_made_millions_of_times_is_told(controller):
+    """Regression: a step of 1 us was started without a word, and would have taken an hour."""
+    for step, count in (("0.1 us", 1), ("1 ms", 0)):
+        found = fanfold.check_scene(controlled(controller, until=1.0, step=step))
+        assert len([one for one in found.warnings if "is made 1e+07 times in 1 s" in one]) == count
+
+
 def test_checkpoints_are_refused(controller, tmp_path):
     with pytest.raises(fanfold.FanfoldError, match="has no checkpoints"):
         fanfold.simulate(controlled(controller), save=tmp_path / "run.h5", checkpoint=0.2)
