@@ -116,8 +116,7 @@ class Master(CoSimulation):
             self._accept(h, solution)
             for one in reached:
                 self._let_act(one)
-            if waiting := self._jumps.waiting:
-                self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, *waiting)
+            self._record_waiting()
             if is_break and self._scheduled.due(self.time) is None and not self._signals.is_due(self.time):
                 self._pass_break()
             self._keep_snapshot(h)
@@ -325,6 +324,7 @@ class Master(CoSimulation):
         self._hold_downs.note()
         self._watch()
         self._latch_all([line for line in latching if line in self._pending])
+        self._record_waiting()
         self._judge_loads()
         self._renew()
 
@@ -413,6 +413,11 @@ class Master(CoSimulation):
     ) -> Vector | None:
         others |= any(one in (*self._pending, *self._scheduled.conditional) for one in self._reached)
         return self._jumps.record(self.time, after, forget, roughness, others=others)
+
+    def _record_waiting(self) -> None:
+        """The row of an instant that was left to what then had none of its own."""
+        if waiting := self._jumps.waiting:
+            self._record_jump(self._instant(self._sizes.size), self.solver.forget_all, *waiting)
 
     def _add_instant(self, after: float) -> None:
         """A row of an instant that lies a little (s) behind the present time."""

@@ -325,6 +325,11 @@ static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
     return 1;
 }
 
+/* The row of an instant that was left to what then had none of its own. */
+static int record_untold(Master *m) {
+    return !m->untold || record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all);
+}
+
 /* A vanishing step h (s) in which every joint takes away the rates that it does not allow. Lines that pass their latches
    in it, of which no step tells, are marked. */
 static int make_impulse(Master *m, double h) {
@@ -503,6 +508,7 @@ static int go_on(Master *m, const size_t *latch, size_t latches) {
     watch_all(m);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending == COMMANDED && !latch_line(m, m->line + latch[i], COMMANDED)) return 0;
+    if (!record_untold(m)) return 0;
     judge_loads(m);
     renew(m);
     return 1;
@@ -652,8 +658,7 @@ static int let_act(Master *m) {
         if (*m->line[i].pending == REACHED) fine = latch_line(m, m->line + i, REACHED);
     for (size_t i = 0; fine && i < m->events; i++)
         if (*m->event[i].pending == REACHED) fine = happen(m, m->event + i);
-    if (fine && m->untold) fine = record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all);
-    return fine;
+    return fine && record_untold(m);
 }
 
 /* Go on after a break of a law; where a hold-down lets go there, with what that makes of loads. */

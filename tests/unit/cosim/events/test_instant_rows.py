@@ -11,7 +11,7 @@ from orchestrator.assembly.assemble import assemble
 from orchestrator.cosim.settings import Settings
 from orchestrator.run.run import run
 from orchestrator.scene import read_scene
-from tests.unit.run.as_one.host import Host
+from tests.unit.run.as_one.host import Host, latching
 
 SIDES = {"left": ("+y", 1.0), "right": ("-y", -1.0)}
 
@@ -63,3 +63,14 @@ def test_nor_do_they_as_one_fmu(tmp_path):
     host = Host(path).start().to(1.4, 0.05)
     assert host["left_line.latched"] == host["right_line.latched"] == 1.0
     assert host["base.interface_torque_peak"] < 1e-6 * host["left_line.latch_torque_peak"]
+
+
+@pytest.mark.parametrize("fixed_step", [1e-3, None])
+def test_a_latch_that_an_event_commands_has_one_row_with_it(fixed_step):
+    """Rule: at a fixed step, where latches have no row of their own, the event's is there all the same."""
+    events = [{"name": "caught", "time": 0.5, "set": {"HL": {"latch_command": 1}}}]
+    assembly = assemble(read_scene("latching.toml", latching(events).tree))
+    result = run(assembly, None, Settings(1e-3, fixed_step=fixed_step)).result
+    assert result.events[0][0] == pytest.approx(0.5, abs=1e-9)
+    (row,) = np.flatnonzero(np.diff(result.time) < 1e-7)
+    assert result.time[row] == pytest.approx(0.5, abs=1e-9)
