@@ -164,7 +164,7 @@ def check_scene(
             *assembled_doubts(scene, assembly, [name for name, one in bends.items() if one]),
             *_out_of_reach(far),
         ),
-        bodies=tuple(_bodies(scene, models, chosen)),
+        bodies=tuple(_bodies(scene, models, chosen, held)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
         loops=tuple(_loop(scene, loop) for loop in scene.loops),
         connections={
@@ -199,18 +199,19 @@ def _out_of_reach(far: Closed) -> list[str]:
 
 
 def _bodies(
-    scene: CheckedScene, models: Mapping[str, ModalData], chosen: Mapping[str, Fidelity]
+    scene: CheckedScene,
+    models: Mapping[str, ModalData],
+    chosen: Mapping[str, Fidelity],
+    held: Collection[str],
 ) -> list[BodyOverview]:
-    bodies, held = {body.name: body for body in scene.bodies}, held_bodies(scene)
+    bodies = {body.name: body for body in scene.bodies}
     rows = []
     for name, points in scene_points(scene).items():
         data = models.get(name)
         model = (
             ("moved" if scene.base.motion is not None else "fixed")
             if data is None
-            else "rigid, as one piece with others by held lines"
-            if name in held and name in bodies
-            else _model_words(bodies[name], chosen[name], data.frequency.size)
+            else _model_words(bodies[name], chosen[name], data.frequency.size, is_held=name in held)
             if name in bodies
             else "rigid"
         )
@@ -225,8 +226,10 @@ def _bodies(
     return rows
 
 
-def _model_words(body: Body, fidelity: Fidelity, modes: int) -> str:
+def _model_words(body: Body, fidelity: Fidelity, modes: int, *, is_held: bool) -> str:
     """What a body is modelled by; modes: those that it has, with constraint modes and without rigid ones."""
+    if is_held:
+        return "rigid, as one piece with others by held lines"
     if fidelity == "flexible":
         second = f", {body.second_order_modes} of second order" if body.second_order_modes else ""
         panel = body_definition(body).panel

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from components import ComponentError
+from components import ComponentError, Instance
 from components.contract.component import Vector
 from components.contract.frames import add, rotate, rotation_matrix
 from components.flexible.modal import ModalData
@@ -66,7 +66,9 @@ def assemble(
         raise SceneError([f"{scene.file}: no connection acts on what moves; hold fewer hinge lines"])
     linked = {link.connection[0] for link in links}
     connections = _connection_parts(scene, is_flexible, wrench_mode)
-    _refuse_out_of_range(scene, connections)
+    # those of [[connection]] are within their ranges, as the scene is sound
+    own = {one.name for one in scene.connections}
+    _refuse_out_of_range(scene, [part for part in connections if part.name not in own])
     parts = with_port_starts([*parts_of_bodies, *(p for p in connections if p.name in linked)], links)
     header, lines = scene.header, [line for line in scene.hinge_lines if not line.held]
     hinge_lines = _assembly_lines(scene, lines, is_flexible, wrench_mode, poses)
@@ -148,17 +150,13 @@ def _connection_parts(scene: CheckedScene, is_flexible: Mapping[str, bool], mode
     return parts + [Part(one.name, one.kind, *component_values(one, mode)) for one in scene.connections]
 
 
-def _refuse_out_of_range(scene: CheckedScene, connections: Sequence[Part]) -> None:
-    """SceneError on shares of lines' values that their components do not take."""
+def _refuse_out_of_range(scene: CheckedScene, parts: Sequence[Part]) -> None:
+    """SceneError on values of lines and loops, or shares of them, that their components do not take."""
     problems = []
-    for part in connections:
-        component = part.component()
-        layout = component.parameter_layout
-        values = layout.start_values()
-        for name, value in part.start.items():
-            values[layout[name]] = value
+    for part in parts:
+        one = Instance(part.component(), part.start)
         try:
-            component.check_ranges(values)
+            one.component.check_ranges(one.parameters)
         except ComponentError as error:
             problems.append(f"{scene.file}: {part.name}: {error}")
     if problems:

@@ -204,6 +204,9 @@ static void restart_sizes(Master *m, double size, int stirred) {
     if (!stirred) s->stirred = 0;
 }
 
+/* A step too short for motion, beside steps of now. */
+static double instant_now(const Master *m) { return fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)); }
+
 static void begin_segment(Master *m) {
     if (m->loop.position) m->segment += 1.0;
     m->loop.position = 0;
@@ -270,7 +273,7 @@ static int note_roughness(Master *m) {
     const RowBlock *r = &m->loop.rows;
     if (m->untold) return 1; /* that of what acted first at this instant */
     if (!restore_all(n)) return 0;
-    if (is_solved(m, solve(&m->solver, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), n->accepted))) {
+    if (is_solved(m, solve(&m->solver, instant_now(m), n->accepted))) {
         if (!observe_all(m)) return 0;
         /* one step alone since the last event tells loads by means from before that: there the instant is right */
         const int tells = m->loop.position >= TELLING_STEPS;
@@ -327,7 +330,7 @@ static int record_jump(Master *m, double after, void (*forget)(Solver *)) {
 
 /* The row of an instant that was left to what then had none of its own. */
 static int record_untold(Master *m) {
-    return !m->untold || record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all);
+    return !m->untold || record_jump(m, instant_now(m), forget_all);
 }
 
 /* A vanishing step h (s) in which every joint takes away the rates that it does not allow. Lines that pass their latches
@@ -504,7 +507,7 @@ static int go_on(Master *m, const size_t *latch, size_t latches) {
     forget_all(&m->solver);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending) *m->line[latch[i]].pending = COMMANDED;
-    if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
+    if (!record_jump(m, instant_now(m), forget_all)) return 0;
     watch_all(m);
     for (size_t i = 0; i < latches; i++)
         if (*m->line[latch[i]].pending == COMMANDED && !latch_line(m, m->line + latch[i], COMMANDED)) return 0;
@@ -665,7 +668,7 @@ static int let_act(Master *m) {
 static int pass_break(Master *m, int lets_go) {
     if (lets_go) {
         forget_all(&m->solver);
-        if (!record_jump(m, fmin(INSTANT, INSTANT_SHARE * size_now(&m->loop)), forget_all)) return 0;
+        if (!record_jump(m, instant_now(m), forget_all)) return 0;
     }
     renew(m);
     return 1;

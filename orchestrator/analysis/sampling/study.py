@@ -16,6 +16,7 @@ import scipy
 from components.cache.disk import replace_file
 from components.contract.component import Vector
 
+from ...results.estimated_errors import PROMISED
 from ...results.result import HDF5_ERRORS, reason
 from .distributions import StudyError
 from .journal import Asked
@@ -25,10 +26,6 @@ from .varied import varied
 
 _FORMAT = "fanfold study"
 _CONFIDENCE = 0.95
-_MAIN = (
-    *("latch time", "latch impulse", "latch torque peak", "stop torque peak", "contact force highest"),
-    *("interface force peak", "interface torque peak"),
-)
 
 
 class Share(NamedTuple):
@@ -125,8 +122,8 @@ class Study:
 
     @property
     def main_numbers(self) -> list[str]:
-        """Numbers that a deployment is judged by first: of latches, stops, contacts, and loads on the base in sum."""
-        return [name for name in self.numbers if name.startswith(_MAIN)]
+        """Numbers that a deployment is judged by first, those that a run vouches for."""
+        return [name for name in self.numbers if name.startswith(PROMISED)]
 
     def not_latching(self) -> dict[str, Share]:
         """By line with a latch, how many samples do not latch, and the bounds of its probability.

@@ -22,7 +22,6 @@ _DEEP = 1e-3
 """m, by which a rail starts pressed or pulled off its plane."""
 _AWAY = 1e-3
 """rad, from the stowed angle, where a line starts in mid-travel."""
-
 _CLOSED = 1e-6
 """m or rad, by which a joint of a loop may start open: 10 N where it has 1e7 N/m."""
 _TURNED = 0.2

@@ -6,14 +6,20 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..key_figures import jumps
-from ..result import Result
+from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
+
+
+def segments(time: Vector, events: Sequence[float]) -> NDArray[np.intp]:
+    """Number (N,) of the segment of each row (s) between events in order (s), of which the start is the first."""
+    return np.searchsorted(events, time + EVENT_WIDTH, side="right") - 1
 
 
 def rows_between_events(result: Result) -> Sequence[slice]:
     """Rows of each segment, in order; the first begins with the run."""
-    of = np.searchsorted(sorted(jumps(result)), result.time + EVENT_WIDTH, side="right")
+    of = segments(result.time, sorted(jumps(result)))
     starts = [*np.flatnonzero(np.diff(of, prepend=-1)).tolist(), result.time.size]
     return [slice(a, b) for a, b in pairwise(starts)]

@@ -18,6 +18,7 @@ from ..key_figures import jumps, latch_times
 from ..lines.latch_impulse import latch_impulse
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
+from .between_events import segments
 from .step_ends import Peaks, promised_peaks
 
 _ROWS = 16
@@ -82,18 +83,15 @@ class _Pairs:
 
 def _pair(time: Vector, events: Sequence[float], other: Vector, other_events: Sequence[float]) -> _Pairs:
     """Rows (s) as long after the same event, the start being the first."""
-    segments, others = (
-        np.searchsorted(starts, times + EVENT_WIDTH, side="right") - 1
-        for times, starts in ((time, events), (other, other_events))
-    )
+    ours_in, theirs_in = segments(time, events), segments(other, other_events)
     # a gap between segments, so that no row is near one of another
     gap = max(float(time[-1]), float(other[-1])) + 1.0
-    ours = time - np.take(events, segments) + gap * segments
-    theirs = other - np.take(other_events, others) + gap * others
+    ours = time - np.take(events, ours_in) + gap * ours_in
+    theirs = other - np.take(other_events, theirs_in) + gap * theirs_in
     after = np.clip(np.searchsorted(ours, theirs), 1, max(len(ours) - 1, 1))
     nearest = np.where(theirs - ours[after - 1] < ours[after] - theirs, after - 1, after)
     together = np.abs(ours[nearest] - theirs) < EVENT_WIDTH
-    return _Pairs(nearest[together], np.flatnonzero(together), segments)
+    return _Pairs(nearest[together], np.flatnonzero(together), ours_in)
 
 
 def _of_impulses(one: Result, other: Result, rows: _Pairs) -> Iterator[tuple[Key, float | None]]:
