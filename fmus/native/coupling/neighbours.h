@@ -15,9 +15,9 @@
    sweep makes no more than RATIO of it, and is taken for it FADES times as much a step later; sweeps at the most, and
    those after which factors are made anew; sweeps beyond two, over the neighbours, from which new factors pay; part of
    a correction that is taken at the least. */
-#define NEIGHBOUR_SMALL 3e-6
-#define NEIGHBOUR_LEFT 1e-5
-#define NEIGHBOUR_ROUNDING 1e-8
+#define NEIGHBOUR_SMALL 1e-6
+#define NEIGHBOUR_LEFT 1e-6
+#define NEIGHBOUR_ROUNDING 1e-9
 #define NEIGHBOUR_RATIO 0.7
 #define NEIGHBOUR_FADES 0.98
 #define NEIGHBOUR_SWEEPS 100

@@ -19,7 +19,7 @@ from ..stepping import StepError
 from .neighbour import Neighbour
 from .solvers import Beside, LeadingSolver
 
-_ITERATED = 1e-10
+_ITERATED = 1e-11
 """Tolerance of its iterations; what they leave is the same in its neighbours, but for rounding in stiff joints."""
 
 

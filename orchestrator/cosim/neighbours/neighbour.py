@@ -16,7 +16,7 @@ from ..master import Master
 from ..native.library import NeighbourData
 from .solvers import AstrayError, NeighbourSolver, Solved
 
-_ITERATED = 1e-10
+_ITERATED = 1e-11
 """Tolerance of its iterations at events: what they leave is in the difference."""
 _REACHED = 1e-14
 _SECANTS = 8
