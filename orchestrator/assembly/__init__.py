@@ -42,7 +42,8 @@ class HingeLine:
     kinematic: latch by impulse. rigid: whether the bodies that it joins are, so that a kinematic latch has no torque
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
     latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
-    whether hold-downs or a drive keep it there.
+    whether hold-downs or a drive keep it there. known: the range (rad) of its way and of what tables of its motor and
+    harness tell; empty without any.
     """
 
     name: str
@@ -55,6 +56,7 @@ class HingeLine:
     parts: tuple[str, ...] = ()
     axis: tuple[float, ...] = ()
     bolted: bool = False
+    known: tuple[float, ...] = ()
 
     @property
     def locks_rigid(self) -> bool:

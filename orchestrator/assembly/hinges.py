@@ -145,6 +145,18 @@ def assembly_line(
         parts=parts,
         axis=axis,
         bolted=bolted,
+        known=_known(line),
+    )
+
+
+def _known(line: HingeLine) -> tuple[float, ...]:
+    """The range (rad) of a line's way and of what all tables of its motor and harness tell; empty without any."""
+    tables = [one.angle for one in (line.motor, line.harness) if one is not None and one.angle]
+    if not tables:
+        return ()
+    low, high = max(table[0] for table in tables), min(table[-1] for table in tables)
+    return min(low, line.initial_angle, line.deployed_angle), max(
+        high, line.initial_angle, line.deployed_angle
     )
 
 

@@ -105,6 +105,10 @@ class CoSimulation(ABC):
             raise ParticipantError("; ".join(holding))
         if self._signals.is_any:
             self._exchange_signals(start=True)
+        self._record_start(preload=preload)
+
+    def _record_start(self, *, preload: bool) -> None:
+        """The row at t = 0; of loads as the search has left them, with preload."""
         self._record(0.0, 0)
 
     @abstractmethod

@@ -83,6 +83,15 @@ class Master(CoSimulation):
             self.settings.tolerance, self._energies.stored, self.settings.driving_energy, self.network.order
         )
 
+    def _record_start(self, *, preload: bool) -> None:
+        """With preload, of loads just after what held lines in the search has let go, as nothing in the scene holds."""
+        if preload:
+            self.solver.save(0.0)
+            self._jumps.observe_after(0.0, min(INSTANT, INSTANT_SHARE * self._start_step))
+            self.solver.restore()
+            self.solver.forget_all()
+        super()._record_start(preload=preload)
+
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where no step size converges."""
         try:

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from .estimated_errors import POINT_PEAKS
-from .key_figures import latch_times, line_latch_torque, peak, shown
+from .key_figures import latch_times, line_latch_torque, shown
+from .peaks.crests import Peak
+from .peaks.search import peak
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
-from .signal import Peak
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")

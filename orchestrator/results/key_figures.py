@@ -1,12 +1,8 @@
-"""Headline numbers of a result, with peaks from a local cubic interpolant instead of the largest sample.
-
-Samples at an event belong to a discontinuity: they count as values, but no interpolant goes through them or
-across the event.
-"""
+"""Headline numbers of a result."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from math import degrees
 from typing import Any, NamedTuple, TypeVar
@@ -25,22 +21,22 @@ from .lines.straying import (
     Overrun,
     ShortOfStop,
     bent,
+    beyond_tables,
     folded_back,
     is_released,
     overruns,
     pressed_stops,
     short_of_stops,
 )
+from .peaks.crests import Peak
+from .peaks.search import peak
 from .point_loads import hinge_loads, port_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
-from .signal import EVENT_WIDTH, Peak, highest_crest
+from .signal import EVENT_WIDTH
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
-
-_NEAR_PEAK = 0.1
-"""Samples within this part of a signal's range below its largest may hide the highest peak between them."""
 
 _SHOWN = {"1": ("", 1.0), "rad": ("deg", degrees(1.0)), "rad/s": ("deg/s", degrees(1.0))}
 
@@ -72,7 +68,8 @@ class Headline:
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle. short_of_stops: lines that an end stop alone ends and that never came to it;
     pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
-    and when (s) lines with a latch or an end stop went furthest behind where they started. bent: how far (rad) and when
+    and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
+    (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
     lines turned furthest about other axes than their own, where that is more than any hinge does.
     latch_torque_peaks: peak of the magnitude of the sum over the hinges of a line; peaks_at_end names those that
     lie at the end of the run, and so may be passed beyond it. latch_impulses: of locks, which are kinematic
@@ -110,6 +107,7 @@ class Headline:
     warnings: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
+    beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
     bent: Mapping[str, Peak] = field(default_factory=dict)
     short_of_stops: Mapping[str, ShortOfStop] = field(default_factory=dict)
     pressed_stops: Mapping[str, Peak] = field(default_factory=dict)
@@ -153,6 +151,12 @@ class Headline:
             yield (
                 f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
                 "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down"
+            )
+        for line, stood in self.beyond_tables.items():
+            yield (
+                f"{line} stood at {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
+                "or harness, which go on by their slopes there without end; give tables that tell of such angles, or "
+                "what keeps the line from them"
             )
         for line, bend in self.bent.items():
             yield (
@@ -243,6 +247,7 @@ def headline(result: Result) -> Headline:
         },
         overruns=overruns(result),
         folded_back=folded_back(result),
+        beyond_tables=beyond_tables(result),
         bent=bent(result),
         short_of_stops=short_of_stops(result),
         pressed_stops=pressed_stops(result),
@@ -355,67 +360,6 @@ def line_latch_torque(result: Result, line: HingeLine) -> Vector:
         if result.has(hinge, "latch_torque"):
             torque += result.signal(hinge, "latch_torque")
     return torque
-
-
-def peak(result: Result, values: Vector) -> Peak:
-    """Value of largest magnitude of a signal of the result, with its sign."""
-    events, found = jumps(result), []
-    for sign in sides(values):
-        side = _highest(result.time, sign * values, events)
-        found.append(Peak(side.time, sign * side.value))
-    return max(found, key=lambda one: abs(one.value))
-
-
-def sides(values: Vector) -> tuple[float, ...]:
-    """Signs that the value of largest magnitude may have: no cubic makes half of the largest sample the larger one."""
-    half = 0.5 * float(np.max(np.abs(values)))
-    return tuple(sign for sign in (1.0, -1.0) if not np.max(sign * values) < half)  # NaN is on both
-
-
-def jumps(result: Result) -> list[float]:
-    """Times (s) at which loads jump: of events, of what FMUs with signals set, which two rows tell, and the start."""
-    jumping = result.time[:-1][np.diff(result.time) <= EVENT_WIDTH]
-    return [float(result.time[0]), *(time for time, _, _ in result.events), *jumping.tolist()]
-
-
-def extremes(time: Vector, values: Vector, events: Sequence[float] = ()) -> tuple[Peak, Peak]:
-    """Lowest and highest value of a sampled signal that is smooth between events."""
-    low = _highest(time, -values, events)
-    return Peak(low.time, -low.value), _highest(time, values, events)
-
-
-def _highest(time: Vector, values: Vector, events: Sequence[float]) -> Peak:
-    """The highest of all samples and of the cubics through the samples around every high one."""
-    k = int(np.argmax(values))
-    best = Peak(float(time[k]), float(values[k]))
-    for stretch, among in tops(time, values, events):
-        best = highest_crest(time[stretch], values[stretch], among, best.value) or best
-    return best
-
-
-def tops(time: Vector, values: Vector, events: Sequence[float]) -> Iterator[tuple[slice, NDArray[np.intp]]]:
-    """Samples near which a signal may be highest: a smooth stretch, and which of its samples they are."""
-    threshold = float(np.max(values)) - _NEAR_PEAK * float(np.ptp(values))
-    for segment in _smooth_segments(time, events):
-        found = _local_maxima(values[segment], threshold)
-        if found.size:
-            yield segment, found
-
-
-def _smooth_segments(time: Vector, events: Sequence[float]) -> Iterator[slice]:
-    """Samples strictly between events, where there are enough of them for a cubic and one that it is judged by."""
-    start = 0
-    for event in (*sorted(events), np.inf):
-        end = int(np.searchsorted(time, event - EVENT_WIDTH))
-        if end - start >= 5:
-            yield slice(start, end)
-        start = max(start, int(np.searchsorted(time, event + EVENT_WIDTH, side="right")))
-
-
-def _local_maxima(values: Vector, threshold: float) -> NDArray[np.intp]:
-    """Indices of samples above the threshold that no neighbour exceeds."""
-    padded = np.concatenate(([-np.inf], values, [-np.inf]))
-    return np.flatnonzero((values >= padded[:-2]) & (values > padded[2:]) & (values >= threshold))
 
 
 def _vectors(result: Result, role: str, unit: str) -> dict[str, Vector]:

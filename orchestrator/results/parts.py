@@ -152,7 +152,7 @@ def hinge_lines(dataset: Any) -> tuple[HingeLine, ...]:  # noqa: ANN401
 
 
 def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
-    sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis")}
+    sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis", "known")}
     line = HingeLine(**{**fields, **sequences})
     texts = (line.name, line.sensor, *line.hinges, *line.parts)
     angle = line.deployed_angle
@@ -161,7 +161,8 @@ def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
     )
     _refuse(
         not sound
-        or not all(isinstance(one, float | int) for one in line.axis)
+        or not all(isinstance(one, float | int) for one in (*line.axis, *line.known))
+        or len(line.known) not in (0, 2)
         or not (angle is None or isinstance(angle, float | int)),
         "a hinge line is not as it was written",
     )

@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..results.energy_ledger import rows_of_exchange
-from ..results.key_figures import headline, jumps, line_latch_torque, sides, tops
+from ..results.key_figures import headline, line_latch_torque
 from ..results.lines.straying import overruns
+from ..results.peaks.search import jumps, sides, tops
 from ..results.point_loads import hinge_loads, port_loads
 from ..results.result import Result, Vector
 from ..results.result_file import save

@@ -16,6 +16,7 @@ from ...scene.hinge_line_tables import HingeLine
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
 _PULLING = ("load", "suspension", "drag")
 """Kinds whose forces turn lines by where bodies are."""
+_AT_RATES = "the loads of accelerations that it leads to depend on all angles and rates; `fanfold run` tells"
 _AT_POSES = "what it does to a line depends on all angles; `fanfold analyse equilibrium --sweep` tells it"
 MOTOR_TORQUE = "motor_torque"
 """Observation (N.m, positive opening) of a component that drives the line between whose bodies it is."""
@@ -51,6 +52,9 @@ def uncounted(scene: CheckedScene) -> dict[str, str]:
             found[connection.name] = "what it pulls depends on more than a line's angle"
     if any(scene.header.gravity):
         found["gravity"] = _AT_POSES
+    moved = [scene.base.name] * (scene.base.motion is not None)
+    moved += [body.name for body in scene.bodies if body.motion is not None]
+    found |= {f"motion of {name}": _AT_RATES for name in moved}
     for line in _led_by_motors(scene):
         if line.friction_preload or line.harness is not None:
             found[f"friction and harness of {line.name}"] = (

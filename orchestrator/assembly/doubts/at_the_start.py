@@ -8,10 +8,13 @@ from math import degrees, pi, remainder
 import numpy as np
 
 from components.hold_down import HoldDown
+from components.load import Load
+from components.numerics.motion_law import NOTHING, MotionLaw
 from components.rail import Rail
 
 from ...scene.bodies import scene_points
-from ...scene.component_connections import first_number, seated
+from ...scene.component_connections import component_values, first_number, seated
+from ...scene.connection_tables import Connection
 from ...scene.locked_groups import joined
 from ...scene.loops.closing import closed, left_open, start_poses
 from ...scene.loops.rates import start_rates
@@ -42,6 +45,7 @@ def start_doubts(scene: CheckedScene) -> Iterator[str]:
     yield from _turned_from_the_world(scene)
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
         yield from _struck_by_preload(scene)
+        yield from _struck_by_weight(scene)
         yield from _ringing_rails(scene)
 
 
@@ -55,6 +59,23 @@ def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:
         preload = first_number(bolt, "preload")
         if preload > 0.0 and len({roots[seat.body] for seat in bolt.ports.values()}) > 1:
             yield f"connection.{bolt.name}: {_blow(preload)}"
+
+
+def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
+    """Weight and loads that joints take all at once at the start."""
+    loads = [one.name for one in scene.connections if one.kind == Load.kind and _acts_at_start(one)]
+    acting = ["gravity"] * (any(scene.header.gravity) and scene.base.free is None) + loads
+    if acting:
+        yield (
+            f"scene.preload: {', '.join(acting)} at the start {'strike' if len(acting) > 1 else 'strikes'} joints and "
+            "bodies that bear nothing yet, which then ring by as much again, so that peaks there are up to twice what "
+            "they bear in the motion; true starts in the equilibrium of what is held, false says that the blow is meant"
+        )
+
+
+def _acts_at_start(load: Connection) -> bool:
+    structure, _ = component_values(load, "mean")
+    return any(MotionLaw(structure.get(one) or NOTHING).value(0.0) != 0.0 for one in ("force", "torque"))
 
 
 def _blow(preload: float) -> str:

@@ -53,16 +53,10 @@ class InstantRows:
 
         The wrenches of that step; None where it does not converge.
         """
-        solver, found = self._solver, None
-        solver.restore()
-        if solver.solve(time, after, solver.accepted).converged:
-            found = solver.wrenches.copy()
-            self._observe(after)
-            if roughness is not None:
-                self._rows.smooth(roughness)
-        else:
-            solver.restore()
-            self._observe(0.0)
+        solver = self._solver
+        found = self.observe_after(time, after)
+        if found is not None and roughness is not None:
+            self._rows.smooth(roughness)
         if others:
             self.waiting = [roughness]
         else:
@@ -70,3 +64,18 @@ class InstantRows:
         solver.restore()
         forget()
         return found
+
+    def observe_after(self, time: float, after: float) -> Vector | None:
+        """Have participants stand so long after a time (s): the wrenches of that step, None where it does not converge.
+
+        Then they stand at that time.
+        """
+        solver = self._solver
+        solver.restore()
+        if solver.solve(time, after, solver.accepted).converged:
+            found: Vector = solver.wrenches.copy()
+            self._observe(after)
+            return found
+        solver.restore()
+        self._observe(0.0)
+        return None

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..estimated_errors import Key
-from ..key_figures import jumps, latch_times
+from ..key_figures import latch_times
 from ..lines.latch_impulse import latch_impulse
+from ..peaks.search import jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 from .between_events import segments

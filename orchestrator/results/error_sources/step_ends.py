@@ -19,8 +19,9 @@ from components.contract.roles import INTERFACE_LOAD
 
 from ...assembly import HingeLine
 from ..estimated_errors import OF_CONTACTS, OF_STOPS, EstimatedError, Key
-from ..key_figures import extremes, highest_of, jumps, latch_times, line_latch_torque, loads, peak_of
+from ..key_figures import highest_of, latch_times, line_latch_torque, loads, peak_of
 from ..lines.latch_impulse import latch_impulse
+from ..peaks.search import extremes, jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 

@@ -12,8 +12,9 @@ from components.contract.frames import rotated
 from components.end_stop import OF_HINGE
 
 from ...assembly import HingeLine
+from ..peaks.crests import Peak
 from ..result import Result
-from ..signal import EVENT_WIDTH, Peak
+from ..signal import EVENT_WIDTH
 
 Vector = NDArray[np.float64]
 
@@ -25,6 +26,9 @@ _GIVES_WAY = radians(1.0)
 
 _PRESSED = radians(30.0)
 """Further into an end stop is where it stops nothing."""
+
+_UNKNOWN = 0.2
+"""rad, further beyond the tables of a motor or a harness, and the line's way, is where what they go on by matters."""
 
 _BENT = radians(30.0)
 """Rotations across a line that are no longer small: their sine is 5 % less."""
@@ -121,6 +125,20 @@ def folded_back(result: Result) -> dict[str, Peak]:
             behind = float(angle[0] - angle[lowest])
             if behind > _FOLDED_BACK:
                 found[line.name] = Peak(float(result.time[lowest]), behind)
+    return found
+
+
+def beyond_tables(result: Result) -> dict[str, Peak]:
+    """Angles (rad) furthest beyond what tables of their motors and harnesses tell, by line, where that is far."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.known and result.has(line.sensor, "angle"):
+            low, high = line.known
+            angle = result.signal(line.sensor, "angle")[rows_joined(result, line)]
+            beyond = np.maximum(low - angle, angle - high)
+            furthest = int(np.argmax(beyond))
+            if beyond[furthest] > _UNKNOWN:
+                found[line.name] = Peak(float(result.time[furthest]), float(angle[furthest]))
     return found
 
 

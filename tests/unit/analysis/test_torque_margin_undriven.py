@@ -185,3 +185,14 @@ def test_margins_stay_in_the_order_of_the_scene():
     table = margin_table(TorqueMargin("theoretical", "sliding", found, {}))
     rows = list(zip(table.columns[0].cells, table.columns[1].cells, strict=True))
     assert rows == [("HL2", "base"), ("HL2", "cold"), ("HL10", "base"), ("HL10", "cold")]
+
+
+def test_what_moves_a_base_or_a_body_is_not_counted():
+    """Rule: a spin pulls lines open or shut by more than motors do.
+
+    Regression: a margin of 4.4 for a line that it kept shut.
+    """
+    tree = Scene.load("workbench").tree
+    tree["base"]["motion"] = {"rotation": [{"profile": "ramp", "duration": 100.0, "change": 120.0}]}
+    found = undriven.uncounted(Scene.of_tree("wing.toml", tree).check())
+    assert list(found) == [f"motion of {tree['base'].get('name', 'base')}"]

@@ -64,6 +64,39 @@ def test_a_preload_that_strikes_is_told():
         assert len([one for one in told if "strikes the wing" in one]) == count
 
 
+def test_weight_and_loads_that_strike_are_told():
+    """Of scenes that do not say whether they start in equilibrium, and of loads that are there at the start.
+
+    Regression: ringing of joints under a weight let go was told as a peak of the motion, with an error of nothing.
+    """
+    tree = Scene.load("workbench").tree
+    (line,) = tree["hinge_line"]
+    seat = {"body": line["outboard"], "point": "center"}
+
+    def told(header, *terms):
+        push = {"kind": "load", "name": "push", "ports": {"body": seat}}
+        pushes = [push | {"structure": {"direction": [0, 0, 1], "force": list(terms)}}] if terms else []
+        changed = {**tree, "scene": tree["scene"] | header, "connection": pushes}
+        return [
+            one
+            for one in doubts(Scene.of_tree("wing.toml", changed).check())
+            if "joints and bodies that" in one
+        ]
+
+    weight = {"gravity": [0, 0, "-9.81 m/s2"]}
+    constant, later = (
+        {"profile": "constant", "value": 1.0},
+        {"profile": "ramp", "duration": 1.0, "change": 2.0},
+    )
+    assert told({}) == []
+    (sentence,) = told(weight)
+    assert "gravity at the start strikes" in sentence
+    (sentence,) = told(weight, constant)
+    assert "gravity, push at the start strike joints" in sentence
+    assert told({}, later) == []
+    assert told(weight | {"preload": False}, constant) == told(weight | {"preload": True}, constant) == []
+
+
 def test_hold_downs_that_strike_or_grip_on_the_way_are_told():
     """Bad input: a preload that nothing has settled, and a bolt where a run begins in mid-travel."""
     tree = Scene.load("workbench").tree

@@ -12,15 +12,9 @@ from scipy.spatial.transform import Rotation
 import orchestrator as fanfold
 from orchestrator.assembly import HingeLine
 from orchestrator.cli.tables import headline_table
-from orchestrator.results.key_figures import (
-    _given,
-    extremes,
-    headline,
-    headline_rows,
-    line_latch_torque,
-    peak,
-)
+from orchestrator.results.key_figures import _given, headline, headline_rows, line_latch_torque
 from orchestrator.results.lines.straying import bent
+from orchestrator.results.peaks.search import extremes, peak
 from orchestrator.results.result import Result
 from tests.references import synthetic_result as reference
 from tests.unit.scene.scene_cases import SCENES

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from orchestrator.assembly import HingeLine
-from orchestrator.results.lines.straying import folded_back, is_released, overruns
+from orchestrator.results.lines.straying import beyond_tables, folded_back, is_released, overruns
 
 TIME = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
 
@@ -65,3 +65,16 @@ def test_a_line_with_an_end_stop_may_fold_back_as_well():
     assert folded_back(back)["L"].value == pytest.approx(np.radians(90.0))
     back.has = lambda component, variable: component == "left"
     assert folded_back(back) == {}
+
+
+def test_what_leaves_the_tables_of_its_motor_is_told():
+    """Rule: by more than 0.2 rad, where it was furthest off; lines of straight motors know no end.
+
+    Regression: one turned by 300 revolutions under a torque of 600 N.m that nobody gave, without a word of it.
+    """
+    back = [0.0, -10.0, -30.0, -30.0, -20.0, 95.0]
+    known = {"known": (0.0, np.pi / 2)}
+    found = beyond_tables(result(back, [], more=known)[0])["L"]
+    assert (found.time, found.value) == (2.0, pytest.approx(np.radians(-30.0)))
+    assert beyond_tables(result([0.0, 5.0, -5.0, -5.0, 60.0, 95.0], [], more=known)[0]) == {}
+    assert beyond_tables(result(back, [])[0]) == {}

@@ -12,7 +12,8 @@ from components.contract.roles import INTERFACE_LOAD, LOAD
 from orchestrator.analysis.impact import impacts
 from orchestrator.assembly import HingeLine
 from orchestrator.cli.main import main
-from orchestrator.results.key_figures import headline, peak
+from orchestrator.results.key_figures import headline
+from orchestrator.results.peaks.search import peak
 from orchestrator.results.recorder import MemoryRecorder, SignalGroup
 from orchestrator.results.result import Result
 from orchestrator.run.recording import Recording

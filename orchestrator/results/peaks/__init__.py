@@ -1,0 +1,1 @@
+"""Peaks of sampled signals, between their samples."""
