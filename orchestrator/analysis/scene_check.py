@@ -162,7 +162,7 @@ def check_scene(
         problems=(),
         warnings=(
             *assembled_doubts(scene, assembly, [name for name, one in bends.items() if one]),
-            *_out_of_reach(far),
+            *_out_of_reach(scene, far),
         ),
         bodies=tuple(_bodies(scene, models, chosen, held)),
         lines=tuple(_line(scene, line, bends) for line in scene.hinge_lines),
@@ -187,9 +187,12 @@ def _agreements(scene: CheckedScene) -> dict[str, dict[str, str]]:
     }
 
 
-def _out_of_reach(far: Closed) -> list[str]:
-    """A sentence for where motions lead, if the joints that stay open there cannot follow."""
-    if not far.open_by:
+def _out_of_reach(scene: CheckedScene, far: Closed) -> list[str]:
+    """A sentence for where motions lead, if the joints that stay open there cannot follow.
+
+    None where lines follow from others by loops, as where these lead them is not known.
+    """
+    if not far.open_by or any(line.is_pivot and not line.held for line in scene.hinge_lines):
         return []
     name, size = max(far.open_by.items(), key=lambda item: item[1])
     return [

@@ -161,9 +161,10 @@ def _damped_by_few(scene: CheckedScene) -> Iterator[str]:
         joints = (c for c in scene.connections if c.preset is not None)
         beside = {seat.body for joint in joints if _joins(joint, carried) for seat in joint.ports.values()}
         if moved := sorted(beside & placed):
+            words = f"{', '.join(moved)} {'move' if len(moved) > 1 else 'moves'} with the line"
             yield (
-                f"hinge_line.{line.name}.latch.effective_inertia: {', '.join(moved)} move with the line, and its "
-                "damping counts what hinge lines carry alone; give the inertia of all that moves"
+                f"hinge_line.{line.name}.latch.effective_inertia: {words}, and its damping counts what hinge "
+                "lines carry alone; give the inertia of all that moves"
             )
 
 

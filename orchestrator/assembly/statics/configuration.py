@@ -13,7 +13,7 @@ from ...scene import CheckedScene, SceneError
 from ...scene.bodies import scene_points, with_angles
 from ...scene.builder import Names, listed
 from ...scene.hinge_line_tables import HingeLine
-from ...scene.loops.closing import start_poses
+from ...scene.loops.closing import closed, left_open, start_poses
 from ..assemble import assemble
 from ..bolted_lines import bolted_lines
 from .equilibrium_search import settle
@@ -24,6 +24,8 @@ from .steady_spin import Spin
 Named = Literal["stowed", "deployed", "current"]
 _AT_START = 1e-9
 """rad"""
+_TORN = 1e-3
+"""m or rad, by which a configuration may open a loop more than it is at the start."""
 _LARGEST_TURN = pi / 6.0
 """rad between two poses on the way, so that connections count their angles on."""
 
@@ -162,7 +164,11 @@ def placed(
 
 
 def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[float, float]]) -> None:
-    """Turn the hinge lines together from their first to their second angles (rad), connections following."""
+    """Turn the hinge lines together from their first to their second angles (rad), connections following.
+
+    SceneError where the last ones tear a loop.
+    """
+    _refuse_torn(scene, {name: end for name, (_, end) in ways.items()})
     steps = max([1, *(ceil(abs(end - begin) / _LARGEST_TURN) for begin, end in ways.values())])
     points = scene_points(scene)
     for k in range(1, steps + 1):
@@ -173,6 +179,24 @@ def _lead(mechanism: Mechanism, scene: CheckedScene, ways: Mapping[str, tuple[fl
             if body.body is not None:
                 body.place(*poses[name])
         mechanism.follow()
+
+
+def _refuse_torn(scene: CheckedScene, angles: Mapping[str, float]) -> None:
+    """SceneError where these angles (rad) of all lines do not go together."""
+    points = scene_points(scene)
+    there = with_angles(scene, angles)
+    before = left_open(scene, points)
+    after = closed(there, points).open_by | left_open(there, points)
+    torn = {name: size for name, size in after.items() if size > before.get(name, 0.0) + _TORN}
+    if torn:
+        name, size = max(torn.items(), key=lambda item: item[1])
+        at = ", ".join(f"{line} at {degrees(angle):.4g} deg" for line, angle in angles.items())
+        raise SceneError(
+            [
+                f"{scene.file}: connection.{name}: the loop that it closes stays open by {1e3 * size:.4g} mm (or mrad) "
+                f"with {at}; give angles of all lines of a loop, as its joints let them be"
+            ]
+        )
 
 
 def loaded(

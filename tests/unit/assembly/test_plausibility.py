@@ -148,7 +148,7 @@ def test_a_latch_in_a_closed_loop_needs_its_inertia():
         told = [
             one
             for one in doubts(Scene.of_tree("loop.toml", tomllib.loads(text + bar)).check())
-            if "root_line.latch.effective_inertia: bar move with the line" in one
+            if "root_line.latch.effective_inertia: bar moves with the line" in one
         ]
         assert len(told) == count
 
