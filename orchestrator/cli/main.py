@@ -6,7 +6,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from errno import ENOSPC
+from errno import EDQUOT, EFBIG, ENOSPC
 from importlib import import_module
 from io import TextIOWrapper
 from pkgutil import iter_modules
@@ -53,7 +53,7 @@ def _told_of_files(error: OSError) -> str:
     """Which file, or where it may have been, and what was wrong with it."""
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
-    if error.errno == ENOSPC:
+    if error.errno in {ENOSPC, EDQUOT, EFBIG}:
         from tempfile import gettempdir  # takes its time, which no command needs that does not fail
 
         return f"{error.strerror}: where the command writes, or where files of a run are ({gettempdir()}; see TMPDIR)"

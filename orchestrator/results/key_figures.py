@@ -80,8 +80,8 @@ class Headline:
     attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
     attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
-    motor_energy: released by motors and put in by drives, supplied_energy: put in by loads and by what moves by a law,
-    both up to the last latch-up. energy_exchanged,
+    motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
+    by what moves by a law up to the end. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
     `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
@@ -182,7 +182,7 @@ class Headline:
         yield from self._numbers_of_loads()
         yield Number("motor energy", "up to the last latch-up", self.motor_energy, "J")
         if self.supplied_energy:
-            yield Number("energy put in", "but by motors", self.supplied_energy, "J")
+            yield Number("energy put in", "but by motors, up to the end", self.supplied_energy, "J")
         if self.energy_residual is not None:
             yield Number("energy exchanged", "", self.energy_exchanged, "J")
             yield Number("numerical dissipation", "up to the end", self.numerical_dissipation, "J")
@@ -277,7 +277,7 @@ def headline(result: Result) -> Headline:
             for name, label, force in loads(result, "N")
         ),
         motor_energy=_motor_energy(result, last),
-        supplied_energy=_supplied_energy(result, last),
+        supplied_energy=_supplied_energy(result, float(result.time[-1])),
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,

@@ -32,6 +32,7 @@ from .limits.compression import compressed_sentences
 from .limits.creep import creeping_sentences
 from .limits.linear_range import linear_range_sentences
 from .limits.open_joints import open_joint_sentences
+from .limits.sampled_loops import sampled_loop_sentences
 from .load_energy import with_energy_of_loads
 from .preload import lost_preloads, moved_starts
 from .progress import Progress, followed, silent
@@ -201,6 +202,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     """What is told of a run."""
     if options.step is not None and outcome.costs.rejected:
         yield _divided(assembly, options.step, outcome)
+    yield from sampled_loop_sentences(assembly, outcome.result)
     yield from outcome.headline.open_ends()
     if outcome.restless:
         yield f"{assembly.name}: {outcome.restless}"

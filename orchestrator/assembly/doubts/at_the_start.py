@@ -7,6 +7,7 @@ from math import degrees, pi, remainder
 
 import numpy as np
 
+from components.drive import Drive
 from components.hold_down import HoldDown
 from components.load import Load
 from components.numerics.motion_law import NOTHING, MotionLaw
@@ -39,6 +40,7 @@ def start_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from _bolted_on_the_way(scene)
     yield from _strained_rails(scene)
+    yield from _wound_drives(scene)
     yield from _open_at_the_start(scene)
     yield from _turned_to_close(scene)
     yield from _moving_from_rest(scene)
@@ -114,6 +116,24 @@ def _strained_rails(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"connection.{rail.name}: initial_offset starts its trolley {1e3 * force / stiffness:.4g} mm off its "
                 f"plane, which normal_stiffness turns into {force:.4g} N"
+            )
+
+
+def _wound_drives(scene: CheckedScene) -> Iterator[str]:
+    """Drives whose bodies start elsewhere than where they are commanded to be."""
+    drives = [one for one in scene.connections if one.kind == Drive.kind]
+    points = scene_points(scene) if drives else {}
+    poses = start_poses(scene, points) if drives else {}
+    for drive in drives:
+        started = seated(drive, points, poses)
+        started.initialize()
+        told = {name: float(value[0]) for name, value in started.observed().items()}
+        wound = told["angle"] - told["commanded_angle"]
+        if abs(wound) > _AWAY:
+            yield (
+                f"connection.{drive.name}: its bodies start {degrees(wound):.4g} deg from what it commands, which "
+                f"winds its gearbox up by {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J; "
+                "give it the axis of the line that it turns, and aligned_angle and start_angle that fit the line's"
             )
 
 

@@ -31,6 +31,10 @@ _FAR_CENTER = 100.0
 """Of the radius of gyration, that no centre of mass is from all points of its body."""
 _SMALL = 0.01
 """m, of the radius of gyration of what may stand for a point mass."""
+_CLAMPED = 0.24
+"""Of an element, by which two held rims make a membrane narrower: 1.8, 1.4, 0.7, 0.4 % of 0.6 m for 50 to 10 mm."""
+_COARSE = 0.01
+"""Of a frequency, from which on that is told."""
 _BEYOND_POINTS = 5.0
 """A body's radius of gyration over the distance of its farthest point, where the points still span the body."""
 
@@ -39,6 +43,7 @@ def body_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
     yield from _large_inertias(scene)
     yield from _unlikely_panels(scene)
+    yield from _coarse_membranes(scene)
     yield from _unlikely_beams(scene)
 
 
@@ -110,6 +115,22 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
             yield (
                 f"{key}: free, it would bend at {first:.2g} Hz, as a cloth does; check the units of "
                 "youngs_modulus, or of bending"
+            )
+
+
+def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
+    """Membranes whose elements are longer than what bends beside a held rim, of the length sqrt(D / T)."""
+    for body in scene.bodies:
+        panel = panel_of(body)
+        if panel is None or panel.plate.prestress <= 0.0 or body.default_fidelity != "flexible":
+            continue
+        bent = float(np.sqrt(max(panel.plate.bending[:2]) / panel.plate.prestress))
+        rise = _CLAMPED * panel.element_size / min(panel.plate.length, panel.plate.width)
+        if rise > _COARSE and panel.element_size > bent:
+            yield (
+                f"body.{body.name}: beside a held rim tension lets it bend within {1e3 * bent:.2g} mm, and elements of "
+                f" {1e3 * panel.element_size:g} mm bend as a whole, so that frequencies of a membrane held all round "
+                f"are about {100.0 * rise:.1g} % high; give a smaller element_size"
             )
 
 
