@@ -8,7 +8,7 @@ from math import degrees
 import numpy as np
 
 from ..assembly import Assembly, Event
-from ..results.key_figures import latch_times
+from ..results.key_figures import latch_times, shown
 from ..results.result import Result
 from ..results.signal import EVENT_WIDTH
 
@@ -32,12 +32,12 @@ def _absent(event: Event, result: Result) -> str:
     if (condition := event.condition) is None:
         return f"event {event.name} has not happened: it comes at {event.time:g} s, when the run has ended"
     values = result.signal(condition.part, condition.variable).reshape(result.time.size, -1)
-    seen = values[:, condition.index]
     variable = f"{condition.part}.{condition.variable}"
-    unit = result.unit(condition.part, condition.variable)
+    unit, size = shown(result.unit(condition.part, condition.variable))
+    seen = size * values[:, condition.index]
     return (
         f"event {event.name} has not happened: it waits for {variable} {'above' if condition.rising else 'below'} "
-        f"{condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
+        f"{size * condition.value:.6g} {unit}, which goes from {seen.min():.6g} to {seen.max():.6g} {unit}"
     )
 
 

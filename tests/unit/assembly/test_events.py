@@ -60,7 +60,7 @@ def test_what_never_happened_is_told(tmp_path):
         fanfold.simulate(path, until=0.1, rigid="all", estimate=False)
     late, unreached = (str(one.message) for one in told if "has not happened" in str(one.message))
     assert "event a has not happened: it comes at 30 s, when the run has ended" in late
-    assert "waits for root.angular_rate above 1.5708 rad/s, which goes from -0.0" in unreached
+    assert "waits for root.angular_rate above 90 deg/s, which goes from -0.0" in unreached
 
 
 def test_events_of_one_time_are_one(tmp_path):
