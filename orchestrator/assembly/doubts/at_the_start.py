@@ -7,6 +7,7 @@ from math import degrees, pi, remainder
 
 import numpy as np
 
+from components import Instance
 from components.drive import Drive
 from components.hold_down import HoldDown
 from components.load import Load
@@ -100,12 +101,7 @@ def _ringing_rails(scene: CheckedScene) -> Iterator[str]:
 
 def _strained_rails(scene: CheckedScene) -> Iterator[str]:
     """Rails without stiffness, which guide nothing, and those that start out of their plane."""
-    rails = [one for one in scene.connections if one.kind == Rail.kind]
-    points = scene_points(scene) if rails else {}
-    poses = start_poses(scene, points) if rails else {}
-    for rail in rails:
-        started = seated(rail, points, poses)
-        started.initialize()
+    for rail, started in _started(scene, Rail.kind):
         stiffness, force = (
             started.parameter("normal_stiffness"),
             abs(float(started.observed()["normal_force"][0])),
@@ -121,12 +117,7 @@ def _strained_rails(scene: CheckedScene) -> Iterator[str]:
 
 def _wound_drives(scene: CheckedScene) -> Iterator[str]:
     """Drives whose bodies start elsewhere than where they are commanded to be."""
-    drives = [one for one in scene.connections if one.kind == Drive.kind]
-    points = scene_points(scene) if drives else {}
-    poses = start_poses(scene, points) if drives else {}
-    for drive in drives:
-        started = seated(drive, points, poses)
-        started.initialize()
+    for drive, started in _started(scene, Drive.kind):
         told = {name: float(value[0]) for name, value in started.observed().items()}
         wound = told["angle"] - told["commanded_angle"]
         if abs(wound) > _AWAY:
@@ -135,6 +126,17 @@ def _wound_drives(scene: CheckedScene) -> Iterator[str]:
                 f"winds its gearbox up by {abs(told['drive_torque']):.4g} N.m and {told['potential_energy']:.4g} J; "
                 "give it the axis of the line that it turns, and aligned_angle and start_angle that fit the line's"
             )
+
+
+def _started(scene: CheckedScene, kind: str) -> Iterator[tuple[Connection, Instance]]:
+    """Connections of a kind, and their components where they start."""
+    found = [one for one in scene.connections if one.kind == kind]
+    points = scene_points(scene) if found else {}
+    poses = start_poses(scene, points) if found else {}
+    for one in found:
+        started = seated(one, points, poses)
+        started.initialize()
+        yield one, started
 
 
 def _bolted_on_the_way(scene: CheckedScene) -> Iterator[str]:

@@ -129,7 +129,7 @@ def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:
         if rise > _COARSE and panel.element_size > bent:
             yield (
                 f"body.{body.name}: beside a held rim tension lets it bend within {1e3 * bent:.2g} mm, and elements of "
-                f" {1e3 * panel.element_size:g} mm bend as a whole, so that frequencies of a membrane held all round "
+                f"{1e3 * panel.element_size:g} mm bend as a whole, so that frequencies of a membrane held all round "
                 f"are about {100.0 * rise:.1g} % high; give a smaller element_size"
             )
 
