@@ -291,6 +291,8 @@ def _told(
             [(value - there) / sides[0][0] for value, sides in zip(apart, ends, strict=True)]
         )
         single = np.abs(slopes - finer_slopes)
+        # those of single keys may cancel in the neighbour in all of them
+        off = np.fmax(off, np.linalg.norm(single * together[0].steps, axis=1))
     return Gradients(
         assembly.name,
         tuple(one.name for one in parameters),

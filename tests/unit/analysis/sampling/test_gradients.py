@@ -108,6 +108,10 @@ def test_a_small_derivative_beside_large_ones_has_an_error_of_its_own():
     # the run at a tenth of the tolerance errs as well, by a part of it
     assert np.all((off / 4.0 < found.single_errors[peak]) & (found.single_errors[peak] < 4.0 * off))
     assert np.isnan(fanfold.gradients(flap(), keys, verify=False).single_errors).all()
+    # the error of a gradient as a whole is that of all, though single ones cancel in a neighbour in all keys at once
+    whole = np.linalg.norm(found.single_errors * found.values, axis=1)
+    whole /= np.linalg.norm(found.derivatives * found.values, axis=1)
+    assert np.all(found.errors[[peak]] >= whole[[peak]] * (1.0 - 1e-9))
 
 
 def test_numbers_that_scatter_are_told_of(tmp_path, monkeypatch):
