@@ -13,6 +13,7 @@ from components.rail import Rail
 
 from ..assembly import Assembly, Part
 from ..assembly.start_values import led_to
+from ..assembly.statics.start import held_joints, with_free_joints
 from ..cosim.settings import Settings
 from ..results.result import Result
 from .run import run
@@ -50,6 +51,16 @@ def _starts(part: Part, found: Result) -> Iterator[tuple[str, tuple[float, ...]]
     for parameter, recorded in _STARTED.items():
         if found.has(part.name, recorded):
             yield parameter, tuple(found.signal(part.name, recorded)[0].tolist())
+
+
+def let_go_at_start(assembly: Assembly) -> Iterator[str]:
+    """A sentence for joints that are held in the search alone, as loads would drive what they carry away."""
+    if assembly.preload and (joints := ", ".join(held_joints(with_free_joints(assembly)))):
+        yield (
+            f"{assembly.name}: there is no equilibrium where loads let {joints} turn, so that the search for the start "
+            "holds it, and it lets go at t = 0: joints begin with what they bear so; start without preload, or from "
+            "where all hangs at rest"
+        )
 
 
 def lost_preloads(assembly: Assembly, result: Result) -> Iterator[str]:

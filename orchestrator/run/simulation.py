@@ -34,7 +34,7 @@ from .limits.linear_range import linear_range_sentences
 from .limits.open_joints import open_joint_sentences
 from .limits.sampled_loops import sampled_loop_sentences
 from .load_energy import with_energy_of_loads
-from .preload import lost_preloads, moved_starts
+from .preload import let_go_at_start, lost_preloads, moved_starts
 from .progress import Progress, followed, silent
 from .recording import Recording
 from .refinement import refined
@@ -196,6 +196,7 @@ def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterat
     yield from assembled_doubts(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
     yield from _held_sentences(assembly, {*options.flexible, *options.large_deformation})
     yield from unstiffened_spins(scene, assembly)
+    yield from let_go_at_start(assembly)
 
 
 def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:

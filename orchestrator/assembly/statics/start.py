@@ -54,12 +54,7 @@ def with_free_joints(assembly: Assembly) -> Assembly:
     either. Joints that take part in what loads would drive away, such as those of pendulums, stay held; what moves
     without force may, as nothing moves it.
     """
-    of_lines = {hinge for line in assembly.hinge_lines for hinge in line.hinges}
-    joints = {
-        part.name
-        for part in assembly.parts
-        if part.kind == Hinge.kind and part.name not in of_lines and part.start.get(_HOLD) != 0.0
-    }
+    joints = set(held_joints(assembly))
     while assembly.preload and joints:
         freed = _freed(assembly, joints)
         driven = _driven(freed, joints)
@@ -67,6 +62,16 @@ def with_free_joints(assembly: Assembly) -> Assembly:
             return freed
         joints -= driven
     return assembly
+
+
+def held_joints(assembly: Assembly) -> list[str]:
+    """Joints of no hinge line that the static search holds about their lines, unless a scene has springs there."""
+    of_lines = {hinge for line in assembly.hinge_lines for hinge in line.hinges}
+    return [
+        part.name
+        for part in assembly.parts
+        if part.kind == Hinge.kind and part.name not in of_lines and part.start.get(_HOLD) != 0.0
+    ]
 
 
 def _freed(assembly: Assembly, joints: Collection[str]) -> Assembly:
