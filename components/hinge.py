@@ -142,7 +142,7 @@ class Hinge(Connection[Parameters, State, Commands]):
         one = self._checked(p)
         stiffness, damping = one.latch_stiffness, one.latch_damping
         if self._locks:
-            stiffness, damping = one.lock_stiffness, 0.0
+            stiffness, damping = one.lock_stiffness, one.lock_damping
         return Constants(
             p=one,
             stiffness=one.stiffness,

@@ -79,6 +79,10 @@ class Parameters(NamedTuple):
     lock_stiffness: Annotated[
         float, tunable("N.m/rad", "Stiffness of a kinematic latch, as good as rigid", 1e8, 1.0)
     ]
+    lock_damping: Annotated[
+        float,
+        tunable("N.m.s/rad", "Damping of a kinematic latch, so that nothing light rings in it", 2e3, 0.0),
+    ]
     hold_stiffness: Annotated[float, tunable("N.m/rad", "Stiffness that holds the angle on hold", 1e7, 0.0)]
     end_weight: Annotated[float, END_WEIGHT]
     order: Annotated[float, ORDER]
