@@ -14,10 +14,13 @@ from .idle import idle_doubts
 from .lines import line_doubts
 from .signals import signal_sentences
 
+_MOST_STEPS = 1e6
+"""Of a run, that take minutes at the least."""
+
 
 def doubts(scene: CheckedScene) -> list[str]:
     """Everything about a scene that is hardly meant, as sentences with their keys."""
-    kinds = (line_doubts, idle_doubts, loop_doubts, start_doubts, body_doubts)
+    kinds = (_many_steps, line_doubts, idle_doubts, loop_doubts, start_doubts, body_doubts)
     return [sentence for of in kinds for sentence in of(scene)]
 
 
@@ -27,3 +30,13 @@ def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collectio
     yield from signal_sentences(assembly, scene)
     yield from unfollowed_curves(scene, bending)
     yield from unlike_twins(scene, bending)
+
+
+def _many_steps(scene: CheckedScene) -> Iterator[str]:
+    """Runs that are long beside the largest step that the scene allows."""
+    steps = scene.header.until / scene.header.largest_step
+    if steps > _MOST_STEPS:
+        yield (
+            f"scene.largest_step: is {scene.header.largest_step:g} s, with which {scene.header.until:g} s take "
+            f"{steps:.2g} steps at the least; give a larger one, which the tolerance keeps to where motion is slow"
+        )

@@ -455,3 +455,15 @@ def test_elements_longer_than_what_bends_beside_a_rim_are_told():
         told = [one for one in doubts(scene.check()) if "held rim" in one]
         assert len(told) == high
         assert all("are about 2 % high" in one for one in told)
+
+
+def test_runs_that_are_long_beside_their_largest_step_are_told():
+    """Rule: of a day of slow motion in steps of 20 ms; regression: minutes without a word of what to change."""
+    wing = Scene.load("workbench")
+    for settings, count in (
+        ({}, 0),
+        ({"scene.until": 86400.0}, 1),
+        ({"scene.until": 86400.0, "scene.largest_step": 1.0}, 0),
+    ):
+        told = [one for one in doubts(wing.with_settings(settings).check()) if "steps at the least" in one]
+        assert len(told) == count
