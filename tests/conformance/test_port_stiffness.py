@@ -100,7 +100,7 @@ def test_is_what_directional_derivatives_are(name):
     commands = [reference.component.input_layout[c].start for c in ("latch_command", "hold", "impulse")]
     for k in range(40):
         u = reference.random_inputs(rng)
-        u[commands] = (rng.random() < 0.2 or len(states) > 2, rng.random() < 0.5, 0.0)
+        u[commands] = (float(k >= 20), float(k % 2), 0.0)
         states.add(tuple(u[commands]))
         u[reference.component.input_layout[FAILURE_COMMAND.name]] = float(k == 39)
         assert fmu.set(reference.firsts[1], u) == OK

@@ -31,6 +31,7 @@ _UNDAMPED: dict[str, dict[str, Any]] = {
         "translational_damping": (0.0, 0.0, 0.0),
         "rotational_damping": (0.0, 0.0, 0.0),
         "latch_damping": 0.0,
+        "lock_damping": 0.0,
         "friction_coefficient": 0.0,
         "friction_preload": 0.0,
         "motor_stiffness": 0.0,
