@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 
 from components.contract.roles import IMPULSE, LATCH_COMMAND
-from components.numerics.scheme import AGAIN, INSTANT, INSTANT_SHARE
+from components.numerics.scheme import AGAIN, INSTANT
 
 from ..assembly import Event, HingeLine
 from . import latch_up, stepping
@@ -17,7 +17,7 @@ from .energy_balance import Energies
 from .energy_guard import EnergyGuard
 from .events.breaks import HoldDowns, times_to_break
 from .events.crossings import Fall, find_event, first_met, met_with, still_to_latch
-from .events.instant_rows import InstantRows
+from .events.instant_rows import InstantRows, instant_of
 from .events.judged_loads import JudgedLoads
 from .events.strikes import Strikes
 from .implicit.convergence import Solution, Tolerance
@@ -87,7 +87,7 @@ class Master(CoSimulation):
         """With preload, of loads just after what held lines in the search has let go, as nothing in the scene holds."""
         if preload:
             self.solver.save(0.0)
-            self._jumps.observe_after(0.0, min(INSTANT, INSTANT_SHARE * self._start_step))
+            self._jumps.observe_after(0.0, instant_of(self._start_step))
             self.solver.restore()
             self.solver.forget_all()
         super()._record_start(preload=preload)
@@ -407,7 +407,7 @@ class Master(CoSimulation):
         """A step (s) too short for motion, where the next one has a size (s), or the one that is planned."""
         if self._plan:
             size = self._plan.first_after(self.segments)
-        return min(INSTANT, INSTANT_SHARE * size)
+        return instant_of(size)
 
     def _roughness(self) -> Vector | None:
         return self._jumps.roughness(self.time, self._sizes.size, len(self.segments[-1]))

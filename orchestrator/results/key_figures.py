@@ -16,17 +16,17 @@ from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 from ..assembly import HingeLine
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
 from .estimated_errors import POINT_PEAKS, Key, doubts, estimated_errors, round_off_of_loads, unknown_errors
-from .lines.latch_impulse import latch_impulse
+from .lines.latch_impulse import latch_impulses
 from .lines.straying import (
     Overrun,
     ShortOfStop,
     bent,
     beyond_tables,
     folded_back,
-    is_released,
     overruns,
     pressed_stops,
     short_of_stops,
+    unlatched_angles,
 )
 from .peaks.crests import Peak
 from .peaks.search import peak
@@ -239,12 +239,7 @@ def headline(result: Result) -> Headline:
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
-        unlatched_angles={
-            line.name: float(result.signal(line.sensor, "angle")[-1])
-            for line in result.hinge_lines
-            if line.latches and line.name not in times and result.has(line.sensor, "angle")
-            if not is_released(result, line)
-        },
+        unlatched_angles=unlatched_angles(result, times),
         overruns=overruns(result),
         folded_back=folded_back(result),
         beyond_tables=beyond_tables(result),
@@ -252,13 +247,7 @@ def headline(result: Result) -> Headline:
         short_of_stops=short_of_stops(result),
         pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
-        latch_impulses={
-            line.name: impulse
-            for line in result.hinge_lines
-            if line.name in times
-            for impulse in (latch_impulse(result, line, times[line.name]),)
-            if impulse is not None
-        },
+        latch_impulses=latch_impulses(result, times),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),

@@ -11,6 +11,11 @@ from ..participant import Vector
 from ..rows import Rows
 
 
+def instant_of(size: float) -> float:
+    """A time (s) too short for motion, beside steps of a size (s)."""
+    return min(INSTANT, INSTANT_SHARE * size)
+
+
 class InstantRows:
     """One row an instant: of several events at one, that of the last tells, as what is between them lasts no time.
 
@@ -31,7 +36,7 @@ class InstantRows:
         """
         if self.waiting:
             return self.waiting[0]
-        solver, after, found = self._solver, min(INSTANT, INSTANT_SHARE * size), None
+        solver, after, found = self._solver, instant_of(size), None
         solver.restore()
         if solver.solve(time, after, solver.accepted).converged:
             self._observe(after)

@@ -6,10 +6,22 @@ so the latch's work is E = J w / 2 and its impulse J = 2 E / w, for whatever is 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from ...assembly import HingeLine
 from ..result import Result
+
+
+def latch_impulses(result: Result, times: Mapping[str, float]) -> dict[str, float]:
+    """Impulses (N.m.s) of all lines that have one, by the times (s) at which lines latched."""
+    found = {
+        line.name: latch_impulse(result, line, times[line.name])
+        for line in result.hinge_lines
+        if line.name in times
+    }
+    return {name: impulse for name, impulse in found.items() if impulse is not None}
 
 
 def latch_impulse(result: Result, line: HingeLine, latched: float) -> float | None:

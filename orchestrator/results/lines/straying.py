@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from math import radians
 
@@ -66,6 +67,16 @@ def rows_joined(result: Result, line: HingeLine) -> slice:
 def is_released(result: Result, line: HingeLine) -> bool:
     """Whether no hinge of a line is left at the end."""
     return bool(rows_joined(result, line).stop < result.time.size)
+
+
+def unlatched_angles(result: Result, latched: Collection[str]) -> dict[str, float]:
+    """Where lines that have a latch and are not among those that have latched stand at the end (rad), by name."""
+    return {
+        line.name: float(result.signal(line.sensor, "angle")[-1])
+        for line in result.hinge_lines
+        if line.latches and line.name not in latched and result.has(line.sensor, "angle")
+        if not is_released(result, line)
+    }
 
 
 def overruns(result: Result) -> dict[str, Overrun]:
