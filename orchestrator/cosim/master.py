@@ -84,12 +84,8 @@ class Master(CoSimulation):
         )
 
     def _record_start(self, *, preload: bool) -> None:
-        """With preload, of loads just after what held lines in the search has let go, as nothing in the scene holds."""
-        if preload:
-            self.solver.save(0.0)
-            self._jumps.observe_after(0.0, instant_of(self._start_step))
-            self.solver.restore()
-            self.solver.forget_all()
+        """Of loads just after the start: motors act from then on, and what held lines in a search has let go."""
+        self._jumps.observe_start()
         super()._record_start(preload=preload)
 
     def run(self, until: float) -> None:

@@ -61,12 +61,13 @@ class Rows:
         ]
         self.recorded = np.concatenate([np.arange(s.start, s.stop, dtype=np.uintp) for s in self._slices])
         pairs = [
-            pair
+            (pair, one.name in coarse)
             for one, a in zip(participants, first, strict=False)
-            if one.name not in coarse
             for pair in _pairs(a, one.observation_layout)
         ]
-        self.corrections = np.array(pairs, dtype=np.uintp).reshape(-1, 2)
+        self._loads = np.array([corrected for (_, corrected), _ in pairs], dtype=np.uintp)
+        known = [pair for pair, is_coarse in pairs if not is_coarse]
+        self.corrections = np.array(known, dtype=np.uintp).reshape(-1, 2)
         self._known, self._corrected = self.corrections.T
 
     def add(self, time: float) -> None:
@@ -96,6 +97,15 @@ class Rows:
             return None
         found: Vector = self._now[0][self._corrected] - self._held[0][self._corrected]
         return found
+
+    def loads(self) -> Vector:
+        """What is told of loads that steps bring."""
+        found: Vector = self._now[0][self._loads]
+        return found
+
+    def tell(self, loads: Vector) -> None:
+        """Such loads now."""
+        self._now[0][self._loads] = loads
 
     def smooth(self, roughness: Vector) -> None:
         """Take it off loads of the instant after an event, which then are those before it and its jump.

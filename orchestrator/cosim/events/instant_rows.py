@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from components.numerics.scheme import INSTANT, INSTANT_SHARE
+import numpy as np
+
+from components.numerics.scheme import AT_REST, INSTANT, INSTANT_SHARE
 
 from ..implicit.solver import Solver
 from ..participant import Vector
 from ..rows import Rows
+
+_PARABOLA = (3.0, -3.0, 1.0)
+"""Shares of three values, at equal distances, of what the parabola through them has one such distance before."""
 
 
 def instant_of(size: float) -> float:
@@ -69,6 +74,23 @@ class InstantRows:
         solver.restore()
         forget()
         return found
+
+    def observe_start(self) -> None:
+        """Have participants tell t = 0 with loads on the parabola through those of three instants after it.
+
+        Friction of a light line grows to its whole within microseconds.
+        """
+        solver, rows, found = self._solver, self._rows, []
+        solver.save(0.0)
+        for k in range(1, len(_PARABOLA) + 1):
+            if self.observe_after(0.0, k * AT_REST) is None:
+                break
+            found.append(rows.loads())
+        solver.restore()
+        solver.forget_all()
+        self._observe(0.0)
+        if len(found) == len(_PARABOLA):
+            rows.tell(np.tensordot(_PARABOLA, found, 1))
 
     def observe_after(self, time: float, after: float) -> Vector | None:
         """Have participants stand so long after a time (s): the wrenches of that step, None where it does not converge.
