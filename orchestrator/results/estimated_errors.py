@@ -34,12 +34,16 @@ _AMONG = {
     **dict.fromkeys(_LOADS, "its largest component"),
     OF_STOPS: "the largest of all stops",
     OF_CONTACTS: "the largest of all contacts",
+    **dict.fromkeys(POINT_PEAKS[:2], "the largest of all ports"),
+    **dict.fromkeys(POINT_PEAKS[2:], "the largest of all hinges"),
 }
 """What is judged beside the largest of its kind, and that in words."""
 _SAID = {OF_CONTACTS: "highest contact force"}
 SIZING = (*OF_LATCHES, OF_STOPS)
 """Quantities that size hinges."""
 PROMISED = (*SIZING, OF_CONTACTS, *_LOADS)
+"""Quantities that a run is repeated for where they are likely to miss."""
+VOUCHED = (*PROMISED, *POINT_PEAKS)
 """Quantities that a run vouches for, or says that it does not."""
 
 
@@ -123,7 +127,7 @@ def doubtful(
 
     As a share of what each is judged by, see `doubts`.
     """
-    shares = _shares(numbers, errors, PROMISED)
+    shares = _shares(numbers, errors, VOUCHED)
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
 
 
@@ -198,7 +202,7 @@ def _sizes(
     }
     round_off = round_off_of_loads(numbers)
     for key, value in numbers:
-        if key[0] not in PROMISED or key not in errors or largest.get(key[0], inf) <= round_off:
+        if key[0] not in VOUCHED or key not in errors or largest.get(key[0], inf) <= round_off:
             continue
         size = largest.get(key[0], abs(value))
         if key[0] not in _AMONG or max(abs(value), errors[key].likely) > noise_floor([size]):

@@ -30,7 +30,7 @@ from .lines.straying import (
 )
 from .peaks.crests import Peak
 from .peaks.search import peak
-from .point_loads import hinge_loads, port_loads
+from .point_loads import point_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH
@@ -234,7 +234,7 @@ def headline(result: Result) -> Headline:
         if line.name in times
     }
     last = max(times.values(), default=float(result.time[-1]))
-    ledger, errors = energy_ledger(result), estimated_errors(result)
+    ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
@@ -251,10 +251,10 @@ def headline(result: Result) -> Headline:
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
-        port_force_peaks=_largest_vectors(result, port_loads(result, "N")),
-        port_torque_peaks=_largest_vectors(result, port_loads(result, "N.m")),
-        hinge_force_peaks=_largest_vectors(result, hinge_loads(result, "N")),
-        hinge_torque_peaks=_largest_vectors(result, hinge_loads(result, "N.m")),
+        port_force_peaks=at_points["port force peak"],
+        port_torque_peaks=at_points["port torque peak"],
+        hinge_force_peaks=at_points["hinge force peak"],
+        hinge_torque_peaks=at_points["hinge torque peak"],
         attitude_peaks=_component_peaks(result, ATTITUDE, "rad"),
         attitude_at_end=_last(result, ATTITUDE, "rad"),
         attitude_rate_peaks=_component_peaks(result, ATTITUDE, "rad/s"),
@@ -367,9 +367,12 @@ def _last(result: Result, role: str, unit: str) -> tuple[float, ...]:
     return tuple(float(value) for vector in _vectors(result, role, unit).values() for value in vector[-1])
 
 
-def _largest_vectors(result: Result, loads: Mapping[str, Vector]) -> dict[str, float]:
-    """Peak magnitudes of vectors (N, 3), by the same names."""
-    return {name: peak(result, np.linalg.norm(vector, axis=1)).value for name, vector in loads.items()}
+def _peaks_at_points(result: Result) -> dict[str, dict[str, float]]:
+    """Peak magnitudes of loads at single points by headline number, then by point."""
+    found: dict[str, dict[str, float]] = {quantity: {} for quantity in POINT_PEAKS}
+    for (quantity, point), magnitude in point_loads(result):
+        found[quantity][point] = peak(result, magnitude).value
+    return found
 
 
 def _point_peaks(found: Headline) -> Iterator[tuple[str, Mapping[str, float]]]:

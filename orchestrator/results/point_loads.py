@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from components.contract.roles import HINGE_LOAD, PORT_LOAD
 
+from .estimated_errors import POINT_PEAKS, Key
 from .result import Result
 from .signal import EVENT_WIDTH
 
@@ -40,6 +41,13 @@ def hinge_loads(result: Result, unit: str) -> dict[str, Vector]:
         for name, variable in result.in_role(HINGE_LOAD)
         if name in inner and result.unit(name, variable) == unit
     }
+
+
+def point_loads(result: Result) -> Iterator[tuple[Key, Vector]]:
+    """Magnitudes (N,) of force (N) and torque (N.m) at every such port and hinge, by headline number."""
+    of = (port_loads, port_loads, hinge_loads, hinge_loads)
+    for quantity, loads, unit in zip(POINT_PEAKS, of, ("N", "N.m", "N", "N.m"), strict=True):
+        yield from (((quantity, name), np.linalg.norm(v, axis=1)) for name, v in loads(result, unit).items())
 
 
 class EventLoad(NamedTuple):

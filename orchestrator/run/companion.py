@@ -23,7 +23,7 @@ from ..cosim.stepping import to_own_events
 from ..results.error_sources.coming_apart import beyond_peaks
 from ..results.error_sources.lost_ringing import lost_ringing
 from ..results.error_sources.near_peaks import differences_near
-from ..results.error_sources.step_ends import errors_of_step_ends, larger, promised_peaks
+from ..results.error_sources.step_ends import errors_of_step_ends, judged_peaks, larger
 from ..results.estimated_errors import (
     ESTIMATED_ERRORS,
     TORQUE_PEAKS,
@@ -109,7 +109,7 @@ def _errors(
 ) -> dict[Key, EstimatedError]:
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in companion.headline.numbers()}
-    peaks = list(promised_peaks(told.result))
+    peaks = list(judged_peaks(told.result))
     by_rows = errors_of_step_ends(told.result, peaks)
     near, lost, apart = (
         of(told.result, peaks, companion.result) for of in (differences_near, lost_ringing, beyond_peaks)

@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ..estimated_errors import Key
 from ..result import Result, Vector
 from .between_events import rows_between_events
-from .step_ends import Peaks, promised_peaks
+from .step_ends import Peaks, judged_peaks
 
 _ROWS = 16
 """In half a stretch of time whose largest magnitudes are compared."""
@@ -27,7 +27,7 @@ def beyond_peaks(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
 
     peaks: of one. other: a run with other steps; times count from each event. 0 or less, or no key: nowhere.
     """
-    theirs = dict(promised_peaks(other))
+    theirs = dict(judged_peaks(other))
     pairs = list(zip(rows_between_events(one), rows_between_events(other), strict=False))
     found = {}
     for key, values in peaks:

@@ -17,7 +17,7 @@ from ..estimated_errors import Key
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 from .between_events import rows_between_events
-from .step_ends import INTERFACE_PEAKS, Peaks, promised_peaks
+from .step_ends import INTERFACE_PEAKS, Peaks, judged_peaks
 
 _FADED, _LASTING = 0.5, 8
 """Part of a ringing that is left when its fading is told apart, and swings at least that it has lasted until then."""
@@ -62,7 +62,7 @@ def lost_ringing(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
     peaks: of one. other: a run with every two of its steps as one. Ringing counts from where it is strongest; where it
     is lost, later steps are longer than half of its period. By then lines may have turned it into other components.
     """
-    theirs = dict(promised_peaks(other))
+    theirs = dict(judged_peaks(other))
     found: dict[Key, float] = {}
     turned = _turned(one)
     for quantity in INTERFACE_PEAKS.values():

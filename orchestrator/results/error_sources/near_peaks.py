@@ -20,7 +20,7 @@ from ..peaks.search import jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 from .between_events import segments
-from .step_ends import Peaks, promised_peaks
+from .step_ends import Peaks, judged_peaks
 
 _ROWS = 16
 """That are compared, half of them on either side of a peak."""
@@ -36,7 +36,7 @@ def differences_near(one: Result, peaks: Peaks, other: Result) -> dict[Key, floa
     Numbers around which no rows of both belong together are left out.
     """
     rows = _pair(one.time, sorted(jumps(one)), other.time, sorted(jumps(other)))
-    theirs = dict(promised_peaks(other))
+    theirs = dict(judged_peaks(other))
     found = {
         key: rows.difference_in_height(one.time, values, theirs[key], int(np.argmax(np.abs(values))))
         for key, values in peaks

@@ -22,6 +22,7 @@ from ..estimated_errors import OF_CONTACTS, OF_STOPS, EstimatedError, Key
 from ..key_figures import highest_of, latch_times, line_latch_torque, loads, peak_of
 from ..lines.latch_impulse import latch_impulse
 from ..peaks.search import extremes, jumps
+from ..point_loads import point_loads
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 
@@ -37,7 +38,7 @@ _STEPS = 2
 
 
 Peaks = Sequence[tuple[Key, Vector]]
-"""What `promised_peaks` gives."""
+"""What `judged_peaks` gives."""
 
 
 def errors_of_step_ends(result: Result, peaks: Peaks) -> dict[Key, EstimatedError]:
@@ -130,8 +131,8 @@ def _steps_before(result: Result, at: float) -> list[int]:
     return rows
 
 
-def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
-    """Signals (N,) whose largest magnitudes a run promises, by headline number."""
+def judged_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
+    """Signals (N,) whose largest magnitudes a run tells with errors, by headline number."""
     times = latch_times(result)
     for line in result.hinge_lines:
         if line.name in times and latch_impulse(result, line, times[line.name]) is None:
@@ -145,6 +146,7 @@ def promised_peaks(result: Result) -> Iterator[tuple[Key, Vector]]:
     for component, label, force in loads(result, "N"):
         if highest_of(label) == OF_CONTACTS:
             yield (OF_CONTACTS, component), force
+    yield from point_loads(result)
 
 
 def _largest(time: Vector, values: Vector, events: list[float]) -> float:

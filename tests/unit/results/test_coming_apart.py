@@ -9,7 +9,7 @@ import pytest
 
 from components.contract.roles import INTERFACE_LOAD
 from orchestrator.results.error_sources.coming_apart import beyond_peaks
-from orchestrator.results.error_sources.step_ends import promised_peaks
+from orchestrator.results.error_sources.step_ends import judged_peaks
 
 SWING, PEAK, LATE = 0.02, 10.0, 3.0
 """Period of a ringing (s), the load on which it is (N), and when (s) runs have come apart."""
@@ -33,7 +33,7 @@ def _result(step, late, shift=0.0, event=None):
 
 
 def _beyond(one, other):
-    return beyond_peaks(one, list(promised_peaks(one)), other)["interface force peak", "x"]
+    return beyond_peaks(one, list(judged_peaks(one)), other)["interface force peak", "x"]
 
 
 def test_what_runs_differ_by_may_be_missed_by_both():

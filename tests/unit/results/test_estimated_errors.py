@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import orchestrator as fanfold
 from fmus import native_library
 from orchestrator.cosim.settings import Settings
+from orchestrator.results.error_sources.step_ends import judged_peaks
 from orchestrator.results.estimated_errors import (
     ESTIMATED_ERRORS,
+    POINT_PEAKS,
     EstimatedError,
     beside_their_vector,
     doubts,
@@ -175,6 +178,29 @@ def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
     assert sentence.startswith(
         "the stop torque peak of root_stop may be off by 0.02 of the largest of all stops"
     )
+
+
+def test_loads_at_hinges_are_doubted_beside_the_largest_in_one_sentence():
+    """Convention as for stops. Regression: no sentence told of loads at single hinges that may be off."""
+    hinges = [("hinge force peak", f"h{k}") for k in range(3)]
+    errors = {hinge: EstimatedError(1.0, most) for hinge, most in zip(hinges, (0.5, 2.0, 4.0), strict=True)}
+    (sentence,) = doubts(
+        [(hinge, force) for hinge, force in zip(hinges, (3.0, 100.0, 5.0), strict=True)], errors, 1e-3
+    )
+    assert sentence.startswith(
+        "the hinge force peak of h1, h2 may be off by 0.04 of the largest of all hinges"
+    )
+
+
+@needs_native
+def test_rows_tell_of_the_peak_at_every_port_and_hinge(estimated):
+    """Definition: of every load with an error that steps leave, the signal whose largest magnitude it is."""
+    outcome, _ = estimated
+    told = {number.key: number.value for number in outcome.headline.numbers()}
+    judged = dict(judged_peaks(outcome.result))
+    assert {key for key in told if key[0] in POINT_PEAKS} == {key for key in judged if key[0] in POINT_PEAKS}
+    for key, values in judged.items():
+        assert np.abs(values).max() == pytest.approx(told[key], rel=1e-3, abs=1e-8)
 
 
 def test_contacts_are_doubted_in_one_sentence():

@@ -11,7 +11,7 @@ import orchestrator as fanfold
 from components.contract.roles import INTERFACE_LOAD
 from orchestrator.assembly import HingeLine
 from orchestrator.results.error_sources.lost_ringing import lost_ringing
-from orchestrator.results.error_sources.step_ends import promised_peaks
+from orchestrator.results.error_sources.step_ends import judged_peaks
 
 SWING, STEP, LONG_STEP, LOST = 2e-3, 1e-4, 0.02, 0.2
 """Period of a ringing, steps that resolve it, steps after it was lost, and when that was (s)."""
@@ -34,7 +34,7 @@ def _result(step, damping):
 
 def _lost(of_companion):
     one, other = _result(STEP, 30.0), _result(2.0 * STEP, of_companion)
-    return lost_ringing(one, list(promised_peaks(one)), other)
+    return lost_ringing(one, list(judged_peaks(one)), other)
 
 
 def test_what_steps_damp_would_pass_the_peak():

@@ -10,7 +10,7 @@ import pytest
 from components.contract.roles import INTERFACE_LOAD
 from orchestrator.assembly import HingeLine
 from orchestrator.results.error_sources.near_peaks import differences_near
-from orchestrator.results.error_sources.step_ends import promised_peaks
+from orchestrator.results.error_sources.step_ends import judged_peaks
 
 STEP, FREQUENCY = 0.01, 20.0
 
@@ -32,7 +32,7 @@ def _run(time, force, events=(), **of_hinge):
 
 
 def _differences(one, other):
-    return differences_near(one, list(promised_peaks(one)), other)
+    return differences_near(one, list(judged_peaks(one)), other)
 
 
 def _ringing(time, phase):
