@@ -78,7 +78,8 @@ class CoSimulation(ABC):
         bodies = [body.name for body in network.bodies]
         self._signals = SignalExchange(signals, network.participants, solver.observations, bodies)
         self._scene = np.zeros(len(SCENE_CHANNELS) + self._signals.values.size)
-        self._rows = Rows(recorder, network.participants, solver.observations, self._scene, network.coarse)
+        coarse, loaded = network.coarse, {body.name for body in network.bodies}
+        self._rows = Rows(recorder, network.participants, solver.observations, self._scene, coarse, loaded)
 
     def initialize(self, *, preload: bool) -> None:
         """Bring every participant to t = 0; with preload, in static equilibrium with all hinges held.

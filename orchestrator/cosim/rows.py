@@ -38,8 +38,9 @@ class Rows:
     """Hands observations and scene channels on to a recorder, each accepted step's when the next one is known.
 
     observations: of all participants in order; scene: channels. Both are read when a row comes. coarse: names of those
-    that are coupled at order 2, which know nothing better. recorded: places of observations that are recorded;
-    corrections (n, 2): of those that a held one takes, and of what it corrects.
+    that are coupled at order 2, which know nothing better; bodies: of those to which connections bring loads.
+    recorded: places of observations that are recorded; corrections (n, 2): of those that a held one takes, and of what
+    it corrects.
     """
 
     def __init__(
@@ -49,6 +50,7 @@ class Rows:
         observations: Vector,
         scene: Vector,
         coarse: Collection[str] = (),
+        bodies: Collection[str] = (),
     ) -> None:
         self._recorder = recorder
         self._now, self._held = (observations, scene), (observations.copy(), scene.copy())
@@ -61,12 +63,12 @@ class Rows:
         ]
         self.recorded = np.concatenate([np.arange(s.start, s.stop, dtype=np.uintp) for s in self._slices])
         pairs = [
-            (pair, one.name in coarse)
+            (pair, one)
             for one, a in zip(participants, first, strict=False)
             for pair in _pairs(a, one.observation_layout)
         ]
-        self._loads = np.array([corrected for (_, corrected), _ in pairs], dtype=np.uintp)
-        known = [pair for pair, is_coarse in pairs if not is_coarse]
+        self._brought = np.array([told for (_, told), one in pairs if one.name in bodies], dtype=np.uintp)
+        known = [pair for pair, one in pairs if one.name not in coarse]
         self.corrections = np.array(known, dtype=np.uintp).reshape(-1, 2)
         self._known, self._corrected = self.corrections.T
 
@@ -98,14 +100,14 @@ class Rows:
         found: Vector = self._now[0][self._corrected] - self._held[0][self._corrected]
         return found
 
-    def loads(self) -> Vector:
-        """What is told of loads that steps bring."""
-        found: Vector = self._now[0][self._loads]
+    def brought(self) -> Vector:
+        """What bodies tell of the loads that connections bring them."""
+        found: Vector = self._now[0][self._brought]
         return found
 
-    def tell(self, loads: Vector) -> None:
+    def bring(self, loads: Vector) -> None:
         """Such loads now."""
-        self._now[0][self._loads] = loads
+        self._now[0][self._brought] = loads
 
     def smooth(self, roughness: Vector) -> None:
         """Take it off loads of the instant after an event, which then are those before it and its jump.

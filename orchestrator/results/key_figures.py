@@ -19,12 +19,14 @@ from .estimated_errors import POINT_PEAKS, Key, doubts, estimated_errors, round_
 from .lines.latch_impulse import latch_impulses
 from .lines.straying import (
     Overrun,
-    ShortOfStop,
+    ShortOf,
     bent,
     beyond_tables,
     folded_back,
+    has_motor,
     overruns,
     pressed_stops,
+    short_of_deployed,
     short_of_stops,
     unlatched_angles,
 )
@@ -66,7 +68,8 @@ class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
-    latch that passed their deployed angle. short_of_stops: lines that an end stop alone ends and that never came to it;
+    latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
+    them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
     pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
     and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
     (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
@@ -109,7 +112,9 @@ class Headline:
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
     beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
     bent: Mapping[str, Peak] = field(default_factory=dict)
-    short_of_stops: Mapping[str, ShortOfStop] = field(default_factory=dict)
+    short_of_deployed: Mapping[str, ShortOf] = field(default_factory=dict)
+    motors_short: tuple[str, ...] = ()
+    short_of_stops: Mapping[str, ShortOf] = field(default_factory=dict)
     pressed_stops: Mapping[str, Peak] = field(default_factory=dict)
     port_force_peaks: Mapping[str, float] = field(default_factory=dict)
     port_torque_peaks: Mapping[str, float] = field(default_factory=dict)
@@ -136,12 +141,14 @@ class Headline:
                 f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
                 f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
             )
-        for line, short in self.short_of_stops.items():
-            yield (
-                f"{line} has not come to its end stop at {degrees(short.stop_angle):.4g} deg: it went to "
-                f"{degrees(short.largest):.2f} deg, and at {self.end_time:g} s it stands at "
-                f"{degrees(short.last):.2f} deg"
-            )
+        opened = {line: self.short_of_deployed[line] for line in self.motors_short}
+        for end, lines in (("deployed angle of", opened), ("end stop at", self.short_of_stops)):
+            for line, short in lines.items():
+                yield (
+                    f"{line} has not come to its {end} {degrees(short.angle):.4g} deg: it went to "
+                    f"{degrees(short.largest):.2f} deg, and at {self.end_time:g} s it stands at "
+                    f"{degrees(short.last):.2f} deg"
+                )
         for line, depth in self.pressed_stops.items():
             yield (
                 f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
@@ -195,6 +202,8 @@ class Headline:
             yield Number("angle, not latched", line, angle, "rad")
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
+        for line, short in self.short_of_deployed.items():
+            yield Number("angle at the end, no latch", line, short.last, "rad")
         for line, impulse in self.latch_impulses.items():
             yield Number("latch impulse", line, impulse, "N.m.s")
         for line, torque in self.latch_torque_peaks.items():
@@ -235,6 +244,7 @@ def headline(result: Result) -> Headline:
     }
     last = max(times.values(), default=float(result.time[-1]))
     ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
+    short = short_of_deployed(result)
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
@@ -244,6 +254,8 @@ def headline(result: Result) -> Headline:
         folded_back=folded_back(result),
         beyond_tables=beyond_tables(result),
         bent=bent(result),
+        short_of_deployed=short,
+        motors_short=tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x)),
         short_of_stops=short_of_stops(result),
         pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},

@@ -76,21 +76,21 @@ class InstantRows:
         return found
 
     def observe_start(self) -> None:
-        """Have participants tell t = 0 with loads on the parabola through those of three instants after it.
+        """Have participants tell t = 0, bodies what is brought to them on the parabola through three instants after it.
 
-        Friction of a light line grows to its whole within microseconds.
+        They know it of steps alone, and friction of a light line grows to its whole within microseconds.
         """
         solver, rows, found = self._solver, self._rows, []
         solver.save(0.0)
         for k in range(1, len(_PARABOLA) + 1):
             if self.observe_after(0.0, k * AT_REST) is None:
                 break
-            found.append(rows.loads())
+            found.append(rows.brought())
         solver.restore()
         solver.forget_all()
         self._observe(0.0)
         if len(found) == len(_PARABOLA):
-            rows.tell(np.tensordot(_PARABOLA, found, 1))
+            rows.bring(np.tensordot(_PARABOLA, found, 1))
 
     def observe_after(self, time: float, after: float) -> Vector | None:
         """Have participants stand so long after a time (s): the wrenches of that step, None where it does not converge.

@@ -23,7 +23,7 @@ _FOLDED_BACK = radians(5.0)
 """Further behind where a line started is where a folded stack has no room."""
 
 _GIVES_WAY = radians(1.0)
-"""Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less."""
+"""Beyond its deployed angle a line is where nothing stopped it; a stop or a drive gives way by less, either way."""
 
 _PRESSED = radians(30.0)
 """Further into an end stop is where it stops nothing."""
@@ -46,10 +46,10 @@ class Overrun:
 
 
 @dataclass(frozen=True, slots=True)
-class ShortOfStop:
-    """A line with an end stop and no latch that never touched it: the stop's angle, the largest and the last (rad)."""
+class ShortOf:
+    """A line without a latch that never came to an angle: that of its stop or the deployed one, largest, last (rad)."""
 
-    stop_angle: float
+    angle: float
     largest: float
     last: float
 
@@ -95,7 +95,27 @@ def overruns(result: Result) -> dict[str, Overrun]:
     return found
 
 
-def short_of_stops(result: Result) -> dict[str, ShortOfStop]:
+def short_of_deployed(result: Result) -> dict[str, ShortOf]:
+    """Lines, by name, that nothing keeps at their deployed angle and that never came to it, but for those released."""
+    found = {}
+    for line in result.hinge_lines:
+        if line.deployed_angle is None or is_released(result, line) or not result.has(line.sensor, "angle"):
+            continue
+        angle = result.signal(line.sensor, "angle")
+        if angle.max() < line.deployed_angle - _GIVES_WAY:
+            found[line.name] = ShortOf(line.deployed_angle, float(angle.max()), float(angle[-1]))
+    return found
+
+
+def has_motor(result: Result, line: HingeLine) -> bool:
+    """Whether a motor is there to open a line."""
+    return any(
+        result.has(hinge, "motor_torque") and result.signal(hinge, "motor_torque").any()
+        for hinge in line.hinges
+    )
+
+
+def short_of_stops(result: Result) -> dict[str, ShortOf]:
     """Lines, by name, that an end stop alone ends and that never came to it, but for those released."""
     found = {}
     for line in result.hinge_lines:
@@ -108,7 +128,7 @@ def short_of_stops(result: Result) -> dict[str, ShortOfStop]:
             result.signal(line.sensor + OF_HINGE, "penetration"),
         )
         if depth.max() < 0.0:
-            found[line.name] = ShortOfStop(float(angle[0] - depth[0]), float(angle.max()), float(angle[-1]))
+            found[line.name] = ShortOf(float(angle[0] - depth[0]), float(angle.max()), float(angle[-1]))
     return found
 
 

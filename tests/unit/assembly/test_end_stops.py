@@ -147,6 +147,27 @@ def test_a_line_that_its_stop_does_not_end_is_told(motor, stop, told):
     assert all(re.match(told, one) for one in sentences)
 
 
+@pytest.mark.parametrize("motor", [None, {"stowed": 1.0, "deployed": 1.0}])
+def test_a_line_that_nothing_ends_and_that_stays_short_is_told(motor):
+    """Rule: of one that a motor is to open in a sentence, of others by where it stands, as of a drive's or a pivot.
+
+    Regression: lines without latch and stop that did not open were told nowhere.
+    """
+    scene, base, panel = one_panel("short", until=0.5)
+    line = {"motor": motor} if motor else {}
+    scene.hinge_line("HL", base, panel, axis="+y", aligned_angle="90 deg", hinges={"hinge": "root"}, **line)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found = fanfold.simulate(scene, estimate=False).headline
+    sentences = list(found.open_ends())
+    assert len(sentences) == bool(motor)
+    assert all(
+        one.startswith("HL has not come to its deployed angle of 90 deg: it went") for one in sentences
+    )
+    (stands,) = (number for number in found.numbers() if number.quantity == "angle at the end, no latch")
+    assert (stands.of, stands.value) == ("HL", found.short_of_deployed["HL"].last)
+
+
 def test_what_a_stop_does_not_take_is_refused_before_the_run():
     """Regression: `check` passed it, and `run` refused it without the file's name."""
     scene, base, panel = one_panel("sharp", until=4.0)
