@@ -188,11 +188,22 @@ class Geometry:
 
 
 @dataclass(frozen=True, slots=True)
+class Driving:
+    """What drives a scene, beside which errors are judged before it moves, and loads that are less.
+
+    energy (J): what motors give on the way to the latch angles, or loads over a run. load (N, N.m): of all at once, and
+    no more than one.
+    """
+
+    energy: float = 0.0
+    load: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
 class Assembly:
     """A scene at one fidelity, ready to become FMUs or in-process components.
 
     flexible: names of modal bodies; large_deformation: of beams.
-    driving_energy (J): what motorisation springs give on the way to the latch angles.
     """
 
     name: str
@@ -206,7 +217,7 @@ class Assembly:
     tolerance: float
     largest_step: float
     preload: bool
-    driving_energy: float = 0.0
+    driving: Driving = field(default_factory=Driving)
     geometry: Mapping[str, Geometry] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     large_deformation: tuple[str, ...] = ()

@@ -26,6 +26,7 @@ from . import Assembly, Geometry, Link, Part
 from . import HingeLine as AssemblyHingeLine
 from .beams import beam_part
 from .bolted_lines import bolted_lines
+from .driving import driving
 from .end_stops import stop_attachments, stop_parts
 from .events import assembly_events
 from .fidelities import choose_fidelity
@@ -85,7 +86,7 @@ def assemble(
         tolerance=header.tolerance,
         largest_step=header.largest_step,
         preload=header.preload,
-        driving_energy=sum(line.motor_energy for line in lines),
+        driving=driving(scene, lines),
         geometry=geometry,
         events=assembly_events(scene, parts, hinge_lines),
         signal_fmus=signal_fmus(scene, parts, hinge_lines),

@@ -49,12 +49,12 @@ class Master(CoSimulation):
         signals: Sequence[SignalProcess] = (),
     ) -> None:
         iterated = stepping.iterated(hinge_lines, network.order).of(settings.tolerance)
-        solver = solver_for(network, Tolerance(iterated), self.native_solver)
+        solver = solver_for(network, Tolerance.beside(settings.driving.load, iterated), self.native_solver)
         super().__init__(network, hinge_lines, recorder, solver, events, signals)
         self._events = {event.name: event for event in events}
         self.settings = settings
         self.solver.persistent = not self._controlled
-        self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving_energy, network.order)
+        self._error = ErrorEstimate(settings.tolerance, 0.0, settings.driving.energy, network.order)
         share = stepping.share_of_steps(settings.tolerance)
         largest = min(share * settings.largest_step, self._signals.longest_step)
         self._sizes = StepSizes(largest, share * settings.smallest_step, network.order)
@@ -80,7 +80,7 @@ class Master(CoSimulation):
         self._save()
         self._guard = EnergyGuard(self._energies)
         self._error = ErrorEstimate(
-            self.settings.tolerance, self._energies.stored, self.settings.driving_energy, self.network.order
+            self.settings.tolerance, self._energies.stored, self.settings.driving.energy, self.network.order
         )
 
     def _record_start(self, *, preload: bool) -> None:

@@ -21,6 +21,8 @@ TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
 """Of single hinges, with the torque about their line."""
 POINT_PEAKS = ("port force peak", TORQUE_PEAKS[0], "hinge force peak", TORQUE_PEAKS[1])
 """Headline numbers of the loads at single points: ports of the base, hinges between other bodies."""
+_PER_JOULE = 100.0
+"""N or N.m, of which no more is round-off's yardstick for each joule that a scene exchanges."""
 _ADDED_UP = 10.0
 """Times which round-off of one joint is that of a scene."""
 OF_STOPS = "stop torque peak"
@@ -147,11 +149,13 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
     """Magnitude up to which all loads of a kind (N or N.m) are round-off beside others: at the base, hinges, latches.
 
-    Iterations end beside these and one newton (metre), see `cosim.implicit.convergence.Tolerance`; what they leave in
-    several joints adds up.
+    Iterations end beside these and one newton (metre), or less where a scene is driven by less, see
+    `cosim.implicit.convergence.Tolerance`; what they leave in several joints adds up.
     """
-    beside = (value for key, value in numbers if key[0] in (*_LOADS, *POINT_PEAKS, "latch torque peak"))
-    return _ADDED_UP * noise_floor((1.0, *beside))
+    known = dict(numbers)
+    beside = (value for key, value in known.items() if key[0] in (*_LOADS, *POINT_PEAKS, "latch torque peak"))
+    exchanged = _PER_JOULE * known.get(("energy exchanged", ""), 0.0)
+    return _ADDED_UP * noise_floor((min(1.0, exchanged) if exchanged else 1.0, *beside))
 
 
 def largest_shares(

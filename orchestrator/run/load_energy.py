@@ -31,7 +31,7 @@ def with_energy_of_loads(
     """
     chooses = settings.fixed_step is None and master == "implicit" and settings.tolerance < _COARSE
     by_laws = not assembly.signal_fmus and any(part.kind == Load.kind for part in assembly.parts)
-    if not chooses or assembly.driving_energy or not by_laws:
+    if not chooses or assembly.driving.energy or not by_laws:
         return assembly
     coarse = replace(settings, tolerance=_COARSE, snapshot_every=None)
     try:
@@ -41,4 +41,5 @@ def with_energy_of_loads(
         raise
     except RunError:
         return assembly
-    return replace(assembly, driving_energy=_SHARE * found.headline.energy_exchanged)
+    energy = _SHARE * found.headline.energy_exchanged
+    return replace(assembly, driving=replace(assembly.driving, energy=energy))

@@ -255,7 +255,7 @@ def _run(
     end = assembly.until if until is None else until
     if output is not None:
         watch = FreeSpace(output, end, warn, watch)
-    settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
+    settings = replace(settings, progress=watch, driving=assembly.driving)
     with ExitStack() as stack:
         try:
             participants = stack.enter_context(load(assembly))

@@ -47,7 +47,7 @@ def run_beside(
     FanfoldError where one of them does not reach the end (s), or does not meet the events that the assembly meets.
     """
     _refuse_signals(assembly)
-    settings = replace(settings, progress=watch, driving_energy=assembly.driving_energy)
+    settings = replace(settings, progress=watch, driving=assembly.driving)
     beside = replace(settings, step_plan=_CHOOSES_NOTHING, progress=lambda time, h: None)
     with ExitStack() as stack:
         try:

@@ -68,6 +68,11 @@ class Tolerance:
     torque: float = 1.0
     residual: float = 0.0
 
+    @classmethod
+    def beside(cls, load: float, relative: float, residual: float = 0.0) -> Tolerance:
+        """Relative to a force (N) and a torque (N.m) of the same number, and to what is larger."""
+        return cls(relative, load, load, residual)
+
     def scale(self, wrenches: Vector) -> Vector:
         """What a correction of 1 means for every row."""
         table = np.abs(wrenches).reshape(-1, 2, 3)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from components.numerics.scheme import AGAIN, AGAIN_ITERATED, IMPULSE_ITERATED, IMPULSE_RESIDUAL, INSTANT
 
-from .convergence import Solution, Tolerance
+from .convergence import Solution
 from .solver import Solver
 
-_TOLERANCES = {
-    size: Tolerance(iterated, residual=IMPULSE_RESIDUAL)
-    for size, iterated in ((INSTANT, IMPULSE_ITERATED), (AGAIN, AGAIN_ITERATED))
-}
+_ITERATED = {INSTANT: IMPULSE_ITERATED, AGAIN: AGAIN_ITERATED}
 
 
 def impulse(solver: Solver, time: float, h: float) -> Solution:
@@ -19,7 +18,8 @@ def impulse(solver: Solver, time: float, h: float) -> Solution:
     The second one takes what little the first one left, and gives in sooner: all is as before it then.
     """
     usual = solver.tolerance, solver.persistent
-    solver.tolerance, solver.persistent = _TOLERANCES[h], h == INSTANT
+    solver.tolerance = replace(solver.tolerance, relative=_ITERATED[h], residual=IMPULSE_RESIDUAL)
+    solver.persistent = h == INSTANT
     solver.forget()
     solution = solver.solve(time, h, solver.accepted)
     solver.tolerance, solver.persistent = usual

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from math import inf
 from typing import Any
 
@@ -13,7 +14,7 @@ from ...assembly import Event, HingeLine
 from .. import stepping
 from ..compiled_master import CompiledMaster
 from ..events.crossings import Fall
-from ..implicit.convergence import Solution, Tolerance
+from ..implicit.convergence import Solution
 from ..implicit.native_solver import NativeSolver, Stop
 from ..stepping import StepError
 from .neighbour import Neighbour
@@ -31,7 +32,7 @@ class Leader(CompiledMaster):
     def __init__(self, neighbours: Sequence[Neighbour], *arguments: Any, **options: Any) -> None:  # noqa: ANN401
         super().__init__(*arguments, **options)
         assert isinstance(self.solver, LeadingSolver)
-        self.solver.tolerance = Tolerance(_ITERATED)
+        self.solver.tolerance = replace(self.solver.tolerance, relative=_ITERATED)
         self._leading = self.solver
         self._neighbours = neighbours
         self._beside = self._leading.neighbours = Beside([one.own_solver for one in neighbours])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,6 @@ import numpy as np
 from ...assembly import Event, HingeLine
 from ..compiled_master import Block
 from ..energy_balance import Energies
-from ..implicit.convergence import Tolerance
 from ..implicit.native_solver import NativeSolver
 from ..master import Master
 from ..native.library import NeighbourData
@@ -38,7 +38,7 @@ class Neighbour(Master):
         self.name = name
         assert isinstance(self.solver, NeighbourSolver)
         self.own_solver = self.solver
-        self.solver.tolerance = Tolerance(_ITERATED)
+        self.solver.tolerance = replace(self.solver.tolerance, relative=_ITERATED)
         self._block = Block(self._rows)
         self._start = np.zeros(len(Energies._fields))
         self._instants: Iterator[float] = iter(())

@@ -36,7 +36,7 @@ def export_as_one(
     """
     if driven_base:
         assembly = _with_driven_base(assembly)
-    settings = Settings(assembly.tolerance, assembly.largest_step, driving_energy=assembly.driving_energy)
+    settings = Settings(assembly.tolerance, assembly.largest_step, driving=assembly.driving)
     name = re.sub(r"\W|^(?=\d)", "_", assembly.name, flags=re.ASCII)
     try:
         for platform in platforms:

@@ -121,7 +121,7 @@ def _place(layout: Any, name: str) -> int:  # noqa: ANN401 - a Layout
 def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[str, ArrayLike]:
     """Numbers in the order of the structures of the library."""
     order = network.order
-    iteration = convergence.Tolerance(0.0)
+    iteration = convergence.Tolerance.beside(settings.driving.load, 0.0)
     return {
         "network": [
             len(network.participants),
@@ -173,7 +173,7 @@ def _master(network: Network, assembly: Assembly, settings: Settings) -> dict[st
             iteration.force,
             iteration.torque,
             order,
-            settings.driving_energy,
+            settings.driving.energy,
         ],
         "by_tolerance": _by_tolerance(assembly, settings, order),
     }

@@ -40,7 +40,7 @@ def test_a_load_that_grows_from_nothing_takes_few_steps(monkeypatch):
     # eight elements, shear, and the give of the clamp: below 1 %
     assert found["scene", "supplied_energy"][-1] == pytest.approx(stored, rel=1e-2)
     monkeypatch.setattr(simulation, "with_energy_of_loads", lambda assembly, *others: assembly)
-    assert found.costs["steps"] < 0.3 * fanfold.simulate(bent(), estimate=False).costs["steps"]
+    assert found.costs["steps"] < 0.65 * fanfold.simulate(bent(), estimate=False).costs["steps"]
 
 
 def test_a_coarse_run_that_fails_leaves_the_run_as_it_is(monkeypatch):

@@ -1,0 +1,54 @@
+"""What drives a scene: the energy beside which errors are judged, and the load beside which iterations end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import hypot
+
+import numpy as np
+
+from components.load import Load
+from components.numerics.motion_law import NOTHING, MotionLaw
+
+from ..scene.component_connections import component_values
+from ..scene.connection_tables import Connection
+from ..scene.hinge_line_tables import HingeLine
+from ..scene.schema import CheckedScene
+from . import Driving
+
+_SAMPLES = 65
+"""Of a law, from which its largest value is taken: its size is what matters."""
+
+
+def driving(scene: CheckedScene, lines: Sequence[HingeLine]) -> Driving:
+    """By the motors of hinge lines, loads that follow laws and preloads of cable loops; weights tell by themselves.
+
+    The usual load where nothing of this acts, or where FMUs with signals do whatever they do.
+    """
+    loads = [_motor_torque(line) for line in lines]
+    loads += [loop.preload for loop in scene.loops]
+    loads += [_size(one, scene.header.until) for one in scene.connections if one.kind == Load.kind]
+    most = sum(loads)
+    usual = Driving().load
+    return Driving(
+        sum(line.motor_energy for line in lines),
+        min(usual, most) if most and not scene.fmus else usual,
+    )
+
+
+def _motor_torque(line: HingeLine) -> float:
+    """Largest magnitude (N.m) on the way to the deployed angle."""
+    angles = np.linspace(line.initial_angle, line.deployed_angle, _SAMPLES)
+    return _largest(line.motor_law.value(float(angle)) for angle in angles)
+
+
+def _size(load: Connection, until: float) -> float:
+    """Largest force (N) and torque (N.m) of a law up to a time (s), together."""
+    structure, _ = component_values(load, "mean")
+    times = np.linspace(0.0, until, _SAMPLES)
+    laws = [MotionLaw(structure.get(one) or NOTHING) for one in ("force", "torque")]
+    return hypot(*(_largest(law.value(float(time)) for time in times) for law in laws))
+
+
+def _largest(values: Iterable[float]) -> float:
+    return max(map(abs, values))
