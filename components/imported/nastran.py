@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Container, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
+from ..cache.disk import users_folder
 from ..contract.component import ComponentError, Vector
 from .data import AMPLITUDE, FiniteElementData, Integers
 from .files import OP4_NAMES
@@ -29,12 +32,15 @@ _FIRST_AMPLITUDE = 1_000_001
 def pyyeti() -> Any:  # noqa: ANN401 - an optional library without types
     """Its package for Nastran; ComponentError where it is not installed."""
     try:
-        from pyyeti import nastran
+        return import_module("pyyeti.nastran")
+    except RuntimeError:
+        # numba keeps what it compiles beside a library or at home, neither of which may be there to be written to
+        import_module("numba").config.CACHE_DIR = str(users_folder() or tempfile.gettempdir())
+        return import_module("pyyeti.nastran")
     except ImportError:
         raise ComponentError(
             "files of Nastran need pyYeti; install fanfold with its extra: pip install 'fanfold[nastran]'"
         ) from None
-    return nastran
 
 
 def read_matrices(path: Path) -> dict[str, Any]:

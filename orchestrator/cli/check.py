@@ -91,13 +91,14 @@ def _check_scene(
         click.echo(f"problem: {problem}")
     for phase, one in found.items():
         if not one.problems:
-            _print(one, folder or Path(".".join(filter(None, (one.scene, *choice.variants, phase)))))
+            _print(one, folder, Path(".".join(filter(None, (one.scene, *choice.variants, phase)))))
     return bool(problems)
 
 
-def _print(found: SceneCheck, folder: Path) -> None:
+def _print(found: SceneCheck, asked: Path | None, usual: Path) -> None:
     """Doubts, tables, and the file of the picture."""
     from .tables import terminal
+    from .tables.pictures import pictures
     from .tables.scene import scene_tables
 
     console = terminal()
@@ -108,5 +109,5 @@ def _print(found: SceneCheck, folder: Path) -> None:
     count = len(found.warnings)
     told = f", {count} warning{'s' if count > 1 else ''}" if count else ""
     click.echo(f"{found.scene}: no problem found{told}")
-    for path in fanfold.plot(found, folder):
+    for path in pictures(found, asked, usual):
         click.echo(path)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from components.contract.component import Vector
+from components.imported.nastran import pyyeti
 
 from ...scene import SceneError
 from .model import Appendage
@@ -68,13 +69,7 @@ def _on_modes(attachment: Vector, modal: Vector) -> Vector:
 
 
 def _write_op4(found: Appendage, path: Path) -> None:
-    try:
-        from pyyeti.nastran import op4
-    except ImportError:
-        raise SceneError(
-            [f"{path}: op4 needs pyYeti; install fanfold with its extra: pip install 'fanfold[nastran]'"]
-        ) from None
-    op4.write(path, craig_bampton(found))
+    pyyeti().op4.write(path, craig_bampton(found))
 
 
 def _write_42(found: Appendage, path: Path) -> None:

@@ -95,6 +95,7 @@ def command(
         insert_margin=insert_margin,
     )
     from ..tables import terminal
+    from ..tables.pictures import pictures
 
     console = terminal()
     console.print(_table(found))
@@ -105,8 +106,8 @@ def command(
     for sentence in found.remarks:
         click.echo(sentence)
     folder = output or result.with_suffix("")
-    pictures = fanfold.plot(found, folder)
-    for path in (_write_table(folder, body, found.hot_spots), *pictures):
+    drawn = pictures(found, output, folder)
+    for path in (_write_table(folder, body, found.hot_spots), *drawn):
         click.echo(path)
 
 

@@ -99,6 +99,7 @@ def command(
     from ...analysis.torque_margin.margins import margin_cases
     from ...analysis.torque_margin.restart import restart_shares
     from ..tables import terminal
+    from ..tables.pictures import pictures
     from ..tables.torque_margin import margin_table, restart_table, sentences_without_margin
 
     refuse_idle("--until", "--restart")
@@ -109,7 +110,7 @@ def command(
         scene, cases=names, factors=factors, friction=friction, torques=extra, positions=positions
     )
     folder = output or Path(".".join((scene.name, *scene.chosen)))
-    pictures = fanfold.plot(found, folder)
+    drawn = pictures(found, output, folder)
     if not as_json:
         console = terminal()
         console.print(margin_table(found))
@@ -117,7 +118,7 @@ def command(
             console.print(sentence, highlight=False)
         for name, why in found.uncounted.items():
             console.print(f"not counted: {name}; {why}", highlight=False)
-        for path in pictures:
+        for path in drawn:
             click.echo(path)
     runs = fanfold.restart(scene, restarts, cases=names, until=until, folder=folder, progress=progress)
     if as_json:

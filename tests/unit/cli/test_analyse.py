@@ -10,6 +10,7 @@ from importlib import import_module
 import pytest
 from click.testing import CliRunner
 
+from orchestrator.cli.analyse.torque_margin import FAILED
 from orchestrator.cli.main import main
 from orchestrator.cli.progress import progress
 from orchestrator.run.progress import followed
@@ -124,6 +125,20 @@ def test_wrong_input_is_told(tmp_path, arguments, sentence):
     (tmp_path / "file").write_text("x", encoding="utf-8")
     assert sentence in refused(*arguments)
     assert [path.name for path in tmp_path.iterdir()] == ["file"]  # nothing is begun
+
+
+def test_numbers_need_no_folder_to_write_to(monkeypatch, tmp_path):
+    """Regression: where pictures could not be written, margins and checks ended without a number."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "amos3").write_text("where the folder would be", encoding="utf-8")
+    for arguments, told in (
+        (("analyse", "torque-margin", "amos3", "--positions", "2"), "torque margin at the worst angle"),
+        (("check", "amos3"), "amos3: no problem found"),
+    ):
+        result = CliRunner().invoke(main, arguments)
+        assert told in result.stdout
+        assert result.stderr.splitlines()[-1].startswith("fanfold: warning: no pictures: amos3 cannot be")
+        assert result.exit_code in (0, FAILED)  # its margin may fail, which is no error
 
 
 def test_ctrl_c_is_told_in_a_sentence(monkeypatch):

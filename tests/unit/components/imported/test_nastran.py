@@ -11,6 +11,7 @@ from scipy import sparse
 import orchestrator as fanfold
 from components.contract.component import ComponentError
 from components.flexible.reduction import craig_bampton_basis, orthonormal_modes
+from components.imported import nastran
 from components.imported.agreement import free_hertz
 from components.imported.body import ImportedBody
 from components.imported.data import transformed
@@ -52,6 +53,23 @@ def pair():
         ports = {"inboard": ("inboard", point), "outboard": ("outboard", point)}
         scene.connection(f"weld_{point}", "hinge", preset="fixed", ports=ports)
     return fanfold.modes(scene, as_posed=True)
+
+
+def test_what_numba_compiles_has_a_place_where_neither_home_nor_the_library_has(monkeypatch):
+    """Regression: a service without a home got numba's traceback from every file of Nastran."""
+    usual, numba, asked = nastran.import_module, nastran.import_module("numba"), []
+
+    def without_home(name):
+        if name == "pyyeti.nastran" and not asked:
+            asked.append(name)
+            raise RuntimeError("cannot cache function '_numba_interp': no locator available for file")
+        return usual(name)
+
+    monkeypatch.setattr(nastran, "import_module", without_home)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    assert nastran.pyyeti().op4 is not None
+    assert asked
+    assert Path(numba.config.CACHE_DIR).is_dir()
 
 
 def test_the_pair_welded_swings_as_nastran_says(pair):
