@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
@@ -27,6 +27,7 @@ from ..scene.component_connections import WrenchMode
 from ..scene.schema import SMALLEST_STEP, TOLERANCES
 from .checkpoint import Checkpoint, checkpoint_file
 from .companion import with_estimates
+from .errors import InterruptedRunError
 from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.creep import creeping_sentences
@@ -179,16 +180,30 @@ def simulate(
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
-            with followed(progress, f"{assembly.name}: errors", end) as watch:
-                outcome = with_estimates(assembly, outcome, settings, end, watch, load)
-            if options.refine:
-                outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
+            with _whole(assembly, outcome):
+                with followed(progress, f"{assembly.name}: errors", end) as watch:
+                    outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+                if options.refine:
+                    outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
     outcome = replace(outcome, result=with_told(kept, told))
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
+
+
+@contextmanager
+def _whole(assembly: Assembly, outcome: Outcome) -> Iterator[None]:
+    """Tell whoever interrupts what follows a run that the run is whole."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        where = f"the result in {outcome.result.path}" if outcome.result.path else "the result"
+        sentence = "interrupted while its errors were estimated, or it was repeated for them"
+        raise InterruptedRunError(
+            f"{assembly.name}: {sentence}; {where} is whole but for these", outcome.result, sentence
+        ) from None
 
 
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
