@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from components.contract.frames import Vector3, norm, subtract
-from components.flexible.plate import Panel
+from components.flexible.plate import Panel, Plate
 
 from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body, Inertial
@@ -31,6 +31,8 @@ _FAR_CENTER = 100.0
 """Of the radius of gyration, that no centre of mass is from all points of its body."""
 _SMALL = 0.01
 """m, of the radius of gyration of what may stand for a point mass."""
+_SOUND = (200.0, 18_000.0)
+"""m/s, in the plane of what is no membrane: cork has 500 m/s and diamond the most; panels have some thousands."""
 _CLAMPED = 0.24
 """Of an element, by which two held rims make a membrane narrower: 1.8, 1.4, 0.7, 0.4 % of 0.6 m for 50 to 10 mm."""
 _COARSE = 0.01
@@ -110,12 +112,25 @@ def _unlikely_panels(scene: CheckedScene) -> Iterator[str]:
                 f"{key}: {like}, whose {plate.areal_mass:g} kg/m2 would be {density:.3g} kg/m3, denser than any "
                 "material; check the units of areal_mass and of thickness"
             )
-        first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
-        if first < _SLACK and plate.prestress == 0.0:
-            yield (
-                f"{key}: free, it would bend at {first:.2g} Hz, as a cloth does; check the units of "
-                "youngs_modulus, or of bending"
-            )
+        if plate.prestress == 0.0 and _LIGHTEST <= density <= _DENSEST:
+            yield from _unlike_stiffness(key, plate)
+
+
+def _unlike_stiffness(key: str, plate: Plate) -> Iterator[str]:
+    """Plates without tension that hang like a cloth, or whose stiffness is no material's."""
+    first = _first_bending(min(plate.bending[:2]), plate.areal_mass, max(plate.length, plate.width))
+    speed = float(np.sqrt(plate.membrane[0] / plate.areal_mass))
+    if first < _SLACK:
+        yield (
+            f"{key}: free, it would bend at {first:.2g} Hz, as a cloth does; check the units of youngs_modulus, or of "
+            "bending"
+        )
+    elif not _SOUND[0] < speed < _SOUND[1]:
+        yield (
+            f"{key}: sound in its plane would run at {speed:.3g} m/s, "
+            f"{'slower than in cork' if speed < _SOUND[0] else 'faster than in diamond'}; check the units of "
+            "youngs_modulus or membrane, and of areal_mass"
+        )
 
 
 def _coarse_membranes(scene: CheckedScene) -> Iterator[str]:

@@ -291,12 +291,15 @@ arm = { y = "0.5 m", length = "30 mm", patch = "60 mm" }
         ("3000 kg/m2", "20 mm", '"70 GPa"', ["denser than any material"]),
         ("1e-6 kg/m2", "20 mm", '"70 GPa"', ["lighter than any foam"]),
         ("3 kg/m2", "20 mm", "70", ["it would bend at 0.00091 Hz, as a cloth does"]),
+        ("3 kg/m2", "20 mm", '"70 MPa"', ["sound in its plane would run at 101 m/s, slower than in cork"]),
+        ("3 kg/m2", "20 mm", '"7e13 Pa"', ["faster than in diamond"]),
     ],
 )
 def test_panels_of_impossible_thickness_or_mass_are_told(tmp_path, areal_mass, core, modulus, words):
     """Closed forms: the plate of a sandwich's stiffnesses is sqrt(3) as thick as the distance of its skins.
 
-    It bends at 4.730^2 / 2 pi sqrt(D / m l^4), free, with D = E t h^2 / 2 (1 - nu^2).
+    It bends at 4.730^2 / 2 pi sqrt(D / m l^4), free, with D = E t h^2 / 2 (1 - nu^2), and sound in it runs at
+    sqrt(2 E t / (1 - nu^2) m).
     """
     start = TWO_PANELS.index("[body.rigid]", TWO_PANELS.index('name = "outer"'))
     rigid = TWO_PANELS[start : TWO_PANELS.index("[[hinge_line]]")]
