@@ -31,7 +31,7 @@ def driving(scene: CheckedScene, lines: Sequence[HingeLine]) -> Driving:
     most = sum(loads)
     usual = Driving().load
     return Driving(
-        sum(line.motor_energy for line in lines),
+        sum((line.motor_energy for line in lines), 0.0),
         min(usual, most) if most and not scene.fmus else usual,
     )
 

@@ -69,9 +69,9 @@ class Tolerance:
     residual: float = 0.0
 
     @classmethod
-    def beside(cls, load: float, relative: float, residual: float = 0.0) -> Tolerance:
+    def beside(cls, load: float, relative: float) -> Tolerance:
         """Relative to a force (N) and a torque (N.m) of the same number, and to what is larger."""
-        return cls(relative, load, load, residual)
+        return cls(relative, load, load)
 
     def scale(self, wrenches: Vector) -> Vector:
         """What a correction of 1 means for every row."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from math import radians
 
@@ -79,32 +79,33 @@ def unlatched_angles(result: Result, latched: Collection[str]) -> dict[str, floa
     }
 
 
-def overruns(result: Result) -> dict[str, Overrun]:
-    """Lines, by name, that passed the deployed angle at which nothing keeps them, but for those released later."""
-    found = {}
+def _open_ended(result: Result) -> Iterator[tuple[str, float, Vector]]:
+    """Lines that nothing keeps at their deployed angle, but those released later: name, that angle, all angles (rad)."""
     for line in result.hinge_lines:
         if line.deployed_angle is None or not result.has(line.sensor, "angle"):
             continue
-        if is_released(result, line):
-            continue
-        angle = result.signal(line.sensor, "angle")
-        passed = np.flatnonzero(angle > line.deployed_angle + _GIVES_WAY)
+        if not is_released(result, line):
+            yield line.name, line.deployed_angle, result.signal(line.sensor, "angle")
+
+
+def overruns(result: Result) -> dict[str, Overrun]:
+    """Lines, by name, that passed the deployed angle at which nothing keeps them, but for those released later."""
+    found = {}
+    for name, deployed, angle in _open_ended(result):
+        passed = np.flatnonzero(angle > deployed + _GIVES_WAY)
         if passed.size:
             at = float(result.time[passed[0]])
-            found[line.name] = Overrun(line.deployed_angle, at, float(angle.max()), float(angle[-1]))
+            found[name] = Overrun(deployed, at, float(angle.max()), float(angle[-1]))
     return found
 
 
 def short_of_deployed(result: Result) -> dict[str, ShortOf]:
-    """Lines, by name, that nothing keeps at their deployed angle and that never came to it, but for those released."""
-    found = {}
-    for line in result.hinge_lines:
-        if line.deployed_angle is None or is_released(result, line) or not result.has(line.sensor, "angle"):
-            continue
-        angle = result.signal(line.sensor, "angle")
-        if angle.max() < line.deployed_angle - _GIVES_WAY:
-            found[line.name] = ShortOf(line.deployed_angle, float(angle.max()), float(angle[-1]))
-    return found
+    """Lines, by name, that nothing keeps at their deployed angle and that never came to it, likewise."""
+    return {
+        name: ShortOf(deployed, float(angle.max()), float(angle[-1]))
+        for name, deployed, angle in _open_ended(result)
+        if angle.max() < deployed - _GIVES_WAY
+    }
 
 
 def has_motor(result: Result, line: HingeLine) -> bool:
