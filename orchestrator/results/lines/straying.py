@@ -80,7 +80,7 @@ def unlatched_angles(result: Result, latched: Collection[str]) -> dict[str, floa
 
 
 def _open_ended(result: Result) -> Iterator[tuple[str, float, Vector]]:
-    """Lines that nothing keeps at their deployed angle, but those released later: name, that angle, all angles (rad)."""
+    """Lines that nothing keeps at their deployed angle, but those released later: name, that angle, angles (rad)."""
     for line in result.hinge_lines:
         if line.deployed_angle is None or not result.has(line.sensor, "angle"):
             continue
