@@ -8,7 +8,8 @@ difference, and 1.75 times that at order 4. Where both numbers are near each oth
 differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss alike
 (`step_ends`), where steps damp it, how it fades in both (`lost_ringing`), and where small differences grow, what they
 have come to elsewhere (`coming_apart`). Where steps twice as long do not lead to the end, or to loads beyond all
-measure, a companion of half the steps tells instead, at twice the cost.
+measure, or where many are divided as they do not converge, a companion of half the steps tells instead, at twice the
+cost.
 """
 
 from __future__ import annotations
@@ -42,6 +43,8 @@ _SHARES = {2: EstimatedError(1.0 / sqrt(3.0), 1.0), 4: EstimatedError(0.35, 1.75
 wings lie; of 37 of their numbers that order 4 had off by more than a tolerance, 35 were off by less than 1.7 of it."""
 _FINER = EstimatedError(1.0, 2.0)
 """Of the difference from half the steps: all of it where steps resolve what happens, and two of its kind elsewhere."""
+_DIVIDED = 0.01
+"""Part of the steps between two events that a companion may divide."""
 _ASTRAY = 1e3
 """Times the largest load of the run that no companion has unless its steps blew up."""
 _LOADS = ("N", "N.m")
@@ -90,9 +93,18 @@ def with_estimates(
             continue
         if not _is_astray(outcome, other):
             errors = _errors(outcome, other, share, at_least or {})
-            break
+            if not _is_divided(plan.step_plan or (), other):
+                break
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
+
+
+def _is_divided(plan: Sequence[Sequence[float]], companion: Outcome) -> bool:
+    """Whether a companion divided steps of its plan, which then are hardly other ones than those of the run."""
+    return any(
+        len(made) > (1.0 + _DIVIDED) * len(planned) + 1.0
+        for planned, made in zip(plan, companion.segments, strict=False)
+    )
 
 
 def _is_astray(told: Outcome, companion: Outcome) -> bool:

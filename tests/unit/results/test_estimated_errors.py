@@ -67,6 +67,26 @@ def test_half_the_steps_tell_where_twice_as_long_fail(estimated, monkeypatch):
 
 
 @needs_native
+@pytest.mark.parametrize(("part", "plans"), [(0.0, 1), (0.1, 2)])
+def test_half_the_steps_tell_where_twice_as_long_are_divided(monkeypatch, part, plans):
+    """Rule: a companion that takes the run's own steps again tells nothing of them.
+
+    Regression: links of a gram told latch times to 1.5e-7 s that were off by 2.6e-6 s.
+    """
+    made = []
+    outcome = run(smooth_scene(), None, Settings(tolerance=1e-3), 2.4)
+
+    def divided(*arguments, **others):
+        made.append(arguments[2].step_plan)
+        found = run(*arguments, **others)
+        return replace(found, segments=[[*one, *one[: round(part * len(one))]] for one in found.segments])
+
+    monkeypatch.setattr(companion, "run", divided)
+    assert with_estimates(smooth_scene(), outcome, Settings(tolerance=1e-3), 2.4).headline.estimated_errors
+    assert made == [doubled(outcome.segments), halved(outcome.segments)][:plans]
+
+
+@needs_native
 def test_a_torque_that_comes_at_once_with_a_latch_up():
     """Closed form: a latch of damping ratio z > 1/2 meets the rate sqrt(2 T a / J) with 2 z sqrt(2 k T a), its peak.
 
