@@ -176,6 +176,12 @@ class StaticSearch:
         change = float(np.abs(last[worst] - before[worst]).max())
         if size <= _AT_REST or change > _UNHELD * size:
             return
+        turn = _turn_as_one(poses[-2], last)
+        if turn is not None:
+            raise StepError(
+                "there is no static equilibrium to start from: with all hinges held, loads turn all that is free as "
+                f"one {_described(turn, h)}; start without preload, or have them begin later"
+            )
         raise StepError(
             f"there is no static equilibrium to start from: with all hinges held, {self._ports[worst][0].name} still "
             f"moves {_described(last[worst], h)}; nothing, or next to nothing, holds it in that direction: add a "
@@ -190,6 +196,17 @@ def _motions(before: Sequence[Vector], after: Sequence[Vector]) -> list[Vector]:
         return moves
     shared = np.mean([move[:3] for move in moves], axis=0)
     return [np.concatenate((move[:3] - shared, move[3:])) for move in moves]
+
+
+def _turn_as_one(poses: Sequence[Vector], motions: Sequence[Vector]) -> Vector | None:
+    """The turn (6,) that all ports at these poses share as those of one rigid body; None where they do not."""
+    turns = np.array([motion[3:] for motion in motions])
+    shifts = np.array([motion[:3] for motion in motions])
+    turn, arms = turns.mean(axis=0), np.array([pose[:3] for pose in poses])
+    own = shifts - np.cross(turn, arms - arms.mean(axis=0))
+    apart = np.abs(np.concatenate((own - own.mean(axis=0), turns - turn))).max()
+    moved = np.abs(np.concatenate((shifts, turns))).max()
+    return np.concatenate((np.zeros(3), turn)) if apart <= _UNHELD * moved else None
 
 
 def _motion(before: Vector, after: Vector) -> Vector:

@@ -282,3 +282,25 @@ def test_what_is_held_in_the_search_alone_bears_nothing_in_the_run():
     assert run.headline.interface_torque_peaks[1] < 1e-6 * 9.81
     # the springs of its joint have not moved yet, which the search leaves under its weight
     assert run["ground", "interface_force"][0, 2] == pytest.approx(-2.0 * 9.81, rel=1e-4)
+
+
+def test_loads_that_turn_a_free_spacecraft_are_told_of_as_such():
+    """Closed form: torque over inertia. Regression: the sentence blamed a body and asked for another connection."""
+    scene = fanfold.Scene("pushed", until=0.1, preload=True)
+    own = {"mass": 100.0, "center_of_mass": [0, 0, 0], "inertia": [20.0, 20.0, 20.0]}
+    scene.base("craft", points={"o": [1, 0, 0]}, free=own)
+    scene.body("flap", rigid={
+        "mass": 1.0, "center_of_mass": [0, 0, 0], "inertia": [0.1, 0.1, 0.1], "points": {"p": [0, 0, 0]},
+    })  # fmt: skip
+    scene.hinge_line(
+        "line", "craft", "flap", axis="+y", aligned_angle="90 deg", hinges=[{"name": "h", "inboard": "o", "outboard": "p"}],
+        motor={"stowed": 1.0, "deployed": 0.5},
+    )  # fmt: skip
+    scene.connection(
+        "push", "load", structure={"torque": [{"profile": "constant", "value": 2.0}], "direction": [0, 0, 1]},
+        ports={"body": {"body": "flap", "point": "p"}},
+    )  # fmt: skip
+    with pytest.raises(fanfold.FanfoldError, match="loads turn all that is free as one about") as told:
+        fanfold.simulate(scene, estimate=False)
+    inertia = 20.1 + 100.0 / 101.0
+    assert f"by {2.0 / inertia:.2g} rad/s2; start without preload" in str(told.value)
