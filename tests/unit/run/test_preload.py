@@ -293,8 +293,8 @@ def test_loads_that_turn_a_free_spacecraft_are_told_of_as_such():
         "mass": 1.0, "center_of_mass": [0, 0, 0], "inertia": [0.1, 0.1, 0.1], "points": {"p": [0, 0, 0]},
     })  # fmt: skip
     scene.hinge_line(
-        "line", "craft", "flap", axis="+y", aligned_angle="90 deg", hinges=[{"name": "h", "inboard": "o", "outboard": "p"}],
-        motor={"stowed": 1.0, "deployed": 0.5},
+        "line", "craft", "flap", axis="+y", aligned_angle="90 deg", motor={"stowed": 1.0, "deployed": 0.5},
+        hinges=[{"name": "h", "inboard": "o", "outboard": "p"}],
     )  # fmt: skip
     scene.connection(
         "push", "load", structure={"torque": [{"profile": "constant", "value": 2.0}], "direction": [0, 0, 1]},
