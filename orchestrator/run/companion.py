@@ -1,15 +1,15 @@
 """How far off are the headline numbers of a run? A companion takes every two of its steps as one.
 
 The companion is a run of half the cost along the steps that the run accepted, segment by segment between events. What
-it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order of
-the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step resolves,
-of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the whole
-difference, and 1.75 times that at order 4. Where both numbers are near each other by chance, the rows around them
-differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss alike
-(`step_ends`), where steps damp it, how it fades in both (`lost_ringing`), and where small differences grow, what they
-have come to elsewhere (`coming_apart`). Where steps twice as long do not lead to the end, or to loads beyond all
-measure, or where many are divided as they do not converge, a companion of half the steps tells instead, at twice the
-cost.
+it differs by is 2^n - 1 times the error of the run where the error goes with the power n of the step size: the order
+of the coupling where vibrations are resolved, and no power at all where errors are those of ringing that no step
+resolves, of friction or of a count of swings. The estimate is between 2^n - 1 and 1; at the most the error is the
+whole difference, and 1.75 times that at order 4. Where both numbers are near each other by chance, the rows around
+them differ by more (`near_peaks`); where ringing is not resolved, the rows of the run itself tell what both miss
+alike (`step_ends`), and so where friction reverses beside a peak (`friction_reversals`), where steps damp it, how it
+fades in both (`lost_ringing`), and where small differences grow, what they have come to elsewhere (`coming_apart`).
+Where steps twice as long do not lead to the end, or to loads beyond all measure, or where many are divided as they do
+not converge, a companion of half the steps tells instead, at twice the cost.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import to_own_events
 from ..results.error_sources.coming_apart import beyond_peaks
+from ..results.error_sources.friction_reversals import beyond_reversals
 from ..results.error_sources.lost_ringing import lost_ringing
 from ..results.error_sources.near_peaks import differences_near
 from ..results.error_sources.step_ends import errors_of_step_ends, judged_peaks, larger
@@ -126,6 +127,7 @@ def _errors(
     near, lost, apart = (
         of(told.result, peaks, companion.result) for of in (differences_near, lost_ringing, beyond_peaks)
     )
+    kinks = beyond_reversals(told.result, peaks)
     locked = told.headline.latch_impulses
     in_locks = {hinge for line in told.result.hinge_lines if line.name in locked for hinge in line.hinges}
     found = {
@@ -140,7 +142,7 @@ def _errors(
         {
             key: larger(
                 EstimatedError(
-                    share.likely * d, max(share.most * d, lost.get(key, 0.0), apart.get(key, 0.0))
+                    share.likely * d, max(share.most * d, *(of.get(key, 0.0) for of in (lost, apart, kinks)))
                 ),
                 by_rows.get(key),
                 at_least.get(key),
