@@ -15,8 +15,6 @@ INSTANT = 1e-7
 """Longest step (s) in which nothing moves: that of an impulse, and where loads are those just after an event."""
 INSTANT_SHARE = 1e-3
 """Of the step after an event, for loads just after it; a hundredth still showed in a peak of damping."""
-AT_REST = 1e-8
-"""An instant (s) after the start, in which joints hardly move; shorter ones are rounded."""
 AGAIN = 5e-8
 """Step (s) of the impulse that takes what a latch impulse leaves: its size over the numerical inertia of a lock."""
 AGAIN_ITERATED = 1e-4

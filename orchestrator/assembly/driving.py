@@ -42,12 +42,16 @@ def _motor_torque(line: HingeLine) -> float:
     return _largest(line.motor_law.value(float(angle)) for angle in angles)
 
 
+def load_laws(load: Connection) -> tuple[MotionLaw, MotionLaw]:
+    """Force (N) and torque (N.m) of a load over time."""
+    structure, _ = component_values(load, "mean")
+    return MotionLaw(structure.get("force") or NOTHING), MotionLaw(structure.get("torque") or NOTHING)
+
+
 def _size(load: Connection, until: float) -> float:
     """Largest force (N) and torque (N.m) of a law up to a time (s), together."""
-    structure, _ = component_values(load, "mean")
     times = np.linspace(0.0, until, _SAMPLES)
-    laws = [MotionLaw(structure.get(one) or NOTHING) for one in ("force", "torque")]
-    return hypot(*(_largest(law.value(float(time)) for time in times) for law in laws))
+    return hypot(*(_largest(law.value(float(time)) for time in times) for law in load_laws(load)))
 
 
 def _largest(values: Iterable[float]) -> float:

@@ -106,9 +106,9 @@ class CoSimulation(ABC):
             raise ParticipantError("; ".join(holding))
         if self._signals.is_any:
             self._exchange_signals(start=True)
-        self._record_start(preload=preload)
+        self._record_start()
 
-    def _record_start(self, *, preload: bool) -> None:
+    def _record_start(self) -> None:
         """The row at t = 0; of loads as the search has left them, with preload."""
         self._record(0.0, 0)
 

@@ -83,10 +83,10 @@ class Master(CoSimulation):
             self.settings.tolerance, self._energies.stored, self.settings.driving.energy, self.network.order
         )
 
-    def _record_start(self, *, preload: bool) -> None:
+    def _record_start(self) -> None:
         """Of loads just after the start: motors act from then on, and what held lines in a search has let go."""
         self._jumps.observe_start()
-        super()._record_start(preload=preload)
+        super()._record_start()
 
     def run(self, until: float) -> None:
         """Step to the given time (s); StepError where no step size converges."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import product
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -17,7 +16,7 @@ from .estimated_errors import POINT_PEAKS
 from .key_figures import latch_times, line_latch_torque, shown
 from .peaks.crests import Peak
 from .peaks.search import peak
-from .point_loads import hinge_loads, port_loads
+from .point_loads import point_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
 
@@ -135,15 +134,15 @@ def _load_rows(a: Result, b: Result) -> Iterator[Compared]:
 
 def _point_rows(a: Result, b: Result) -> Iterator[Compared]:
     """Magnitudes of the loads at single ports of the spacecraft and at hinges between bodies."""
-    kinds = (("port", port_loads), ("hinge", hinge_loads))
-    for (what, vectors_of), (load, unit) in product(kinds, (("force", "N"), ("torque", "N.m"))):
-        found = [vectors_of(result, unit) for result in (a, b)]
-        for name in in_either(*(tuple(vectors) for vectors in found)):
+    found = [dict(point_loads(result)) for result in (a, b)]
+    for quantity in POINT_PEAKS:
+        names = (tuple(point for what, point in magnitudes if what == quantity) for magnitudes in found)
+        for key in ((quantity, point) for point in in_either(*names)):
             peaks = [
-                peak(result, np.linalg.norm(vectors[name], axis=1)) if name in vectors else None
-                for result, vectors in zip((a, b), found, strict=True)
+                peak(result, magnitudes[key]) if key in magnitudes else None
+                for result, magnitudes in zip((a, b), found, strict=True)
             ]
-            yield _compared(f"{what} {load} peak", name, unit, *peaks)
+            yield _compared(*key, "N" if "force" in quantity else "N.m", *peaks)
 
 
 def _with_noise(rows: Sequence[Compared]) -> Iterator[Compared]:

@@ -85,7 +85,8 @@ def with_estimates(
         return outcome
     errors: Mapping[Key, EstimatedError] = {}
     for steps, share in ((doubled, _SHARES[outcome.order]), (halved, _FINER)):
-        plan = replace(settings, fixed_step=None, step_plan=steps(outcome.segments))
+        planned = steps(outcome.segments)
+        plan = replace(settings, fixed_step=None, step_plan=planned)
         try:
             other = run(assembly, None, plan, until, watch=watch, load=load)
         except InterruptedRunError:
@@ -94,7 +95,7 @@ def with_estimates(
             continue
         if not _is_astray(outcome, other):
             errors = _errors(outcome, other, share, at_least or {})
-            if not _is_divided(plan.step_plan or (), other):
+            if not _is_divided(planned, other):
                 break
     result = with_statistics(outcome.result, {ESTIMATED_ERRORS: errors_text(errors)})
     return replace(outcome, result=result, headline=headline(result))
@@ -122,10 +123,11 @@ def _errors(
 ) -> dict[Key, EstimatedError]:
     """Differences and shares of them by key, or what is known to be larger; what only one run has is left out."""
     others = {number.key: number.value for number in companion.headline.numbers()}
-    peaks = list(judged_peaks(told.result))
+    peaks, theirs = list(judged_peaks(told.result)), dict(judged_peaks(companion.result))
     by_rows = errors_of_step_ends(told.result, peaks)
     near, lost, apart = (
-        of(told.result, peaks, companion.result) for of in (differences_near, lost_ringing, beyond_peaks)
+        of(told.result, peaks, companion.result, theirs)
+        for of in (differences_near, lost_ringing, beyond_peaks)
     )
     kinks = beyond_reversals(told.result, peaks)
     locked = told.headline.latch_impulses

@@ -22,7 +22,7 @@ from ..results.energy_ledger import rows_of_exchange
 from ..results.key_figures import headline, line_latch_torque
 from ..results.lines.straying import overruns
 from ..results.peaks.search import jumps, sides, tops
-from ..results.point_loads import hinge_loads, port_loads
+from ..results.point_loads import point_loads
 from ..results.result import Result, Vector
 from ..results.result_file import save
 from ..results.signal import EVENT_WIDTH, matches
@@ -135,9 +135,7 @@ def _peaked(result: Result) -> Iterator[Vector]:
     yield from (line_latch_torque(result, line) for line in result.hinge_lines)
     for of in result.in_role(INTERFACE_LOAD, ATTITUDE, LOAD):
         yield from result.signal(*of).reshape(result.time.size, -1).T
-    for unit in ("N", "N.m"):
-        for vector in (*port_loads(result, unit).values(), *hinge_loads(result, unit).values()):
-            yield np.linalg.norm(vector, axis=1)
+    yield from (magnitude for _, magnitude in point_loads(result))
 
 
 @dataclass(frozen=True)

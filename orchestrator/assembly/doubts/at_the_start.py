@@ -11,17 +11,17 @@ from components import Instance
 from components.drive import Drive
 from components.hold_down import HoldDown
 from components.load import Load
-from components.numerics.motion_law import NOTHING, MotionLaw
 from components.rail import Rail
 
 from ...scene.bodies import scene_points
-from ...scene.component_connections import component_values, first_number, seated
+from ...scene.component_connections import first_number, seated
 from ...scene.connection_tables import Connection
 from ...scene.locked_groups import joined
 from ...scene.loops.closing import closed, left_open, start_poses
 from ...scene.loops.rates import start_rates
 from ...scene.schema import CheckedScene
 from ..bolted_lines import bolts_across
+from ..driving import load_laws
 
 _DEEP = 1e-3
 """m, by which a rail starts pressed or pulled off its plane."""
@@ -77,8 +77,7 @@ def _struck_by_weight(scene: CheckedScene) -> Iterator[str]:
 
 
 def _acts_at_start(load: Connection) -> bool:
-    structure, _ = component_values(load, "mean")
-    return any(MotionLaw(structure.get(one) or NOTHING).value(0.0) != 0.0 for one in ("force", "torque"))
+    return any(law.value(0.0) != 0.0 for law in load_laws(load))
 
 
 def _blow(preload: float) -> str:

@@ -6,12 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from components.numerics.scheme import AT_REST, INSTANT, INSTANT_SHARE
+from components.numerics.scheme import INSTANT, INSTANT_SHARE
 
 from ..implicit.solver import Solver
 from ..participant import Vector
 from ..rows import Rows
 
+_AFTER_START = 1e-8
+"""An instant (s) after the start, in which joints hardly move; shorter ones are rounded."""
 _PARABOLA = (3.0, -3.0, 1.0)
 """Shares of three values, at equal distances, of what the parabola through them has one such distance before."""
 
@@ -83,7 +85,7 @@ class InstantRows:
         solver, rows, found = self._solver, self._rows, []
         solver.save(0.0)
         for k in range(1, len(_PARABOLA) + 1):
-            if self.observe_after(0.0, k * AT_REST) is None:
+            if self.observe_after(0.0, k * _AFTER_START) is None:
                 break
             found.append(rows.brought())
         solver.restore()

@@ -6,13 +6,15 @@ long after their peaks agree. What either of them shows there is no more than on
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..estimated_errors import Key
 from ..result import Result, Vector
 from .between_events import rows_between_events
-from .step_ends import Peaks, judged_peaks
+from .step_ends import Peaks
 
 _ROWS = 16
 """In half a stretch of time whose largest magnitudes are compared."""
@@ -22,12 +24,12 @@ _APART = 0.25
 """Part of the larger magnitude, from which on runs differ by more than errors of steps that are resolved."""
 
 
-def beyond_peaks(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
+def beyond_peaks(one: Result, peaks: Peaks, other: Result, theirs: Mapping[Key, Vector]) -> dict[Key, float]:
     """By how much promised peaks of one result (N.m, N) would be passed by what runs differ by elsewhere.
 
-    peaks: of one. other: a run with other steps; times count from each event. 0 or less, or no key: nowhere.
+    peaks: of one. other: a run with other steps, theirs: its peaks; times count from each event. 0 or less, or no key:
+    nowhere.
     """
-    theirs = dict(judged_peaks(other))
     pairs = list(zip(rows_between_events(one), rows_between_events(other), strict=False))
     found = {}
     for key, values in peaks:

@@ -7,7 +7,7 @@ take long steps and tell the same peak without it. What joints, friction or latc
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from ..estimated_errors import Key
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 from .between_events import rows_between_events
-from .step_ends import INTERFACE_PEAKS, Peaks, judged_peaks
+from .step_ends import INTERFACE_PEAKS, Peaks
 
 _FADED, _LASTING = 0.5, 8
 """Part of a ringing that is left when its fading is told apart, and swings at least that it has lasted until then."""
@@ -56,13 +56,13 @@ class _Swings(NamedTuple):
         return self.among((self.half_period > half_period / times) & (self.half_period < half_period * times))
 
 
-def lost_ringing(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
+def lost_ringing(one: Result, peaks: Peaks, other: Result, theirs: Mapping[Key, Vector]) -> dict[Key, float]:
     """By how much promised interface peaks of one result (N, N.m) would be passed by ringing that its steps damped.
 
-    peaks: of one. other: a run with every two of its steps as one. Ringing counts from where it is strongest; where it
-    is lost, later steps are longer than half of its period. By then lines may have turned it into other components.
+    peaks: of one. other: a run with every two of its steps as one, theirs: its peaks. Ringing counts from where it is
+    strongest; where it is lost, later steps are longer than half of its period. By then lines may have turned it into
+    other components.
     """
-    theirs = dict(judged_peaks(other))
     found: dict[Key, float] = {}
     turned = _turned(one)
     for quantity in INTERFACE_PEAKS.values():

@@ -6,7 +6,7 @@ latch-up. What they differ by in the rows around is not.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 
@@ -20,7 +20,7 @@ from ..peaks.search import jumps
 from ..result import Result, Vector
 from ..signal import EVENT_WIDTH
 from .between_events import segments
-from .step_ends import Peaks, judged_peaks
+from .step_ends import Peaks
 
 _ROWS = 16
 """That are compared, half of them on either side of a peak."""
@@ -28,15 +28,16 @@ _SHIFTED = 4
 """Of them, at least, where a shift is told from a difference."""
 
 
-def differences_near(one: Result, peaks: Peaks, other: Result) -> dict[Key, float]:
+def differences_near(
+    one: Result, peaks: Peaks, other: Result, theirs: Mapping[Key, Vector]
+) -> dict[Key, float]:
     """Root mean square differences around the promised peaks and impulses of one result, in the numbers' units.
 
     What comes a little earlier or later in the other one is as high there, and no difference of a peak. peaks: of one.
-    other: a run along some of its steps, segment by segment between events; times count from each.
+    other: a run along some of its steps, segment by segment between events; times count from each. theirs: its peaks.
     Numbers around which no rows of both belong together are left out.
     """
     rows = _pair(one.time, sorted(jumps(one)), other.time, sorted(jumps(other)))
-    theirs = dict(judged_peaks(other))
     found = {
         key: rows.difference_in_height(one.time, values, theirs[key], int(np.argmax(np.abs(values))))
         for key, values in peaks

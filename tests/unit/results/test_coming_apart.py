@@ -33,7 +33,9 @@ def _result(step, late, shift=0.0, event=None):
 
 
 def _beyond(one, other):
-    return beyond_peaks(one, list(judged_peaks(one)), other)["interface force peak", "x"]
+    return beyond_peaks(one, list(judged_peaks(one)), other, dict(judged_peaks(other)))[
+        "interface force peak", "x"
+    ]
 
 
 def test_what_runs_differ_by_may_be_missed_by_both():

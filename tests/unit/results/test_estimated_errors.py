@@ -200,16 +200,25 @@ def test_a_stop_is_doubted_beside_the_one_that_is_struck_the_hardest():
     )
 
 
-def test_loads_at_hinges_are_doubted_beside_the_largest_in_one_sentence():
-    """Convention as for stops. Regression: no sentence told of loads at single hinges that may be off."""
-    hinges = [("hinge force peak", f"h{k}") for k in range(3)]
-    errors = {hinge: EstimatedError(1.0, most) for hinge, most in zip(hinges, (0.5, 2.0, 4.0), strict=True)}
-    (sentence,) = doubts(
-        [(hinge, force) for hinge, force in zip(hinges, (3.0, 100.0, 5.0), strict=True)], errors, 1e-3
-    )
-    assert sentence.startswith(
-        "the hinge force peak of h1, h2 may be off by 0.04 of the largest of all hinges"
-    )
+@pytest.mark.parametrize(
+    ("quantity", "of", "values", "most", "told"),
+    [
+        (
+            "contact force highest", ("pad0", "pad1", "pad2"), (100.0, 5.0, 9.0), (4.0, 0.5, 2.0),
+            "the highest contact force of pad0, pad2 may be off by 0.04 of the largest of all contacts",
+        ),
+        (
+            "hinge force peak", ("h0", "h1", "h2"), (3.0, 100.0, 5.0), (0.5, 2.0, 4.0),
+            "the hinge force peak of h1, h2 may be off by 0.04 of the largest of all hinges",
+        ),
+    ],
+)  # fmt: skip
+def test_loads_of_a_kind_are_doubted_beside_the_largest_in_one_sentence(quantity, of, values, most, told):
+    """Convention as for stops. Regression: nothing said that forces of contacts, or at hinges, may be off."""
+    keys = [(quantity, name) for name in of]
+    errors = {key: EstimatedError(1.0, error) for key, error in zip(keys, most, strict=True)}
+    (sentence,) = doubts(list(zip(keys, values, strict=True)), errors, 1e-3)
+    assert sentence.startswith(told)
 
 
 @needs_native
@@ -221,18 +230,6 @@ def test_rows_tell_of_the_peak_at_every_port_and_hinge(estimated):
     assert {key for key in told if key[0] in POINT_PEAKS} == {key for key in judged if key[0] in POINT_PEAKS}
     for key, values in judged.items():
         assert np.abs(values).max() == pytest.approx(told[key], rel=1e-3, abs=1e-8)
-
-
-def test_contacts_are_doubted_in_one_sentence():
-    """Convention as for stops. Regression: nobody vouched for forces of contacts, and nothing said so."""
-    pads = [("contact force highest", f"pad{k}") for k in range(3)]
-    errors = {pad: EstimatedError(1.0, most) for pad, most in zip(pads, (4.0, 0.5, 2.0), strict=True)}
-    (sentence,) = doubts(
-        [(pad, force) for pad, force in zip(pads, (100.0, 5.0, 9.0), strict=True)], errors, 1e-3
-    )
-    assert sentence.startswith(
-        "the highest contact force of pad0, pad2 may be off by 0.04 of the largest of all contacts"
-    )
 
 
 def test_components_of_a_load_are_doubted_in_one_sentence():

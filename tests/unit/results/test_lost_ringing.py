@@ -34,7 +34,7 @@ def _result(step, damping):
 
 def _lost(of_companion):
     one, other = _result(STEP, 30.0), _result(2.0 * STEP, of_companion)
-    return lost_ringing(one, list(judged_peaks(one)), other)
+    return lost_ringing(one, list(judged_peaks(one)), other, dict(judged_peaks(other)))
 
 
 def test_what_steps_damp_would_pass_the_peak():

@@ -32,7 +32,7 @@ def _run(time, force, events=(), **of_hinge):
 
 
 def _differences(one, other):
-    return differences_near(one, list(judged_peaks(one)), other)
+    return differences_near(one, list(judged_peaks(one)), other, dict(judged_peaks(other)))
 
 
 def _ringing(time, phase):

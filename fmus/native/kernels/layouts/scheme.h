@@ -11,7 +11,6 @@
 #define LEAST_CHANGE 1e-05
 #define INSTANT 1e-07
 #define INSTANT_SHARE 0.001
-#define AT_REST 1e-08
 #define AGAIN 5e-08
 #define AGAIN_ITERATED 0.0001
 #define IMPULSE_ITERATED 1e-10
