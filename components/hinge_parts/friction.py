@@ -50,40 +50,27 @@ def _largest(c: Constants, found: _Magnitudes, rate: float) -> float:
     return found.of_pin * factor + found.constant
 
 
-def step_friction(
-    c: Constants, old: State, bushing: Sequence[MeanLoad], turn: StepMotion
-) -> tuple[Presliding, float]:
-    """Mean torque over a step, positive opening, and its slope: zero of order 2 and of friction that sticks."""
-    if c.paired and c.p.presliding_stiffness == 0.0:
-        return _sloped_friction(c, old, bushing, turn)
-    return _mean_friction(c, old, [load.force for load in bushing], turn), 0.0
+def step_friction(c: Constants, old: State, bushing: Sequence[MeanLoad], turn: StepMotion) -> Presliding:
+    """Mean torque over a step, positive opening, with its slope.
 
-
-def _sloped_friction(
-    c: Constants, old: State, bushing: Sequence[MeanLoad], turn: StepMotion
-) -> tuple[Presliding, float]:
-    """Smooth friction at both points of Gauss' rule, along lines of the bushing's loads and of the rate."""
+    Friction is that at both points of Gauss' rule, along lines of the bushing's loads and of the rate.
+    """
+    change, moment = turn.end - turn.start, turn.moment if c.paired else 0.0
     angle, place = 0.5 * (turn.start + turn.end), sqrt(1.0 / 3.0)
-    rates = before, after = gauss_rates(turn.end - turn.start, turn.moment, turn.h)
-    torques = (
-        _smooth(c, _pressed(c, old, [load.force - place * load.slope for load in bushing], angle), before),
-        _smooth(c, _pressed(c, old, [load.force + place * load.slope for load in bushing], angle), after),
+    rates = gauss_rates(change, moment, turn.h)
+    before, after = (
+        _pressed(c, old, [load.force + at * load.slope for load in bushing], angle) for at in (-place, place)
     )
-    found = viscous_load(rates, torques, turn.h)
-    return Presliding(found.force, found.heat, 0.0), found.slope
-
-
-def _mean_friction(c: Constants, old: State, load: Sequence[float], turn: StepMotion) -> Presliding:
-    """From the mean loads of the bushing and from the mean rate."""
-    change = turn.end - turn.start
-    found = _pressed(c, old, load, 0.5 * (turn.start + turn.end))
     if c.p.presliding_stiffness == 0.0:
-        torque = _smooth(c, found, change / turn.h)
-        return Presliding(torque, -torque * change, 0.0)
+        smooth = viscous_load(rates, (_smooth(c, before, rates[0]), _smooth(c, after, rates[1])), turn.h)
+        return Presliding(smooth.force, smooth.heat, 0.0, smooth.slope)
     if old.holding:
-        return _taking_over(c, found, turn.end - old.hold_angle)
-    most = _largest(c, found, change / turn.h)
-    return step_force(c.p.presliding_stiffness, c.p.presliding_damping, most, old.presliding, change, turn.h)
+        return _taking_over(c, after, turn.end - old.hold_angle)
+    most = _largest(c, before, rates[0]), _largest(c, after, rates[1])
+    friction = 0.5 * (most[0] + most[1]), 0.5 * sqrt(3.0) * (most[1] - most[0])
+    return step_force(
+        c.p.presliding_stiffness, c.p.presliding_damping, friction, old.presliding, change, moment, turn.h
+    )
 
 
 def _pressed(c: Constants, old: State, load: Sequence[float], angle: float) -> _Magnitudes:

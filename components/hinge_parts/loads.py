@@ -39,7 +39,7 @@ def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], 
     elastic, slope = [load.force for load in stiff], [load.slope for load in stiff]
     force_on_b = (elastic[0], elastic[1], elastic[2])
     change = new.angle - old.angle
-    friction, friction_slope = step_friction(c, old, stiff, motions[3])
+    friction = step_friction(c, old, stiff, motions[3])
     numerical = sum(load.numerical for load in stiff) + latch.numerical
     heat = (friction.heat, latch.heat, sum(load.heat for load in stiff))
     motor, harness = _drive_load(c, c.motor, motions[3]), _drive_load(c, c.harness, motions[3])
@@ -51,9 +51,9 @@ def mean_loads(c: Constants, old: State, new: State, motions: list[StepMotion], 
     torque = conjugate_torque(twist, (elastic[4], elastic[5]), swing)
     if not c.paired:
         return Loads(force_on_b, torque, latch.force, friction, heat, numerical)
-    twist = slope[3] + motor.slope + harness.slope + friction_slope + latch.slope
+    twist = slope[3] + motor.slope + harness.slope + friction.slope + latch.slope
     slopes = (slope[0], slope[1], slope[2]), conjugate_torque(twist, (slope[4], slope[5]), swing)
-    driving = rest, motor.slope + harness.slope + friction_slope
+    driving = rest, motor.slope + harness.slope + friction.slope
     return Loads(force_on_b, torque, latch.force, friction, heat, numerical, *slopes, driving)
 
 

@@ -28,10 +28,10 @@ static inline Magnitudes friction_magnitudes(const Hinge *hinge, const Grip *gri
 /* Torque against a sliding rate, with its heat over a motion or as power of a rate. */
 static inline Presliding smooth_friction(const Hinge *hinge, Magnitudes found, real rate, real motion) {
     const double *p = hinge->base.p;
-    if (value_of(found.of_pin) == 0.0 && value_of(found.constant) == 0.0) return (Presliding){0.0, 0.0, 0.0};
+    if (value_of(found.of_pin) == 0.0 && value_of(found.constant) == 0.0) return (Presliding){0.0, 0.0, 0.0, 0.0};
     StictionFactors factors = stiction_factors(rate, p[P_STICTION_VELOCITY], p[P_STATIC_FRICTION_RATIO]);
     real torque = -(found.of_pin * factors.dynamic + found.constant * factors.constant);
-    return (Presliding){torque, -torque * motion, 0.0};
+    return (Presliding){torque, -torque * motion, 0.0, 0.0};
 }
 
 /* Torque that friction does not exceed at a rate. */
@@ -44,50 +44,36 @@ static inline real largest_friction(const Hinge *hinge, Magnitudes found, real r
 static inline Presliding taking_over(const Hinge *hinge, Magnitudes found, real held) {
     const double *p = hinge->base.p;
     real torque = within(p[P_HOLD_STIFFNESS] * held, largest_friction(hinge, found, 0.0));
-    return (Presliding){0.0, 0.0, torque / p[P_PRESLIDING_STIFFNESS]};
+    return (Presliding){0.0, 0.0, torque / p[P_PRESLIDING_STIFFNESS], 0.0};
 }
 
-/* Torque over a step, positive opening, and its slope: zero at order 2 and of friction that sticks. */
-typedef struct StepFriction {
-    Presliding mean;
-    real slope;
-} StepFriction;
-
-/* Smooth friction of order 4: at both Gauss points of the step, along lines of the bushing's loads and of the rate. */
-static inline StepFriction sloped_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
-                                           const StepMotion *turn) {
+/* Torque over a step, positive opening, with its slope: friction at both points of Gauss' rule, along lines of the
+   bushing's loads and of the rate. */
+static inline Presliding step_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
+                                       const StepMotion *turn) {
+    const double *p = hinge->base.p;
     const real angle = 0.5 * (turn->start + turn->end), change = turn->end - turn->start;
+    const real moment = hinge->base.paired ? turn->moment : 0.0;
+    const int sticks = p[P_PRESLIDING_STIFFNESS] != 0.0;
     real rates[2], torques[2];
-    gauss_rates(change, turn->moment, turn->h, rates);
+    gauss_rates(change, moment, turn->h, rates);
+    Magnitudes found;
     for (int k = 0; k < 2; k++) {
         const double place = k ? sqrt(1.0 / 3.0) : -sqrt(1.0 / 3.0);
         real load[COORDINATE_COUNT];
         for (int i = 0; i < COORDINATE_COUNT; i++)
             load[i] = stiff->bushing[i].force + place * stiff->bushing[i].slope;
-        torques[k] = smooth_friction(hinge, friction_magnitudes(hinge, grip, load, angle), rates[k], 0.0).force;
+        found = friction_magnitudes(hinge, grip, load, angle);
+        torques[k] = sticks ? largest_friction(hinge, found, rates[k]) : smooth_friction(hinge, found, rates[k], 0.0).force;
     }
-    const MeanLoad found = viscous_load(rates, torques, turn->h);
-    return (StepFriction){{found.force, found.heat, 0.0}, found.slope};
-}
-
-/* Friction from the mean loads of the bushing and from the mean rate. */
-static inline Presliding mean_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
-                                       const StepMotion *turn) {
-    const double *p = hinge->base.p;
-    real change = turn->end - turn->start, rate = change / turn->h, load[COORDINATE_COUNT];
-    for (int i = 0; i < COORDINATE_COUNT; i++) load[i] = stiff->bushing[i].force;
-    Magnitudes found = friction_magnitudes(hinge, grip, load, 0.5 * (turn->start + turn->end));
-    if (p[P_PRESLIDING_STIFFNESS] == 0.0) return smooth_friction(hinge, found, rate, change);
+    if (!sticks) {
+        const MeanLoad smooth = viscous_load(rates, torques, turn->h);
+        return (Presliding){smooth.force, smooth.heat, 0.0, smooth.slope};
+    }
     if (grip->holding != 0.0) return taking_over(hinge, found, turn->end - grip->hold_angle);
-    return step_force(p[P_PRESLIDING_STIFFNESS], p[P_PRESLIDING_DAMPING], largest_friction(hinge, found, rate),
-                      grip->presliding, change, turn->h);
-}
-
-static inline StepFriction step_friction(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff,
-                                         const StepMotion *turn) {
-    if (hinge->base.paired && hinge->base.p[P_PRESLIDING_STIFFNESS] == 0.0)
-        return sloped_friction(hinge, grip, stiff, turn);
-    return (StepFriction){mean_friction(hinge, grip, stiff, turn), 0.0};
+    const real mean = 0.5 * (torques[0] + torques[1]), slope = 0.5 * sqrt(3.0) * (torques[1] - torques[0]);
+    return step_force(p[P_PRESLIDING_STIFFNESS], p[P_PRESLIDING_DAMPING], mean, slope, grip->presliding, change, moment,
+                      turn->h);
 }
 
 /* Torque of one instant; heat as power. */

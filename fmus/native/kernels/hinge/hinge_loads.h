@@ -60,8 +60,7 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
         numerical += stiff->bushing[i].numerical;
     }
     real change = turn.end - turn.start;
-    const StepFriction rubbing = step_friction(hinge, grip, stiff, &turn);
-    const Presliding friction = rubbing.mean;
+    const Presliding friction = step_friction(hinge, grip, stiff, &turn);
     MeanLoad motor = drive_load(hinge, &hinge->motor, &turn), harness = drive_load(hinge, &hinge->harness, &turn);
     real twist = elastic[HINGE_ANGLE] + motor.force + harness.force + friction.force + latch.force;
     numerical += latch.numerical;
@@ -82,7 +81,7 @@ static inline Loads mean_loads(const Hinge *hinge, const double *x, const Grip *
     };
     loads.about_line[0] = twist;
     if (hinge->base.paired) {
-        twist = loads.about_line[1] = slope[HINGE_ANGLE] + motor.slope + harness.slope + rubbing.slope + latch.slope;
+        twist = loads.about_line[1] = slope[HINGE_ANGLE] + motor.slope + harness.slope + friction.slope + latch.slope;
         loads.force_slope = (Vector3){slope[0], slope[1], slope[2]};
         loads.torque_slope = conjugate_torque(twist, (Transverse){slope[4], slope[5]}, swing);
     }
@@ -107,7 +106,7 @@ static inline Loads impulse_loads(const Hinge *hinge, const double *x, const Gri
         {load[0], load[1], load[2]},
         conjugate_torque(load[HINGE_ANGLE], (Transverse){load[4], load[5]}, mean_swing(x, new)),
         0.0,
-        {0.0, 0.0, grip->presliding},
+        {0.0, 0.0, grip->presliding, 0.0},
         {0.0, latch, 0.0},
         sum - latch,
         {0.0, 0.0, 0.0},

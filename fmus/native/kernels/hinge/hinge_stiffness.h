@@ -92,8 +92,8 @@ static inline void differentiate_loads(const Hinge *hinge, const Grip *grip, con
    from moves, which has been seeded. */
 static inline void add_friction_by(const Hinge *hinge, const Grip *grip, const StiffLoads *stiff, const StepMotion *turn,
                                    const double *moved, double *twist, double *twist_slope) {
-    const StepFriction friction = step_friction(hinge, grip, stiff, turn);
-    const double mean = cimag(friction.mean.force) / FANFOLD_INFINITESIMAL;
+    const Presliding friction = step_friction(hinge, grip, stiff, turn);
+    const double mean = cimag(friction.force) / FANFOLD_INFINITESIMAL;
     const double slope = cimag(friction.slope) / FANFOLD_INFINITESIMAL;
     for (int j = 0; j < COLUMNS && (mean != 0.0 || slope != 0.0); j++) {
         twist[j] += mean * moved[j];
