@@ -6,6 +6,10 @@ them: a decade of tolerance makes errors `_PER_DECADE` times smaller. Where they
 takes a hundredth of the tolerance; where that does not help either, as where the motion is chaotic, the result says
 which numbers nobody can vouch for. Latch-ups and stops, which size hinges, are held to what their errors may be at the
 most, loads to what is likely.
+
+Estimates near the limit may fall on either side of it on different processors. So a repetition is made only where it
+costs a few times the run: one that would take more steps is not begun, or given up as soon as that shows, and the
+result states the tolerance and the cost of the run that the user may ask for.
 """
 
 from __future__ import annotations
@@ -18,9 +22,11 @@ from math import inf, isfinite, log, log10
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from ..assembly import Assembly
 from ..cosim.settings import Settings
-from ..cosim.stepping import StepError
+from ..cosim.stepping import share_of_steps
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     PROMISED,
@@ -47,8 +53,10 @@ _PER_DECADE = 5.0
 _LEAST, _LEAST_FALLING = 0.01, 0.001
 """Smallest parts of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds: of
 any, and of one whose errors have fallen as they should where those of latch-ups and stops are still too large."""
-_COSTLIEST = 50
-"""Times the steps of the run before that a repetition may take: ten follow from the tolerance, others from ringing."""
+_MOST_TIMES = 6.0
+"""Steps of a repetition over those of the first run; at order 4 a thousandth of the tolerance takes 1000^(1/4) = 5.6."""
+_BEGINNING = 0.5
+"""Steps of a repetition, over those of the run, that are made before its cost is judged."""
 _UNTOLD = 1e4
 """Tolerances beyond which their number is not told: something has blown up."""
 _FALLING = 1.0 / 3.0
@@ -72,15 +80,24 @@ def refined(
     outcome: with estimated errors; without, or with steps that were given, it stays. A repetition that does not reach
     its end, or is interrupted, leaves the earlier outcome.
     """
-    asked = settings.tolerance
+    asked, first = settings.tolerance, outcome
     error = error_in_tolerances(outcome, asked)
     given = settings.fixed_step is not None or settings.step_plan is not None
     repeat, target, least = not given and is_too_uncertain(outcome, asked), error.most, _LEAST * asked
     while repeat and (tolerance := smaller_tolerance(settings.tolerance, target, least)) < settings.tolerance:
         finer = replace(settings, tolerance=tolerance, asked_tolerance=asked, snapshot_every=None)
+        times = _predicted_times(assembly, first, finer, tolerance / asked, until)
+        if times > _MOST_TIMES:
+            warn(_too_costly(assembly.name, outcome, asked, tolerance, times))
+            break
         warn(_sentence(assembly.name, outcome, asked, tolerance))
         try:
-            better = _again(assembly, outcome, finer, tolerance / settings.tolerance, until, progress, load)
+            better = _again(
+                assembly, outcome, first, finer, tolerance / settings.tolerance, until, progress, load
+            )
+        except CostlyError as costly:
+            warn(_too_costly(assembly.name, outcome, asked, tolerance, costly.times))
+            break
         except RunError as failure:
             warn(
                 f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: "
@@ -126,11 +143,29 @@ def smaller_tolerance(tolerance: float, error: float, least: float) -> float:
     return max(TOLERANCES[0], least, tolerance * part)
 
 
-class _Bounded:
-    """A watch that ends a run which takes more than so many steps, as it sees them: some at a time."""
+def _predicted_times(
+    assembly: Assembly, outcome: Outcome, finer: Settings, part: float, until: float | None
+) -> float:
+    """Steps of a run at a part of the tolerance over those of the run, as far as tolerances alone explain them."""
+    by_error = part ** (-1.0 / outcome.order)
+    longest = finer.largest_step * share_of_steps(finer.tolerance)
+    return max(by_error, (until or assembly.until) / longest / outcome.costs.steps)
 
-    def __init__(self, watch: Watch, most: int) -> None:
-        self._watch, self._most = watch, most
+
+class CostlyError(RunError):
+    """A repetition takes more steps than it may; times: over those of the run up to the same time."""
+
+    def __init__(self, times: float) -> None:
+        super().__init__(f"it takes {times:.0f} times the steps")
+        self.times = times
+
+
+class _Bounded:
+    """A watch that ends a repetition which takes too many times the steps that the run had made by the same time."""
+
+    def __init__(self, watch: Watch, outcome: Outcome) -> None:
+        self._watch = watch
+        self._times = np.cumsum([h for segment in outcome.segments for h in segment])
         self._made, self._last = 0.0, 0.0
 
     def __call__(self, time: float, h: float) -> None:
@@ -138,15 +173,15 @@ class _Bounded:
         self._watch(time, h)
         self._made += max(1.0, (time - self._last) / h)
         self._last = time
-        if self._made > self._most:
-            raise StepError(
-                f"at t = {time:.6g} s it has taken {self._made:.0f} steps, {_COSTLIEST} times those of the run before"
-            )
+        before = max(1, int(np.searchsorted(self._times, time)))
+        if self._made > _BEGINNING * self._times.size + _MOST_TIMES * before:
+            raise CostlyError(self._made / before)
 
 
 def _again(
     assembly: Assembly,
     outcome: Outcome,
+    first: Outcome,
     settings: Settings,
     part: float,
     until: float | None,
@@ -159,7 +194,7 @@ def _again(
     with ExitStack() as stack:
         beside = path and Path(stack.enter_context(TemporaryDirectory(dir=path.parent)), path.name)
         with followed(progress, name, end) as watch:
-            bounded = _Bounded(watch, _COSTLIEST * outcome.costs.steps)
+            bounded = _Bounded(watch, first)
             found = run(assembly, beside, settings, until, watch=bounded, load=load)
         with followed(progress, f"{name}: errors", end) as watch:
             at_least = _left(outcome, found, part)
@@ -185,6 +220,17 @@ def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
 
 
 def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> str:
+    return f"{_reason(name, outcome, asked)}; it is run again at {tolerance:.2g}"
+
+
+def _too_costly(name: str, outcome: Outcome, asked: float, tolerance: float, times: float) -> str:
+    return (
+        f"{_reason(name, outcome, asked)}; a run at {tolerance:.2g} takes about {times:.0f} times the "
+        f"{outcome.costs.steps} steps and was not made: ask for it by that tolerance"
+    )
+
+
+def _reason(name: str, outcome: Outcome, asked: float) -> str:
     numbers, errors = _numbers(outcome), estimated_errors(outcome.result)
     error = error_in_tolerances(outcome, asked)
     if not isfinite(error.likely):
@@ -196,7 +242,7 @@ def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> st
         among = SIZING if _of_hinges(outcome) > MOST_TOLERANCES * asked else PROMISED
         number, share = least_sure(numbers, errors, among, by="most")
         said = f"{number} may be off by {_times(share.most / asked)} the tolerance of {asked:g}"
-    return f"{name}: {said}; it is run again at {tolerance:.2g}"
+    return f"{name}: {said}"
 
 
 def _times(tolerances: float) -> str:

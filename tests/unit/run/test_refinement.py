@@ -150,12 +150,17 @@ def test_errors_that_fall_lead_further(outcome, monkeypatch):
     assert next(errors) == 12.0
 
 
-def test_a_repetition_that_costs_too_much_is_given_up(outcome, monkeypatch):
-    """Rule: no scene takes minutes for seconds. Regression: one took 200 times its first run, for a joint's ringing."""
+@pytest.mark.parametrize("predicted", [None, 1.0])
+def test_a_repetition_that_costs_too_much_is_not_made(outcome, monkeypatch, predicted):
+    """Rule: neither one whose tolerance alone makes it costly, nor one that turns out so. The result states the cost."""
     said, bad = [], off_by(outcome, 60.0)
-    monkeypatch.setattr(refinement, "_COSTLIEST", 1)
+    monkeypatch.setattr(refinement, "_MOST_TIMES", 1.5)
+    if predicted:
+        monkeypatch.setattr(refinement, "_predicted_times", lambda *_: predicted)
     assert refined(smooth_scene(), bad, ASKED, UNTIL, warn=said.append) == (bad, ASKED)
-    assert re.search(r"as the repetition failed: .* steps, 1 times those of the run before", said[1])
+    tolerance = smaller_tolerance(1e-3, 60.0, LEAST)
+    assert re.search(rf"at {tolerance:.2g} takes about \d+ times the {outcome.costs.steps} steps", said[-1])
+    assert Result.open(outcome.path).provenance["tolerance"] == "0.001"
 
 
 def test_a_repetition_that_fails_leaves_the_run(outcome, tmp_path):
