@@ -19,11 +19,12 @@ from .contract.component import ComponentError, Vector
 from .contract.connection import NO_PAIR, Connection, Inputs
 from .contract.frames import nearest_turn, rotate
 from .contract.record import Record
-from .hinge_parts.friction import FORCE_SMOOTHING, starting_deflection
+from .hinge_parts.friction import FORCE_SMOOTHING, friction_limit, starting_deflection
 from .hinge_parts.loads import (
     NO_LOAD,
     driving_energy,
     endpoint_loads,
+    held_at,
     held_energy,
     impulse_loads,
     instant_loads,
@@ -318,7 +319,8 @@ class Hinge(Connection[Parameters, State, Commands]):
                 hold_angle=old.hold_angle,
                 rates=(x, y, z, turning, swing[0], swing[1]),
             )
-        loads = instant_loads(c, now, recorded(c, now)) if c.paired else endpoint_loads(c, now)
+        held = recorded(c, now) if c.paired else held_at(c, now)
+        loads = instant_loads(c, now, held)
         if self.endpoint:
             now = now._replace(presliding=loads.friction.deflection)
         along, *across = loads.force
@@ -329,6 +331,7 @@ class Hinge(Connection[Parameters, State, Commands]):
             motor_torque=c.motor.value(now.angle),
             harness_torque=c.harness.value(now.angle),
             friction_torque=loads.friction.force,
+            friction_limit=friction_limit(c, now, held.bushing),
             latch_torque=loads.latch_torque,
             axial_force=along,
             radial_force=hypot(*across),
@@ -349,7 +352,7 @@ class Hinge(Connection[Parameters, State, Commands]):
     def _record_failed(self, c: Constants, s: State, now: State) -> Observations | MeanObservations:
         """The motion, no loads, and the energies as they were at the failure."""
         found = Observations(
-            *(now.angle, now.rate, *(0.0,) * 7, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
+            *(now.angle, now.rate, *(0.0,) * 8, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),
             motor_energy=c.motor.potential(c.p.stowed_angle) - c.motor.potential(s.failure_angle),
             friction_energy=s.friction_heat,
             latch_energy=s.latch_heat,

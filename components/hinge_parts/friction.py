@@ -96,6 +96,11 @@ def instant_friction(c: Constants, s: State, force: Vector3, bending: tuple[floa
     return instant_force(c.p.presliding_stiffness, c.p.presliding_damping, most, s.presliding, s.rate)
 
 
+def friction_limit(c: Constants, s: State, bushing: Sequence[float]) -> float:
+    """Torque (N.m) that friction does not exceed at rest, under loads of the bushing in the six coordinates."""
+    return _largest(c, _pressed(c, s, bushing, s.angle), 0.0)
+
+
 def starting_deflection(c: Constants, angle: float) -> float:
     """Deflection with which friction that sticks holds what motor, harness and joint do at an angle, as far as it can.
 

@@ -184,6 +184,7 @@ class Observations(NamedTuple):
     motor_torque: Annotated[float, observed("N.m", "Torque of the motorisation, positive opening")]
     harness_torque: Annotated[float, observed("N.m", "Torque of the harness, positive opening")]
     friction_torque: Annotated[float, observed("N.m", "Torque of friction and hysteresis, positive opening")]
+    friction_limit: Annotated[float, observed("N.m", "Torque up to which friction holds the line at rest")]
     latch_torque: Annotated[float, observed("N.m", "Latch torque about the hinge line, positive opening")]
     axial_force: Annotated[float, observed("N", "Force on the outboard side along the hinge line")]
     radial_force: Annotated[float, observed("N", "Magnitude of the force normal to the hinge line")]

@@ -143,6 +143,4 @@ class Result(Record):
         return pd.DataFrame(columns, index=pd.Index(self.time, name="time, s"))
 
     def __repr__(self) -> str:
-        latched = ", ".join(f"{line} {time:.4g} s" for line, time in self.latch_times.items())
-        state = "" if self.complete else "interrupted, "
-        return f"<Result {self.name}: {state}{self.time[-1]:g} s, latched: {latched or 'nothing'}>"
+        return f"<Result {self.name}: {self.headline.verdict}>"

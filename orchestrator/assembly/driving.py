@@ -25,15 +25,19 @@ def driving(scene: CheckedScene, lines: Sequence[HingeLine]) -> Driving:
 
     The usual load where nothing of this acts, or where FMUs with signals do whatever they do.
     """
-    loads = [_motor_torque(line) for line in lines]
-    loads += [loop.preload for loop in scene.loops]
-    loads += [_size(one, scene.header.until) for one in scene.connections if one.kind == Load.kind]
-    most = sum(loads)
-    usual = Driving().load
+    most, usual = driving_load(scene, lines), Driving().load
     return Driving(
         sum((line.motor_energy for line in lines), 0.0),
         min(usual, most) if most and not scene.fmus else usual,
     )
+
+
+def driving_load(scene: CheckedScene, lines: Sequence[HingeLine]) -> float:
+    """Sum of the largest torques (N.m) and forces (N) of motors, loads and preloads."""
+    loads = [_motor_torque(line) for line in lines]
+    loads += [loop.preload for loop in scene.loops]
+    loads += [_size(one, scene.header.until) for one in scene.connections if one.kind == Load.kind]
+    return sum(loads)
 
 
 def _motor_torque(line: HingeLine) -> float:

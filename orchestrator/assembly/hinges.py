@@ -18,6 +18,7 @@ from ..scene.schema import CheckedScene
 from . import HingeLine as AssemblyHingeLine
 from . import Part
 from .effective_inertia import effective_inertia
+from .sticking import sticking
 
 _NEGLIGIBLE = 1e-3
 """Share of a line's compliance below which the bodies are taken to hold all of it."""
@@ -164,8 +165,8 @@ def hinge_parts(
     scene: CheckedScene, line: HingeLine, latch: LatchSetting, flexible: Mapping[str, bool], mode: WrenchMode
 ) -> tuple[Part, ...]:
     """Hinges of a line, each with its share of the line's totals."""
-    share = 1.0 / len(line.hinges)
-    beside_flexible = flexible.get(line.inboard, False) or flexible.get(line.outboard, False)
+    share, sticks = 1.0 / len(line.hinges), sticking(scene, line)
+    next_to_flexible = flexible.get(line.inboard, False) or flexible.get(line.outboard, False)
     start: dict[str, float | Vector3] = {
         "aligned_angle": line.aligned_angle,
         "stowed_angle": line.initial_angle,
@@ -174,9 +175,10 @@ def hinge_parts(
         "latch_damping": share * latch.damping,
         "latch_automatic": float(mode == "endpoint"),
         "friction_preload": share * line.friction_preload,
-        **_presliding(scene, line, share),
+        "presliding_stiffness": share * sticks.stiffness,
+        "presliding_damping": share * sticks.damping,
         **_motor(line, share),
-        **_friction(scene.friction, beside_flexible),
+        **_friction(scene.friction, bool(sticks.stiffness) or next_to_flexible),
     }
     damping = (scene.structural_damping or scene.joint).time
     structure = {"axis": line.axis, "latch": latch.kind, "wrench_mode": mode, **_measured(latch, share)}
@@ -208,19 +210,8 @@ def _motor(line: HingeLine, share: float) -> dict[str, float]:
     return {"motor_stiffness": share * rate, "motor_wind_up": line.stowed_angle + line.motor.stowed / rate}
 
 
-def _presliding(scene: CheckedScene, line: HingeLine, share: float) -> dict[str, float]:
-    if line.presliding is None:
-        return {}
-    stiffness = line.presliding.stiffness
-    inertia = line.presliding.effective_inertia or effective_inertia(scene, line)
-    return {
-        "presliding_stiffness": share * stiffness,
-        "presliding_damping": share * 2.0 * line.presliding.damping_ratio * sqrt(stiffness * inertia),
-    }
-
-
-def _friction(friction: Friction, beside_flexible: bool) -> dict[str, float]:
-    factor = friction.flexible_stiction_factor if beside_flexible else 1.0
+def _friction(friction: Friction, is_widened: bool) -> dict[str, float]:
+    factor = friction.flexible_stiction_factor if is_widened else 1.0
     return {
         "friction_coefficient": friction.coefficient,
         "static_friction_ratio": friction.static_ratio,

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from ..run.run import MasterKind
     from ..run.verify import Verified
 
+NOT_OPENED = 3
+"""Exit code of a run that reached its end while a line has not opened that should have."""
 _ORDERS: dict[str, Order | None] = {"auto": None, "2": 2, "4": 4}
 
 
@@ -91,7 +93,10 @@ def command(
     as_json: bool,
     backend: Backend | None,
 ) -> None:
-    """Deploy SCENE, the name of a scene or a scene file, and write its result."""
+    """Deploy SCENE, the name of a scene or a scene file, and write its result.
+
+    Exit codes: 0, every line that should open has; 3, one has not; 1, the run failed; 2, wrong use.
+    """
     if with_verify and master != "implicit":
         raise click.UsageError("--verify extrapolates runs of the implicit master; leave --master out")
     if master != "implicit" and step is None:
@@ -104,6 +109,7 @@ def command(
             f"--until is the end of one run; choose a phase with --variant: {', '.join(runs)}"
         )
     contents: dict[str, dict[str, object]] = {}
+    opened = True
     for phase, scene in runs.items():
         result = fanfold.simulate(
             scene,
@@ -126,10 +132,12 @@ def command(
         )
         verified = result.verify(progress) if with_verify else None
         contents[phase] = content(result, verified)
+        opened = opened and not result.headline.not_opened
         if not as_json:
             report(result, verified)
     if as_json:
         click.echo(json.dumps({"phases": contents} if len(runs) > 1 else contents[next(iter(runs))]))
+    _exit_unless(opened)
 
 
 def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
@@ -154,6 +162,13 @@ def resume_command(result: Path, as_json: bool) -> None:
         click.echo(json.dumps(content(found, None)))
     else:
         report(found, None)
+    _exit_unless(not found.headline.not_opened)
+
+
+def _exit_unless(opened: bool) -> None:
+    """Exit code 3 where a line has not opened that should have."""
+    if not opened:
+        click.get_current_context().exit(NOT_OPENED)
 
 
 def report(result: Result, verified: list[Verified] | None) -> None:
@@ -161,6 +176,7 @@ def report(result: Result, verified: list[Verified] | None) -> None:
     from .tables import headline_table, terminal
 
     console, costs = terminal(), result.costs
+    console.print(result.headline.verdict)
     console.print(headline_table(result.headline))
     console.print(
         f"{costs['steps']} steps ({costs['rejected_steps']} rejected), {costs['iterations']} iterations, "

@@ -36,6 +36,7 @@ from .point_loads import point_loads
 from .result import Result
 from .round_off import noise_floor, without_noise
 from .signal import EVENT_WIDTH
+from .verdict import NotOpened, lines_sentence, not_opened
 
 Vector = NDArray[np.float64]
 T = TypeVar("T")
@@ -67,6 +68,7 @@ class Number(NamedTuple):
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
 
+    not_opened: lines that should have latched, or come to their stop or deployed angle, and have not.
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
     them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
@@ -81,7 +83,7 @@ class Headline:
     inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
     port; hinge_*_peaks: the same at each hinge between other bodies, on the outboard one. attitude_peaks (rad),
     attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
-    attitude_at_end: rad. torque_peaks: magnitudes, by component and signal.
+    attitude_at_end: rad. base_load_peaks: magnitude of force and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
@@ -123,32 +125,39 @@ class Headline:
     attitude_peaks: tuple[float, ...] = ()
     attitude_at_end: tuple[float, ...] = ()
     attitude_rate_peaks: tuple[float, ...] = ()
+    not_opened: Mapping[str, NotOpened] = field(default_factory=dict)
+    base_load_peaks: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> str:
+        """What became of the deployment, in a few sentences."""
+        sentences = [lines_sentence(self.latch_times, self.not_opened, self.complete, self.end_time)]
+        torques = {x: torque for x, torque in self.latch_torque_peaks.items() if x not in self.latch_impulses}
+        if torques:
+            line = max(torques, key=lambda name: torques[name])
+            sentences.append(f"Highest latch torque {torques[line]:.4g} N.m ({line}).")
+        if any(self.base_load_peaks.values()):
+            loads = ", ".join(f"{peak:.4g} {unit}" for unit, peak in self.base_load_peaks.items())
+            sentences.append(f"Largest load on the spacecraft {loads}.")
+        return " ".join(sentences)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain dictionaries, tuples and numbers, ready for JSON; estimated errors by quantity, then what it is of."""
         nested: dict[str, dict[str, float]] = {}
         for (quantity, of), error in self.estimated_errors.items():
             nested.setdefault(quantity, {})[of] = error
-        return {**asdict(self), "estimated_errors": nested}
+        return {"verdict": self.verdict, **asdict(self), "estimated_errors": nested}
 
     def open_ends(self) -> Iterator[str]:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
-        for line, angle in self.unlatched_angles.items():
-            yield f"{line} has not latched; at {self.end_time:g} s it stands at {degrees(angle):.2f} deg"
+        for line, standing in self.not_opened.items():
+            yield f"{line} has not opened after {self.end_time:g} s: {standing.state}"
         for line, passed in self.overruns.items():
             yield (
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
                 f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
                 f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
             )
-        opened = {line: self.short_of_deployed[line] for line in self.motors_short}
-        for end, lines in (("deployed angle of", opened), ("end stop at", self.short_of_stops)):
-            for line, short in lines.items():
-                yield (
-                    f"{line} has not come to its {end} {degrees(short.angle):.4g} deg: it went to "
-                    f"{degrees(short.largest):.2f} deg, and at {self.end_time:g} s it stands at "
-                    f"{degrees(short.last):.2f} deg"
-                )
         for line, depth in self.pressed_stops.items():
             yield (
                 f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
@@ -244,25 +253,28 @@ def headline(result: Result) -> Headline:
     }
     last = max(times.values(), default=float(result.time[-1]))
     ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
-    short = short_of_deployed(result)
+    short, unlatched, stops = short_of_deployed(result), unlatched_angles(result, times), short_of_stops(result)
+    motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
-        unlatched_angles=unlatched_angles(result, times),
+        unlatched_angles=unlatched,
+        not_opened=not_opened(result, {*unlatched, *motors_short, *stops}),
         overruns=overruns(result),
         folded_back=folded_back(result),
         beyond_tables=beyond_tables(result),
         bent=bent(result),
         short_of_deployed=short,
-        motors_short=tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x)),
-        short_of_stops=short_of_stops(result),
+        motors_short=motors_short,
+        short_of_stops=stops,
         pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses=latch_impulses(result, times),
         peaks_at_end=tuple(name for name, torque in torques.items() if torque.time == result.time[-1]),
         interface_force_peaks=_component_peaks(result, INTERFACE_LOAD, "N"),
         interface_torque_peaks=_component_peaks(result, INTERFACE_LOAD, "N.m"),
+        base_load_peaks={unit: _magnitude_peak(result, INTERFACE_LOAD, unit) for unit in ("N", "N.m")},
         port_force_peaks=at_points["port force peak"],
         port_torque_peaks=at_points["port torque peak"],
         hinge_force_peaks=at_points["hinge force peak"],
@@ -372,6 +384,12 @@ def _component_peaks(result: Result, role: str, unit: str) -> tuple[float, ...]:
     """Peak magnitudes of the components of a base's vector."""
     found = _vectors(result, role, unit).values()
     return tuple(abs(peak(result, vector[:, axis]).value) for vector in found for axis in range(3))
+
+
+def _magnitude_peak(result: Result, role: str, unit: str) -> float:
+    """Peak magnitude of a base's vector; zero where it has none."""
+    vectors = _vectors(result, role, unit).values()
+    return max((peak(result, np.linalg.norm(vector, axis=1)).value for vector in vectors), default=0.0)
 
 
 def _last(result: Result, role: str, unit: str) -> tuple[float, ...]:

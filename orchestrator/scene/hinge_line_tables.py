@@ -66,8 +66,10 @@ class Joint(Table):
 
 
 class Friction(Table):
-    """[friction]: pins of every hinge; the transition velocity is raised beside a flexible body."""
+    """[friction]: how friction acts at rest, and the pins of every hinge."""
 
+    law: Literal["sticking", "smooth"] = "sticking"
+    """At rest: it holds up to its full torque, or, smooth, it rises with the rate and lets a held line creep."""
     coefficient: Ratio = 0.0
     """Coulomb friction of the hinge pins, sliding."""
     static_ratio: Annotated[PositiveRatio, Field(ge=1.0)] = 1.2
@@ -77,9 +79,9 @@ class Friction(Table):
     bending_arm: Arm = 0.0
     """Arm that turns bending moment into pin force; 0 for none."""
     stiction_velocity: AngularRate = 0.0167
-    """Hinge rate from which friction is full."""
+    """Hinge rate from which the friction of pins falls from its static to its sliding value; smooth friction is full."""
     flexible_stiction_factor: PositiveRatio = 10.0
-    """Factor on this rate beside a flexible body."""
+    """Factor on this rate for friction that sticks, and for smooth friction next to a flexible body."""
 
 
 class Hinge(Table):
@@ -290,13 +292,13 @@ class Latch(Table):
 
 
 class Presliding(Table):
-    """How the friction of a line sticks: an elastic deflection, of the total stiffness, until its torque breaks away.
+    """Elastic deflection of a line before its friction breaks away.
 
-    Half of critical is what Canudas de Wit, Olsson, Astrom and Lischinsky (1995) take.
+    The damping ratio is that of Canudas de Wit, Olsson, Astrom and Lischinsky (1995).
     """
 
-    stiffness: TurningStiffness
-    """Stiffness of the line while friction sticks."""
+    stiffness: TurningStiffness | None = None
+    """Stiffness of the line while friction sticks; by default it breaks away after 1e-4 of the line's travel."""
     damping_ratio: Ratio = 0.5
     """Damping ratio while it sticks."""
     effective_inertia: MomentOfInertia | None = None
@@ -348,7 +350,7 @@ class HingeLine(Table):
     friction_preload: FrictionTorque = 0.0
     """Friction torque at any load, the total of its hinges, until latch-up."""
     presliding: Presliding | None = None
-    """How its friction sticks; without it the transition is smooth."""
+    """Elastic deflection before its friction breaks away."""
     latch: Latch | None = None
     """What ends the motion by holding the line."""
     end_stop: EndStop | None = None

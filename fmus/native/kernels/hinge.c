@@ -101,6 +101,7 @@ static void hinge_observe(void *self, const double *x, const double *u, double *
     z[Z_MOTOR_TORQUE] = law_value(&hinge->motor, angle);
     z[Z_HARNESS_TORQUE] = law_value(&hinge->harness, angle);
     z[Z_FRICTION_TORQUE] = loads.friction.force;
+    z[Z_FRICTION_LIMIT] = largest_friction(hinge, friction_magnitudes(hinge, &grip, held.bushing, angle), 0.0);
     z[Z_LATCH_TORQUE] = loads.latch_torque;
     z[Z_AXIAL_FORCE] = loads.force.x;
     z[Z_RADIAL_FORCE] = sqrt(loads.force.y * loads.force.y + loads.force.z * loads.force.z);

@@ -48,10 +48,7 @@ def _opening(result: Result, title: str) -> Iterator[str]:
     yield paragraph(
         f"{description}. Result {_file(result)}." if description else f"Result {_file(result)}.", "lead"
     )
-    if not result.complete:
-        yield paragraph(
-            f"The run was interrupted at {result.time[-1]:.6g} s; numbers are up to there.", "warning"
-        )
+    yield paragraph(headline(result).verdict, "lead")
 
 
 def _numbers(result: Result) -> Iterator[str]:
