@@ -254,6 +254,7 @@ def torque_margin(
 ) -> TorqueMargin:
     """Torque margin of every driven hinge line over its travel, limit 2; bodies are rigid.
 
+    Lines that cable loops couple have theirs together, at the rate of the first, from which their verdict follows.
     cases: variants to analyse beside each other, "base" for none; by default base, and cold if there is a cold one.
     factors: "theoretical" or "measured" uncertainty factors of ECSS table 4-2. friction: "constant" is the preload
     torque alone, "sliding" and "static" add that of the reactions. torques: further ones (N.m) by line and ECSS

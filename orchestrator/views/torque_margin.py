@@ -1,4 +1,4 @@
-"""Figure of a hinge line's torque margin over its travel, one curve per case and rule."""
+"""Figure of the torque margin of a line, or of coupled ones, over the travel, one curve per case and rule."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..analysis.torque_margin.margins import TorqueMargin
-from ..analysis.torque_margin.rules import LIMIT, LineTorques, Margins
+from ..analysis.torque_margin.rules import LIMIT, Margins, Torques
 from .style import COLOURS, STYLE, WIDTH, empty_figure
 
 _MARKERS: Final = ("s", "^", "D", "v", "x")
@@ -24,7 +24,7 @@ _SHOWN = 4.0
 
 
 def plot_margins(found: TorqueMargin, folder: Path) -> list[Path]:
-    """One picture per hinge line, all cases in it; the paths written."""
+    """One picture per hinge line and per group of coupled ones, all cases in it; the paths written."""
     paths = []
     for line in dict.fromkeys(one.line for one in found.lines):
         paths.append(folder / f"torque_margin_{line}.png")
@@ -33,7 +33,7 @@ def plot_margins(found: TorqueMargin, folder: Path) -> list[Path]:
     return paths
 
 
-def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Sequence[Margins]]]) -> None:
+def draw_line(path: Path, title: str, cases: Sequence[tuple[str, Torques, Sequence[Margins]]]) -> None:
     """Margins with limit and worst angles above, driving and factored resisting torque below."""
     with mpl.rc_context(STYLE):
         figure = empty_figure(WIDTH, 5.6, "constrained")
@@ -55,7 +55,8 @@ def draw_line(path: Path, title: str, cases: Sequence[tuple[str, LineTorques, Se
         upper.set_ylim(bottom=min(0.0, upper.get_ylim()[0]))
         lower.set_ylim(0.0, _ROOM * lower.get_ylim()[1])
         upper.set_ylabel("torque margin")
-        lower.set(ylabel="torque, N.m", xlabel="hinge angle, deg")
+        first, *others = cases[0][1].rates
+        lower.set(ylabel="torque, N.m", xlabel=f"angle of {first}, deg" if others else "hinge angle, deg")
         lower.xaxis.set_major_locator(MaxNLocator(steps=[1.5, 3, 4.5, 9]))
         for axes in (upper, lower):
             axes.margins(x=0.02)
@@ -72,7 +73,7 @@ def _style(k: int) -> dict[str, Any]:
 
 
 def _draw_margins(
-    axes: Axes, case: str, torques: LineTorques, found: Sequence[Margins], style: Mapping[str, Any]
+    axes: Axes, case: str, torques: Torques, found: Sequence[Margins], style: Mapping[str, Any]
 ) -> None:
     """Curves of a case; the worst point of each is ringed and told in the legend."""
     angle = np.rad2deg(torques.angle)

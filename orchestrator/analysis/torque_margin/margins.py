@@ -1,8 +1,8 @@
 """Torque margin of every hinge line over its travel, and proof that the array restarts when stopped midway.
 
 Quasi-static: driving over resisting torques at rest, resistances with uncertainty factors; two rules, limit 2
-(`rules`). What other connections do about a line is not counted: cable loops pass torque from line
-to line, dampers give none at rest.
+(`rules`). Lines that cable loops couple have their margin together: their torques at one rate (`GroupTorques`), as an
+actuator's torque is counted at the shaft where it is required. Dampers give no torque at rest.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ import numpy as np
 
 from ...scene import CheckedScene, SceneError
 from ...scene.builder import Scene
-from .rules import LIMIT, RULES, Found, margins
+from .rules import LIMIT, RULES, Found, Torques, margins
 from .standard import FACTORS, FactorKind
-from .sweep import FrictionKind, driven_lines, sweep
-from .undriven import uncounted, without_margin
+from .sweep import FrictionKind, grouped, opened_lines, sweep
+from .undriven import uncounted, with_motor, without_margin
 
 _BASE, _COLD = "base", "cold"
 
 
 @dataclass(frozen=True)
 class TorqueMargin:
-    """Margins of every driven line in every case, and why other lines have none, by case and line."""
+    """Margins of every driven line and of coupled ones together in every case, and why other lines have none."""
 
     factors: FactorKind
     friction: FrictionKind
@@ -35,8 +35,8 @@ class TorqueMargin:
 
     @property
     def passes(self) -> bool:
-        """Whether every line keeps the limit by both rules over its whole travel, in every case."""
-        return all(rule.passes for found in self.lines for rule in found.margins)
+        """Whether all lines, coupled ones together, keep the limit by both rules over their travel in every case."""
+        return all(rule.passes for found in self.lines if found.counts for rule in found.margins)
 
     def as_dict(self) -> dict[str, object]:
         """For JSON."""
@@ -86,7 +86,7 @@ def torque_margin(
 
 def _refuse_unknown_lines(cases: Mapping[str, CheckedScene], extra: Mapping[str, object]) -> None:
     for case in cases.values():
-        known = [line.name for line in driven_lines(case)]
+        known = [line.name for line in opened_lines(case)]
         problems = [
             f"{case.file}: there is no hinge line {name!r} with a motor; lines are {', '.join(known)}"
             for name in extra
@@ -103,10 +103,18 @@ def find_margins(
     friction: FrictionKind = "sliding",
     extra: Mapping[str, Mapping[str, float]] | None = None,
 ) -> list[Found]:
-    """Margins of every line of every case at equally spaced positions of the travel, its ends included."""
+    """Margins of every line of every case at equally spaced positions of the travel, its ends included.
+
+    First of the lines with a motor, each alone, then of coupled lines together, whether or not they have one.
+    """
     shares = np.linspace(0.0, 1.0, positions).tolist()
-    return [
-        Found(case, torques, tuple(margins(torques, rule, FACTORS[factors]) for rule in RULES))
-        for case, scene in cases.items()
-        for torques in sweep(scene, shares, friction, extra or {})
-    ]
+    found = []
+    for case, scene in cases.items():
+        torques = {one.line: one for one in sweep(scene, shares, friction, extra or {})}
+        alone, groups = [torques[line.name] for line in with_motor(scene)], grouped(scene, torques)
+        coupled = {name for group in groups for name in group.rates}
+        everything: list[Torques] = [*alone, *groups]
+        for one in everything:
+            by_rule = tuple(margins(one, rule, FACTORS[factors]) for rule in RULES)
+            found.append(Found(case, one, by_rule, one.line not in coupled))
+    return found

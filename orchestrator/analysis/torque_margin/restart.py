@@ -20,10 +20,17 @@ from ...run.run import run
 from ...scene import CheckedScene, SceneError
 from ...scene.hinge_line_tables import HingeLine
 from ...scene.units import to_si
-from .sweep import at_share, driven_lines, travel
+from .rules import LineTorques, Torques
+from .sweep import at_share, driven_lines, grouped, opened_lines, sweep, travel
 
+_MOVED = 1e-2
+"""Of the way left: beyond it a line moves, as strands of cable loops give way by a part of it."""
 _LATE = 0.95
-"""Part of a run after which a rate is one towards its end."""
+"""Part of a run after which it is towards its end."""
+_SLOW = 0.02
+"""Of the way made: a line that turns by less of it from there on has stopped; at a constant rate it makes 0.05."""
+_AT_ONCE = 2.0
+"""Times its static deflection that a spring gives way under a torque that acts at once."""
 _POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")
 
 
@@ -31,9 +38,10 @@ _POSITION = re.compile(r"\s*([-+.\deE]+)\s*(%|deg|rad)\s*")
 class Restart:
     """What a line did after a start from rest: angles in rad, rate in rad/s, time in s (None if it did not open).
 
-    moves: its opening rate exceeded the stiction velocity, below which the friction law stands for sticking.
-    still_opening: its rate towards the end did, and it had not opened; a line that swings turns back now and then.
-    opens: it latched, or reached its deployed angle where it has no latch.
+    moves: it turned further than it gives way while friction sticks. still_opening: it moved towards the end too, and
+    had not opened. opens: it latched, or reached its deployed angle where it has no latch. net: what opens it at the
+    start, motor, harness and static friction without factors (N.m), with coupled lines together at the rate of the
+    first; negative where friction holds it.
     """
 
     line: str
@@ -43,6 +51,7 @@ class Restart:
     moves: bool
     still_opening: bool
     opened_at: float | None
+    net: float
 
     @property
     def opens(self) -> bool:
@@ -135,27 +144,52 @@ def restart(
     until: float | None = None,
     watch: Callable[[float, float], None] = lambda time, h: None,
 ) -> list[Restart]:
-    """Run the scene, bodies rigid, from rest at a share of the travel; what every driven line did."""
+    """Run the scene, bodies rigid, from rest at a share of the travel; what every line that is to open did."""
     stopped = at_share(scene, share)
+    torques = {one.line: one for one in sweep(scene, [share], "static", {})}
+    together = {name: group for group in grouped(scene, torques) for name in group.rates}
     assembly = assemble(stopped, rigid={"all"})
     settings = Settings(tolerance=assembly.tolerance, largest_step=assembly.largest_step)
     result = run(assembly, output, settings, until, watch=watch).result
-    return [_restarted(result, line, assembly) for line in driven_lines(stopped)]
+    return [
+        _restarted(
+            result,
+            line,
+            _give(assembly, line, torques[line.name]),
+            together.get(line.name, torques[line.name]),
+        )
+        for line in opened_lines(stopped)
+    ]
 
 
-def _restarted(result: Result, line: HingeLine, assembly: Assembly) -> Restart:
+def _give(assembly: Assembly, line: HingeLine, torques: LineTorques) -> float:
+    """Angle (rad) by which a line may turn while its friction sticks."""
+    hinges = {hinge.name for hinge in line.hinges}
+    stiffness = sum(
+        float(np.ravel(part.start["presliding_stiffness"])[0])
+        for part in assembly.parts
+        if part.name in hinges
+    )
+    return _AT_ONCE * abs(float(torques.friction[0])) / stiffness if stiffness else 0.0
+
+
+def _restarted(result: Result, line: HingeLine, give: float, torques: Torques) -> Restart:
     angle = result.signal(line.sensor, "angle")
-    rate = result.signal(line.sensor, "angular_rate")
-    part = next(part for part in assembly.parts if part.name == line.sensor)
-    transition = float(np.ravel(part.start["stiction_velocity"])[0])
     if line.latch is not None:
         opened = latch_times(result).get(line.name)
     else:
         there = np.flatnonzero(angle >= line.deployed_angle)
         opened = float(result.time[there[0]]) if there.size else None
-    fastest = float(np.max(rate))
-    late = result.time >= _LATE * result.time[-1]
-    still_opening = opened is None and bool(np.abs(rate[late]).max() > transition)
+    turned = float(np.max(angle)) - line.initial_angle
+    moves = opened is not None or turned > _MOVED * (line.deployed_angle - line.initial_angle) + give
+    late = float(np.ptp(angle[result.time >= _LATE * result.time[-1]]))
     return Restart(
-        line.name, line.initial_angle, float(angle[-1]), fastest, bool(fastest > transition), still_opening, opened
-    )  # fmt: skip
+        line=line.name,
+        start=line.initial_angle,
+        end=float(angle[-1]),
+        fastest=float(np.max(result.signal(line.sensor, "angular_rate"))),
+        moves=moves,
+        still_opening=opened is None and moves and late > _SLOW * turned + give,
+        opened_at=opened,
+        net=float(torques.net[0]),
+    )

@@ -7,8 +7,8 @@ the margin that is held against the same limit is (0.8 T - 1.25 T_D - T_L) / sum
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -45,6 +45,16 @@ class LineTorques:
     extra: Mapping[str, float]
 
     @property
+    def rates(self) -> dict[str, float]:
+        """Rate of the line over itself, beside those of `GroupTorques`."""
+        return {self.line: 1.0}
+
+    @property
+    def net(self) -> Vector:
+        """What opens the line from rest, without factors and extra torques; negative where friction holds it."""
+        return self.motor + self.harness + self.friction
+
+    @property
     def driving(self) -> Vector:
         """The motorisation spring where it opens; a harness is no motorisation (clause 4.7.5.3.2g)."""
         return np.maximum(self.motor, 0.0)
@@ -59,6 +69,87 @@ class LineTorques:
         found["FR"] = np.maximum(-self.friction, 0.0) + self.extra.get("FR", 0.0)
         found["HA"] = np.maximum(-self.harness, 0.0) + self.extra.get("HA", 0.0)
         return found
+
+    def at_rate(self, rate: float) -> LineTorques:
+        """The torques at the rate of another line, over which this one's is `rate`, by their power."""
+        extra = {symbol: abs(rate) * torque for symbol, torque in self.extra.items()}
+        return replace(
+            self,
+            motor=rate * self.motor,
+            harness=rate * self.harness,
+            friction=abs(rate) * self.friction,
+            extra=extra,
+        )
+
+
+@dataclass(frozen=True)
+class GroupTorques:
+    """Torques (N.m) of coupled lines together, at the rate of the first: what each has, at that rate, added up.
+
+    angle: that of the first. A harness counts where it resists, line by line, as no harness is a motorisation.
+    """
+
+    lines: tuple[LineTorques, ...]
+    rates: Mapping[str, float]
+    """of every line, over that of the first"""
+
+    @property
+    def line(self) -> str:
+        """Names of all lines."""
+        return "+".join(self.rates)
+
+    @property
+    def angle(self) -> Vector:
+        """Angles (rad) of the first line."""
+        return self.lines[0].angle
+
+    @property
+    def motor(self) -> Vector:
+        """Torque of the motors."""
+        return _summed([line.motor for line in self._at_one_rate])
+
+    @property
+    def harness(self) -> Vector:
+        """Torque of the harnesses."""
+        return _summed([line.harness for line in self._at_one_rate])
+
+    @property
+    def friction(self) -> Vector:
+        """Torque of the frictions, never positive."""
+        return _summed([line.friction for line in self._at_one_rate])
+
+    @property
+    def extra(self) -> dict[str, float]:
+        """Further torques by ECSS symbol."""
+        lines = self._at_one_rate
+        return {symbol: sum(line.extra.get(symbol, 0.0) for line in lines) for symbol in DEMANDS}
+
+    @property
+    def net(self) -> Vector:
+        """What opens the lines from rest, without factors and extra torques; negative where friction holds them."""
+        return _summed([line.net for line in self._at_one_rate])
+
+    @property
+    def driving(self) -> Vector:
+        """The motors that open."""
+        return _summed([line.driving for line in self._at_one_rate])
+
+    def resisting(self) -> dict[str, Vector]:
+        """Magnitudes of all resistances by ECSS symbol."""
+        found = [line.resisting() for line in self._at_one_rate]
+        return {symbol: _summed([one[symbol] for one in found]) for symbol in found[0]}
+
+    @property
+    def _at_one_rate(self) -> list[LineTorques]:
+        return [line.at_rate(self.rates[line.line]) for line in self.lines]
+
+
+Torques = LineTorques | GroupTorques
+
+
+def _summed(torques: Sequence[Vector]) -> Vector:
+    total: Vector = np.sum(torques, axis=0)
+    return total
 
 
 @dataclass(frozen=True)
@@ -87,7 +178,7 @@ class Margins:
         return bool(self.margin[self.worst] >= LIMIT * (1.0 - _SAGGING))
 
 
-def margins(torques: LineTorques, rule: Rule, factors: Mapping[str, float]) -> Margins:
+def margins(torques: Torques, rule: Rule, factors: Mapping[str, float]) -> Margins:
     """Margins over the travel by one rule."""
     resisting = np.zeros(torques.angle.size)
     for symbol, torque in torques.resisting().items():
@@ -106,15 +197,19 @@ def margins(torques: LineTorques, rule: Rule, factors: Mapping[str, float]) -> M
 
 @dataclass(frozen=True)
 class Found:
-    """The margins of one line in one case, by rule."""
+    """The margins of a line, or of coupled lines together, in one case, by rule.
+
+    counts: whether the verdict follows from it; not from a line alone that others are coupled to.
+    """
 
     case: str
-    torques: LineTorques
+    torques: Torques
     margins: tuple[Margins, ...]
+    counts: bool = True
 
     @property
     def line(self) -> str:
-        """Name of the line."""
+        """Name of the line, or of all of them."""
         return self.torques.line
 
     def as_dicts(self) -> Iterator[dict[str, object]]:
@@ -124,6 +219,8 @@ class Found:
             margin = float(found.margin[k])
             yield {
                 "line": self.line,
+                "rates": dict(self.torques.rates),
+                "counts": self.counts,
                 "case": self.case,
                 "rule": found.rule,
                 "margin": margin if np.isfinite(margin) else None,
@@ -131,6 +228,7 @@ class Found:
                 "motor_torque": float(self.torques.motor[k]),
                 "harness_torque": float(self.torques.harness[k]),
                 "friction_torque": float(self.torques.friction[k]),
+                "net_torque": float(self.torques.net[k]),
                 "available": float(found.available[k]),
                 "resisting": float(found.resisting[k]),
                 "required": float(found.required[k]),

@@ -1,8 +1,8 @@
 """Torques of the hinges of a scene over the travel, from the components themselves in static equilibrium.
 
-At every position the lines with a motor stand at the same share of their travel, as cable loops synchronise them,
-and the scene is brought to static equilibrium with all hinges held: cables at their preload, gravity if there is
-any. Each hinge is then asked for its torques while it opens slowly from there.
+At every position the lines with a motor, and those that cable loops couple to them, stand at the same share of their
+travel, and the scene is brought to static equilibrium with all hinges held: cables at their preload, gravity if there
+is any. Each hinge is then asked for its torques while it opens slowly from there.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from ...scene.hinge_line_tables import HingeLine
 from ...scene.loops.closing import closed, left_open
 from ...scene.table import SceneError
 from ...scene.units import degrees_text
-from .rules import LineTorques
-from .undriven import MOTOR_TORQUE, motors
+from .rules import GroupTorques, LineTorques
+from .undriven import MOTOR_TORQUE, margin_groups, motors, with_motor
 
 FrictionKind = Literal["constant", "sliding", "static"]
 _SLIDING = 2.0
@@ -44,14 +44,9 @@ _TORN = 1e-3
 _OBSERVED = ("motor_torque", "harness_torque", "friction_torque")
 
 
-def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
-    """Lines that a motorisation spring or another motor opens; SceneError if there are none."""
-    others = {name for names in motors(scene).values() for name in names}
-    lines = tuple(
-        line
-        for line in scene.hinge_lines
-        if not line.held and (line.motor is not None or line.name in others)
-    )
+def driven_lines(scene: CheckedScene) -> list[HingeLine]:
+    """Lines that move and have a motor; SceneError if there are none."""
+    lines = with_motor(scene)
     if not lines:
         raise SceneError(
             [
@@ -60,6 +55,20 @@ def driven_lines(scene: CheckedScene) -> tuple[HingeLine, ...]:
             ]
         )
     return lines
+
+
+def opened_lines(scene: CheckedScene) -> list[HingeLine]:
+    """Lines with a motor, and those that cable loops couple to them; SceneError if there are none."""
+    names = {line.name for line in driven_lines(scene)}.union(*(g.rates for g in margin_groups(scene)))
+    return [line for line in scene.hinge_lines if line.name in names]
+
+
+def grouped(scene: CheckedScene, torques: Mapping[str, LineTorques]) -> list[GroupTorques]:
+    """Torques of coupled lines together, from those of every line that opens."""
+    return [
+        GroupTorques(tuple(torques[name] for name in group.rates), group.rates)
+        for group in margin_groups(scene)
+    ]
 
 
 def travel(scene: CheckedScene, line: HingeLine) -> float:
@@ -75,18 +84,22 @@ def travel(scene: CheckedScene, line: HingeLine) -> float:
 
 
 def at_share(scene: CheckedScene, share: float) -> CheckedScene:
-    """The scene with every driven line at a share (0 to 1) of its way from its start to its deployed angle.
+    """The scene with every line that opens at a share (0 to 1) of its way from its start to its deployed angle.
 
     Hold-downs across lines on their way have let go.
     """
-    driven = {line.name for line in driven_lines(scene)}
-    lines = []
-    for line in scene.hinge_lines:
-        way = line.deployed_angle - line.initial_angle
-        angle = line.initial_angle + share * way
-        lines.append(line.model_copy(update={"start_angle": angle}) if line.name in driven else line)
+    opened = {line.name for line in opened_lines(scene)}
+    lines = [
+        line.model_copy(update={"start_angle": _angle(line, share)}) if line.name in opened else line
+        for line in scene.hinge_lines
+    ]
     moved = replace(scene, hinge_lines=tuple(lines))
-    return without_bolts(moved, bolts_across(scene, driven)) if share > 0.0 else moved
+    return without_bolts(moved, bolts_across(scene, opened)) if share > 0.0 else moved
+
+
+def _angle(line: HingeLine, share: float) -> float:
+    """Angle (rad) at a share of the way; a line without a way left stays where it is."""
+    return line.initial_angle + share * max(0.0, line.deployed_angle - line.initial_angle)
 
 
 def sweep(
@@ -95,34 +108,34 @@ def sweep(
     friction: FrictionKind,
     extra: Mapping[str, Mapping[str, float]],
 ) -> list[LineTorques]:
-    """Torques of every driven line at shares of the travel; extra: further torques (N.m) by line and symbol.
+    """Torques of every line that opens at shares of the travel; extra: further torques (N.m) by line and symbol.
 
     friction: "constant" is the preload torque alone; "sliding" and "static" add the friction of the reactions,
     mu r_p F_r (Bagnoli 2007, equation 2.2), with the sliding or the static coefficient.
     """
-    lines = driven_lines(scene)
-    ways = {line.name: travel(scene, line) for line in lines}
+    for line in driven_lines(scene):
+        travel(scene, line)  # refuses one that has none left
     for share in shares:
         _refuse_torn(scene, share)
     with kept_fmus() as load:
         found = [_torques(at_share(scene, share), friction, load) for share in shares]
     result = []
-    for line in lines:
-        angle = line.initial_angle + ways[line.name] * np.asarray(shares, dtype=float)
+    for line in opened_lines(scene):
+        angle = np.array([_angle(line, share) for share in shares])
         motor, harness, resisting = np.array([torques[line.name] for torques in found]).T
         result.append(LineTorques(line.name, angle, motor, harness, resisting, extra.get(line.name, {})))
     return result
 
 
 def _refuse_torn(scene: CheckedScene, share: float) -> None:
-    """SceneError where a loop of lines does not close with the driven ones at a share of their travel."""
+    """SceneError where a loop of lines does not close with those that open at a share of their travel."""
     there, points = at_share(scene, share), scene_points(scene)
     found = left_open(there, points) | closed(there, points).open_by
     name, size = max(found.items(), key=lambda item: item[1], default=("", 0.0))
     if size > _TORN:
         sweeps = " ".join(
             f"--sweep {line.name}={degrees_text(line.initial_angle, 2)}deg:{degrees_text(line.deployed_angle, 2)}deg"
-            for line in driven_lines(scene)
+            for line in opened_lines(scene)
         )
         raise SceneError(
             [
@@ -135,7 +148,7 @@ def _refuse_torn(scene: CheckedScene, share: float) -> None:
 
 
 def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[str, Vector]:
-    """Motor, harness and friction torque (3,) of every driven line where it stands, sums over its hinges."""
+    """Motor, harness and friction torque (3,) of every line that opens where it stands, sums over its hinges."""
     assembly = assemble(scene, rigid={"all"})
     parts = {part.name: part for part in assembly.parts}
     with _equilibrium(assembly, load) as settled:
@@ -147,7 +160,7 @@ def _torques(scene: CheckedScene, friction: FrictionKind, load: Loader) -> dict[
                 ),
                 start=np.zeros(len(_OBSERVED)),
             )
-            for line in driven_lines(scene)
+            for line in opened_lines(scene)
         }
         for motor, names in motors(scene).items():
             place = settled[motor].observation_layout[MOTOR_TORQUE]

@@ -1,17 +1,24 @@
-"""What drives beside motorisation springs, and lines of a scene that have no torque margin of their own, and why."""
+"""Which lines motors open, alone or through cable loops, and what is in no torque margin, and why."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
-from components import REGISTRY, SUPPLIED_ENERGY
+from components import REGISTRY
 
 from ...scene import CheckedScene
 from ...scene.component_connections import component_values
 from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
+from ...scene.loops.coupled_lines import (
+    CoupledLines,
+    acts_across,
+    coupled_lines,
+    observed_names,
+    supplies_energy,
+)
 
 _CABLE, _DRIVE, _MOTOR = "ccl", "drive", "motor_"
 _PULLING = ("load", "suspension", "drag")
@@ -26,13 +33,29 @@ def motors(scene: CheckedScene) -> dict[str, tuple[str, ...]]:
     """Connections that tell a motor torque, and the lines that each opens: those between its own two bodies."""
     found = {}
     for connection in scene.connections:
-        if MOTOR_TORQUE in _observed(connection) and not _lacks_motor(connection):
+        if MOTOR_TORQUE in observed_names(connection) and not _lacks_motor(connection):
             ends = tuple(
                 connection.ports[side].body for side in ("inboard", "outboard") if side in connection.ports
             )
             lines = [one for one in scene.hinge_lines if (one.inboard, one.outboard) == ends and not one.held]
             found[connection.name] = tuple(line.name for line in lines)
     return found
+
+
+def with_motor(scene: CheckedScene) -> list[HingeLine]:
+    """Lines that move and that a motorisation spring or another motor opens."""
+    others = {name for names in motors(scene).values() for name in names}
+    return [
+        line
+        for line in scene.hinge_lines
+        if not line.held and (line.motor is not None or line.name in others)
+    ]
+
+
+def margin_groups(scene: CheckedScene) -> list[CoupledLines]:
+    """Coupled lines that motors open together; what a drive turns opens as it is commanded."""
+    motorised = {line.name for line in with_motor(scene)}
+    return [group for group in coupled_lines(scene) if group.rates.keys() & motorised and not group.drives]
 
 
 def uncounted(scene: CheckedScene) -> dict[str, str]:
@@ -48,41 +71,31 @@ def uncounted(scene: CheckedScene) -> dict[str, str]:
             continue
         if connection.kind == _DRIVE:
             found[connection.name] = "its torque follows from the angle that it commands"
-        elif connection.kind in _PULLING or _drives(connection):
+        elif connection.kind in _PULLING or supplies_energy(connection):
             found[connection.name] = "what it pulls depends on more than a line's angle"
     if any(scene.header.gravity):
         found["gravity"] = _AT_POSES
     moved = [scene.base.name] * (scene.base.motion is not None)
     moved += [body.name for body in scene.bodies if body.motion is not None]
     found |= {f"motion of {name}": _AT_RATES for name in moved}
-    for line in _led_by_motors(scene):
-        if line.friction_preload or line.harness is not None:
-            found[f"friction and harness of {line.name}"] = (
-                "they resist what turns it through a cable loop, and that line's margin does not know of them"
+    return found | _apart(scene)
+
+
+def _apart(scene: CheckedScene) -> dict[str, str]:
+    """Cable loops at lines with a motor that are in no margin, by name, and why."""
+    found, groups, motorised = {}, coupled_lines(scene), with_motor(scene)
+    for name, kind, bodies in _movers(scene):
+        if kind != _CABLE or not any(acts_across(scene, line, bodies) for line in motorised):
+            continue
+        group = next((group for group in groups if name in group.loops), None)
+        if group is None:
+            found[name] = "it does not couple the lines between its pulleys at fixed rates"
+        elif group.drives:
+            drives = " and ".join(group.drives)
+            found[name] = (
+                f"cable loops couple {', '.join(group.rates)}, which {drives} turns, whatever they resist"
             )
     return found
-
-
-def _led_by_motors(scene: CheckedScene) -> list[HingeLine]:
-    """Lines that move without a motor of their own, as cable loops lead to them from one that has."""
-    groups = [
-        {line.name for line in scene.hinge_lines if _acts(scene, line, bodies)}
-        for _, kind, bodies in _movers(scene)
-        if kind == _CABLE
-    ]
-    without = without_margin(scene)
-    led = {line.name for line in scene.hinge_lines} - set(without)
-    for _ in groups:
-        led |= {name for group in groups if group & led for name in group}
-    return [line for line in scene.hinge_lines if line.name in led and line.name in without and not line.held]
-
-
-def _observed(connection: Connection) -> set[str]:
-    """Names of what a connection's component observes."""
-    structure, _ = component_values(connection, "mean")
-    return {
-        quantity.name for quantity in REGISTRY[connection.kind](**structure).observation_layout.quantities
-    }
 
 
 def _lacks_motor(connection: Connection) -> bool:
@@ -93,26 +106,21 @@ def _lacks_motor(connection: Connection) -> bool:
     return any(one.name.startswith(_MOTOR) for one in declared) and not any(np.any(value) for value in given)
 
 
-def _drives(connection: Connection) -> bool:
-    """Whether its component supplies energy."""
-    return SUPPLIED_ENERGY.name in _observed(connection)
-
-
 def without_margin(scene: CheckedScene) -> dict[str, str]:
-    """Why a line has no margin of its own, by line: it is held, or has no motor; then what turns or keeps it."""
+    """Why a line is in no margin, by line: it is held, or has no motor; then what turns or keeps it."""
     found = {}
-    others = {name for names in motors(scene).values() for name in names}
+    counted = {line.name for line in with_motor(scene)}.union(*(g.rates for g in margin_groups(scene)))
     for line in scene.hinge_lines:
         if line.held:
             found[line.name] = "held in this scene, so without motion"
-        elif line.motor is None and line.name not in others:
+        elif line.name not in counted:
             found[line.name] = f"no motor{_what_turns(scene, line)}"
     return found
 
 
 def _what_turns(scene: CheckedScene, line: HingeLine) -> str:
     """Drives and cable loops that can turn a line, or what keeps it, to follow the words "no motor"."""
-    acting = [(name, kind) for name, kind, bodies in _movers(scene) if _acts(scene, line, bodies)]
+    acting = [(name, kind) for name, kind, bodies in _movers(scene) if acts_across(scene, line, bodies)]
     drives = [name for name, kind in acting if kind == _DRIVE]
     loops = [name for name, kind in acting if kind == _CABLE]
     words = [_named("drive", drives)] * bool(drives) + [_named("cable loop", loops)] * bool(loops)
@@ -131,16 +139,10 @@ def _movers(scene: CheckedScene) -> Iterator[tuple[str, str, tuple[str, ...]]]:
     """Name, role and bodies of everything that can turn a line without a motor: drives, then cable loops."""
     others = {k.name: (k.kind, tuple(seat.body for seat in k.ports.values())) for k in scene.connections}
     for connection in scene.connections:
-        if _drives(connection):
+        if supplies_energy(connection):
             yield connection.name, _DRIVE, others[connection.name][1]
     for loop in scene.loops:
         yield loop.name, _CABLE, (loop.pulley_1.body, loop.pulley_2.body)
     for name, (kind, bodies) in others.items():
         if kind == _CABLE:
             yield name, kind, bodies
-
-
-def _acts(scene: CheckedScene, line: HingeLine, bodies: Iterable[str]) -> bool:
-    """Whether the line is on the way from one of the bodies to another."""
-    carried = [line in scene.lines_inward(body) for body in bodies]
-    return any(carried) and not all(carried)

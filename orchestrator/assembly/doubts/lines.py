@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from math import degrees, pi
+from typing import NamedTuple
 
 import numpy as np
 
+from components.contract.component import Vector
 from components.end_stop import EndStop
+from components.numerics.laws import Linear
 
 from ...scene.bodies import scene_points
 from ...scene.connection_tables import Connection
+from ...scene.hinge_line_tables import HingeLine
+from ...scene.loops.coupled_lines import CoupledLines, coupled_lines
 from ...scene.schema import CheckedScene
 from ..hinges import contradicted_curves
 from .bodies import panel_of
@@ -80,10 +85,11 @@ def _unlikely_ends(scene: CheckedScene) -> Iterator[str]:
                 f"hinge_line.{line.name}.latch.damping_ratio: is {ratio:g}, {ratio:g} times what is critical; "
                 f"'{ratio:g} %' is a hundredth of it"
             )
-        if line.presliding is not None and line.friction_preload > _FAR * line.presliding.stiffness:
-            wound = line.friction_preload / line.presliding.stiffness
+        soft = None if line.presliding is None else line.presliding.stiffness
+        if soft and line.friction_preload > _FAR * soft:
+            wound = line.friction_preload / soft
             yield (
-                f"hinge_line.{line.name}.presliding.stiffness: is {line.presliding.stiffness:g} N.m/rad, so soft that "
+                f"hinge_line.{line.name}.presliding.stiffness: is {soft:g} N.m/rad, so soft that "
                 f"the line turns by {degrees(wound):.3g} deg before its friction of {line.friction_preload:g} N.m "
                 "slides; what sticks gives way by milliradians"
             )
@@ -110,24 +116,70 @@ def _unlikely_friction(scene: CheckedScene) -> Iterator[str]:
 
 
 def _held_by_friction(scene: CheckedScene) -> Iterator[str]:
-    """Lines whose friction and harness take more than their motor gives, somewhere on the way."""
-    for line in scene.hinge_lines:
-        if line.motor is None or line.held:
+    """Lines, coupled ones together, whose friction and harness take more than motors give, somewhere on the way."""
+    groups = [group for group in coupled_lines(scene) if not group.drives]
+    motors = [line.name for line in scene.hinge_lines if line.motor is not None and not line.held]
+    for name in motors:
+        if any(name in group.rates for group in groups):
             continue
-        angles = np.linspace(line.initial_angle, line.deployed_angle, _ANGLES)
-        given = np.array([line.motor_law.value(angle) for angle in angles.tolist()])
-        taken = np.full(_ANGLES, line.friction_preload)
-        if line.harness is not None:
-            opening = line.harness.opening_law
-            taken -= np.array([opening.value(angle) for angle in angles.tolist()])
-        short = np.flatnonzero(given < taken - _NOTHING * np.abs(given).max())
-        if short.size:
-            k = int(short[0])
+        if (short := _first_short(scene, {name: 1.0})) is not None:
             yield (
-                f"hinge_line.{line.name}: at {degrees(angles[k]):.4g} deg its motor gives {given[k]:.4g} N.m, and its "
-                f"friction and harness take {taken[k]:.4g} N.m; unless its speed carries it on or something else "
+                f"hinge_line.{name}: at {degrees(short.angle):.4g} deg its motor gives {short.given:.4g} N.m, and its "
+                f"friction and harness take {short.taken:.4g} N.m; unless its speed carries it on or something else "
                 "drives it, it stops there"
             )
+    for group in groups:
+        if group.rates.keys() & motors and (short := _first_short(scene, group.rates)) is not None:
+            yield _held_together(group, short)
+
+
+def _held_together(group: CoupledLines, short: _Short) -> str:
+    first, *others = group.rates
+    couple = (
+        f"{' and '.join(group.loops)} couple{'s' * (len(group.loops) == 1)} it with {' and '.join(others)}"
+    )
+    rates = " : ".join(f"{rate:.4g}" for rate in group.rates.values())
+    return (
+        f"hinge_line.{first}: {couple}, at rates {rates}; with it at {degrees(short.angle):.4g} deg their motors give "
+        f"{short.given:.4g} N.m in all at its rate, and their friction and harness take {short.taken:.4g} N.m; unless "
+        "their speed carries them on or something else drives them, they stop there"
+    )
+
+
+class _Short(NamedTuple):
+    """Angle (rad) of a line, and what drives and what resists there (N.m), coupled lines at its rate."""
+
+    angle: float
+    given: float
+    taken: float
+
+
+def _first_short(scene: CheckedScene, rates: Mapping[str, float]) -> _Short | None:
+    """The first place at which more resists than drives; rates: of all lines that turn together, over the first's."""
+    lines = {line.name: line for line in scene.hinge_lines}
+    given, taken = np.zeros(_ANGLES), np.zeros(_ANGLES)
+    for name, rate in rates.items():
+        motor, resistance = _torques(lines[name], rate)
+        given, taken = given + motor, taken + resistance
+    short = np.flatnonzero(given < taken - _NOTHING * np.abs(given).max())
+    if not short.size:
+        return None
+    k = int(short[0])
+    return _Short(float(_angles(lines[next(iter(rates))])[k]), float(given[k]), float(taken[k]))
+
+
+def _torques(line: HingeLine, rate: float) -> tuple[Vector, Vector]:
+    """Torque (N.m) of the motor, and that of friction and harness, on the way, at the rate of another line."""
+    angles = _angles(line).tolist()
+    opening = Linear(0.0) if line.harness is None else line.harness.opening_law
+    motor = np.array([line.motor_law.value(angle) for angle in angles])
+    harness = np.array([opening.value(angle) for angle in angles])
+    return rate * motor, abs(rate) * line.friction_preload - rate * harness
+
+
+def _angles(line: HingeLine) -> Vector:
+    """Places (rad) on the way of a line."""
+    return np.linspace(line.initial_angle, max(line.initial_angle, line.deployed_angle), _ANGLES)
 
 
 def _beyond_tables(scene: CheckedScene) -> Iterator[str]:

@@ -92,6 +92,8 @@ def command(
 ) -> None:
     """Torque margin of every hinge line of SCENE over its travel, limit 2; bodies are rigid.
 
+    Lines that cable loops couple have their margin together: their torques at the rate of the first of them.
+
     Exit code 3 where a margin fails or a restart does not open. Sum rule: driving torque over the sum of the
     resisting ones, each times its uncertainty factor. ECSS rule: ECSS-E-ST-33-01C, 4.7.5.3: 0.8 of the driving torque
     less 1.25 TD and TL over the same sum.
@@ -100,7 +102,12 @@ def command(
     from ...analysis.torque_margin.restart import restart_shares
     from ..tables import terminal
     from ..tables.pictures import pictures
-    from ..tables.torque_margin import margin_table, restart_table, sentences_without_margin
+    from ..tables.torque_margin import (
+        margin_sentences,
+        margin_table,
+        restart_sentences,
+        restart_table,
+    )
 
     refuse_idle("--until", "--restart")
     scene = choice.load()
@@ -114,10 +121,8 @@ def command(
     if not as_json:
         console = terminal()
         console.print(margin_table(found))
-        for sentence in sentences_without_margin(found.without):
+        for sentence in margin_sentences(found):
             console.print(sentence, highlight=False)
-        for name, why in found.uncounted.items():
-            console.print(f"not counted: {name}; {why}", highlight=False)
         for path in drawn:
             click.echo(path)
     runs = fanfold.restart(scene, restarts, cases=names, until=until, folder=folder, progress=progress)
@@ -126,6 +131,8 @@ def command(
         click.echo(json.dumps({**found.as_dict(), "restarts": restarted}))
     elif runs:
         console.print(restart_table(runs))
+        for sentence in restart_sentences(runs):
+            console.print(sentence, highlight=False)
         for run in runs:
             click.echo(run.path)
     if not found.passes or not all(line.opens for run in runs for line in run.lines):

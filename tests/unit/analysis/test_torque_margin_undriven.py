@@ -20,6 +20,7 @@ from orchestrator.analysis.torque_margin.undriven import without_margin
 from orchestrator.cli.main import main
 from orchestrator.cli.tables.torque_margin import (
     margin_table,
+    restart_sentences,
     restart_table,
     sentences_without_margin,
 )
@@ -67,15 +68,17 @@ def test_a_motor_between_the_bodies_of_a_line_is_counted(tmp_path, monkeypatch):
 
 
 def test_a_drive_is_named_as_left_out():
-    """Its torque is whatever its command takes; the springs of HL6 meet the friction of all lines through the loops."""
+    """Its torque is whatever its command takes, and so no margin counts the lines that the loops couple to it."""
     found = undriven.uncounted(scene("arabsat", "phase2"))
     assert found.pop("sadm") == "its torque follows from the angle that it commands"
-    assert sorted(found) == [f"friction and harness of HL{k}" for k in range(1, 6)]
+    assert found == {
+        "panel4_loop": "cable loops couple HL1, HL2, HL3, HL4, HL5, HL6, which sadm turns, whatever they resist"
+    }
     assert undriven.uncounted(scene("amos3")) == {}
 
 
 def test_what_resists_beside_a_line_is_named_as_left_out():
-    """Rule: gravity, loads, and the friction of lines that a loop leads are in no line's margin, and said to be."""
+    """Rule: gravity and loads are in no margin, and said to be; a line that a loop leads is in that of its group."""
     settings = ["scene.gravity=[0, 0, -9.81]", "hinge_line.HL2.friction_preload=0.1 N.m"]
     one = load_scene(find_scene("amos3"), (), [*settings, "hinge_line.HL2.motor.stowed=1 N.m"])
     assert sorted(undriven.uncounted(one)) == ["gravity"]
@@ -87,7 +90,11 @@ def test_what_resists_beside_a_line_is_named_as_left_out():
     push = {"name": "push", "kind": "load", "ports": ports, "structure": {"direction": [0, 0, 1]}}
     tree["connection"] = [*tree.get("connection", []), push]
     found = undriven.uncounted(Scene.of_tree("wing.toml", tree).check())
-    assert sorted(found) == ["friction and harness of HL2", "gravity", "push"]
+    assert sorted(found) == ["gravity", "push"]
+    held = load_scene(find_scene("amos3"), (), ["hinge_line.HL1.held=true"])
+    assert undriven.uncounted(held) == dict.fromkeys(
+        ("yoke_loop", "panel_loop"), "it does not couple the lines between its pulleys at fixed rates"
+    )
 
 
 def test_every_line_without_a_motor_says_what_turns_it():
@@ -156,22 +163,29 @@ def test_the_command_tells_of_lines_without_margin():
 
 
 def test_every_end_of_a_restart_has_its_verdict():
-    """Columns have their units, and a run that was too short is no failure to open."""
+    """Columns have their units, a run that was too short is no failure to open, and who opens though held is told."""
     ends = {
-        "opens": {"moves": True, "still_opening": False, "opened_at": 2.5},
-        "NOT OPEN YET": {"moves": True, "still_opening": True, "opened_at": None},
-        "stops, DOES NOT OPEN": {"moves": True, "still_opening": False, "opened_at": None},
-        "DOES NOT MOVE": {"moves": False, "still_opening": False, "opened_at": None},
+        "opens": {"moves": True, "still_opening": False, "opened_at": 2.5, "net": 0.1},
+        "NOT OPEN YET": {"moves": True, "still_opening": True, "opened_at": None, "net": 0.1},
+        "stops, DOES NOT OPEN": {"moves": True, "still_opening": False, "opened_at": None, "net": 0.1},
+        "DOES NOT MOVE": {"moves": False, "still_opening": False, "opened_at": None, "net": -0.25},
+        "opens, HELD AT REST": {"moves": True, "still_opening": False, "opened_at": 2.5, "net": -0.5},
     }
     lines = [Restart(f"L{k}", 0.0, 1.0, 0.1, **end) for k, end in enumerate(ends.values())]
-    table = restart_table([CaseRestart("base", "25%", Path("run.h5"), lines)])
+    run = CaseRestart("base", "25%", Path("run.h5"), lines)
+    assert restart_sentences([run])[1:] == [
+        "L3 (base) from 25%: static friction and harness exceed what drives by 0.25 N.m, so it cannot start by itself",
+        "L4 (base) from 25%: static friction and harness exceed what drives by 0.5 N.m, so it cannot start by itself; "
+        "that it turned is creep of smooth friction, or the work of what is in no margin, such as gravity or loads",
+    ]
+    table = restart_table([run])
     headings = [" ".join(str(column.header).split()) for column in table.columns]
     assert headings == [
         "case", "stopped at", "line", "start, deg", "end, deg", "fastest, deg/s", "opened after, s", "verdict",
     ]  # fmt: skip
     assert list(table.columns[-1].cells) == list(ends)
-    assert list(table.columns[-2].cells) == ["2.5000", "-", "-", "-"]
-    assert list(table.columns[4].cells) == ["57.30"] * 4
+    assert list(table.columns[-2].cells) == ["2.5000", "-", "-", "-", "2.5000"]
+    assert list(table.columns[4].cells) == ["57.30"] * 5
 
 
 def test_margins_stay_in_the_order_of_the_scene():

@@ -144,6 +144,7 @@ def test_errors_that_do_not_fall_lead_to_the_smallest_tolerance(outcome, monkeyp
 def test_errors_that_fall_lead_further(outcome, monkeypatch):
     """Rule: where errors have fallen, a thousandth is tried. Regression: impulses ended at 18 and 20 tolerances."""
     errors = iter((300.0, 60.0, 12.0, 11.0))
+    monkeypatch.setattr(refinement, "_MOST_TIMES", 100.0)
     monkeypatch.setattr(refinement, "with_estimates", lambda _, found, *__: off_by(found, next(errors)))
     settings = refined(smooth_scene(), off_by(outcome, 1500.0), ASKED, UNTIL)[1]
     assert settings.tolerance == pytest.approx(1e-6)

@@ -16,6 +16,8 @@ from tests.unit.scene.scene_cases import CCL, LATCH, TWO_PANELS, amos3, load_tex
 
 SOUND = [("workbench", ""), ("bepicolombo", ""), ("amos3", ""), ("amos3", "central_loops"), ("amos3-ground", ""),
          ("arabsat", "phase1"), ("arabsat", "phase2")]  # fmt: skip
+ALONE = ["ccl=[]"]
+"""Setting under which no line of a scene is coupled to another."""
 
 
 def test_a_load_that_does_nothing():
@@ -150,8 +152,9 @@ def test_friction_that_sticks_and_is_none_is_told(tmp_path):
     ],
 )
 def test_friction_beyond_the_motor_is_told(preload, motor, angle):
-    """Closed form: HL1 of AMOS-3 falls from 1.648 to 1.048 N.m over 90 deg, without its harness; a table."""
+    """Closed form: HL1 of AMOS-3, alone, falls from 1.648 to 1.048 N.m over 90 deg, without its harness; a table."""
     settings = [
+        *ALONE,
         f"hinge_line.HL1.friction_preload={preload}",
         f"hinge_line.HL1.{motor}",
         'hinge_line.HL1.harness.resisting_torque=["0 N.m", "0 N.m"]',
@@ -186,6 +189,7 @@ def test_the_harness_takes_between_its_points_what_it_does_in_a_run():
     The last is the three-point formula's, so that it takes (8 s^2 - 2 s^3) / 3 N.m at s of its second stretch.
     """
     settings = [
+        *ALONE,
         "hinge_line.HL1.friction_preload=0 N.m",
         'hinge_line.HL1.motor={ angle = ["0 deg", "90 deg"], torque = ["1 N.m", "1 N.m"] }',
         'hinge_line.HL1.harness.angle=["0 deg", "30 deg", "90 deg"]',
