@@ -1,9 +1,20 @@
-"""Rail: a trolley guided in a plane at its orientation, with Coulomb friction against its sliding."""
+"""Rail: a trolley guided in a plane at its orientation, with Coulomb friction against its sliding.
+
+Friction that sticks is that of `presliding` in two dimensions: a spring of deflection z in the plane, and a damper as
+far as both stay within the friction F, in series with a slider. The force is -(k z + c v), and z' = v; but |z| is at
+most L = F / k, so that z' = v - (v . z) z / L^2 where the trolley slides.
+
+Over a step the axes are those of most and of least motion. Along the first the law is `step_force`, of the friction
+that the spring across leaves it. Across, z' = v - a z with a constant a, the way slid over L: a spring while the
+trolley sticks, friction against the turn of the velocity while it slides. Mean, slope and end of both are exact
+integrals, and their work is that along the path. Heat is that of `step_force`, a times k z^2 across, that of damping
+across, and what |z| <= L cuts off at the end, none of them negative: the law cannot generate energy.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import sqrt
+from math import atan2, cos, exp, sin, sqrt
 from typing import Annotated, NamedTuple
 
 from numpy.typing import ArrayLike
@@ -34,6 +45,7 @@ from .contract.roles import (
 )
 from .numerics.laws import stiction_factors
 from .numerics.mid_step import MidStep
+from .numerics.presliding import Presliding, step_force
 from .numerics.relative_motion import (
     Passage,
     Pose,
@@ -51,6 +63,11 @@ _NONE: Two = (0.0, 0.0)
 
 _AT_REST: Vector3 = (0.0, 0.0, 0.0)
 _NO_WRENCH = (0.0,) * WRENCH_SIZE
+_STILL = 1e-11
+"""Of the largest deflection, motion over a step that has no direction: rounding of places."""
+_AT_LIMIT = 1.0 - 1e-9
+"""Of the largest deflection, from where on it is that."""
+_TERMS = (1.0, 1.0, 0.5, 1.0 / 6.0)
 
 
 class _Parameters(NamedTuple):
@@ -60,6 +77,10 @@ class _Parameters(NamedTuple):
     rotational_damping: Annotated[float, tunable("N.m.s/rad", "Damping of any rotation", 0.0, 0.0)]
     friction_force: Annotated[float, tunable("N", "Coulomb friction against sliding", 0.0, 0.0)]
     stiction_velocity: Annotated[float, tunable("m/s", "Speed from which friction is full", 2e-2, 1e-9)]
+    breakaway_deflection: Annotated[
+        float,
+        tunable("m", "Elastic deflection where friction breaks away; 0: it is smooth at rest", 1e-4, 0.0),
+    ]
     initial_offset: Annotated[
         Vector3, fixed("m", "Of the trolley at the start, from its free place, world axes")
     ]
@@ -79,12 +100,24 @@ class _Parameters(NamedTuple):
         """The same of damping."""
         return (self.normal_damping, *(self.rotational_damping,) * 3)
 
+    @property
+    def sticks(self) -> bool:
+        """Whether there is friction and it sticks."""
+        return self.friction_force > 0.0 and self.breakaway_deflection > 0.0
+
+    @property
+    def contact(self) -> Two:
+        """Stiffness and damping of friction that sticks; zero where nothing does."""
+        if not self.sticks:
+            return _NONE
+        return self.friction_force / self.breakaway_deflection, self.friction_force / self.stiction_velocity
+
     def friction_at(self, speed: float) -> float:
-        """Friction force at a sliding speed."""
+        """Smooth friction at a sliding speed."""
         return self.friction_force * stiction_factors(abs(speed), self.stiction_velocity, 1.0).constant
 
     def friction(self, velocity: Two) -> Two:
-        """Friction against a sliding velocity, in the plane's axes."""
+        """Smooth friction against a sliding velocity, in the plane's axes."""
         speed = _length(*velocity)
         if speed == 0.0:
             return _NONE
@@ -112,6 +145,7 @@ class _State(NamedTuple):
     pressed: Annotated[MidStep, kept("N", "Mean normal forces of two steps of order 4")] = MidStep.starting(
         0.0
     )
+    deflection: Annotated[Two, kept("m", "Elastic deflection of friction that sticks, plane's axes")] = _NONE
 
     @property
     def stiff(self) -> Four:
@@ -126,7 +160,7 @@ class _Observations(NamedTuple):
     ]
     sliding_speed: Annotated[float, observed("m/s", "Speed of the trolley in the plane")]
     friction_energy: Annotated[float, observed("J", "Energy dissipated by friction", DISSIPATION)]
-    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of the guidance")]
+    potential_energy: Annotated[float, POTENTIAL_ENERGY.saying("Elastic energy of guidance and friction")]
     dissipated_energy: Annotated[float, DISSIPATED_ENERGY]
     numerical_dissipation: Annotated[float, NUMERICAL_DISSIPATION]
 
@@ -154,7 +188,8 @@ class Rail(Connection[_Parameters, _State, Impulse]):
     A scene that starts in equilibrium has an initial offset and turn from there.
 
     normal: direction normal to the plane, world axes; the plane is fixed to the ground, so the rail has one port
-    only. Stiffness and damping act along the normal and on all rotations; in the plane there is only friction.
+    only. Stiffness and damping act along the normal and on all rotations; in the plane there is only friction. That
+    sticks: a trolley that is pulled by less stays where it is. Without breakaway_deflection it is smooth at rest.
     """
 
     kind, port_names = "rail", ("trolley",)
@@ -223,7 +258,7 @@ class Rail(Connection[_Parameters, _State, Impulse]):
             for k, d, motion in zip(c.p.stiffness, c.p.damping, motions, strict=True)
         ]
         slid_y, slid_z = (a - b for a, b in zip(now.pose.offset[1:], s.offset[1:], strict=True))
-        friction = _friction(c.p, (slid_y, slid_z), bent, h)
+        friction = self._friction(c.p, s.deflection, (slid_y, slid_z), bent, h, is_impulse=is_impulse)
         moved = s._replace(
             offset=now.pose.offset,
             turn=now.stiff[1:],
@@ -234,6 +269,7 @@ class Rail(Connection[_Parameters, _State, Impulse]):
             wrench=_wrench(now, [load.force for load in loads], friction.force, (swing_y, swing_z)),
             slopes=_NO_WRENCH,
             pressed=MidStep.starting(0.0),
+            deflection=friction.deflection,
         )
         if not is_paired:
             slide = (
@@ -244,6 +280,17 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         ending = _length(slid_y + 3.0 * bent[0], slid_z + 3.0 * bent[1]) / h
         pressed = s.pressed.after(loads[0].force, h)
         return moved._replace(slopes=slopes, slide=MidStep.starting(ending), pressed=pressed)
+
+    def _friction(
+        self, p: _Parameters, start: Two, slid: Two, bent: Two, h: float, *, is_impulse: bool
+    ) -> _Friction:
+        """Over a step; in an impulse friction that sticks does nothing, of an end point it follows the trolley."""
+        if not p.sticks:
+            return _smooth_friction(p, slid, bent, h)
+        if is_impulse:
+            return _Friction(_NONE, _NONE, 0.0, start)
+        friction = _sticking_friction(p, start, slid, bent, h)
+        return friction._replace(deflection=_moved(p, start, slid)) if self.endpoint else friction
 
     def _motions(self, s: _State, now: _Instant, moments: Four, h: float) -> list[StepMotion]:
         """Motions of the four stiff coordinates."""
@@ -258,7 +305,8 @@ class Rail(Connection[_Parameters, _State, Impulse]):
             -k * q - d * w
             for k, d, q, w in zip(c.p.stiffness, c.p.damping, now.stiff, now.rates, strict=True)
         ]
-        return _wrench(now, load, c.p.friction(now.velocity), now.pose.swing)
+        friction, _ = _instant_friction(c.p, _deflection_now(c.p, s, now), now.velocity)
+        return _wrench(now, load, friction, now.pose.swing)
 
     def record(self, c: _Constants, s: _State, u: Inputs[Impulse]) -> _Observations:
         """Forces at the communication point, and energies; of order 4 from what the last steps' loads were."""
@@ -270,12 +318,16 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         normal = -c.p.normal_stiffness * now.pose.offset[0] - c.p.normal_damping * rate
         if c.is_paired:
             normal = s.pressed.load_now(normal, s.memories[0].roughness)
+        deflection, (y, z) = _deflection_now(c.p, s, now), now.velocity
+        velocity = (y / now.speed * speed, z / now.speed * speed) if now.speed > 0.0 else _NONE
+        friction = _length(*_instant_friction(c.p, deflection, velocity)[0])
+        stored = zip((*c.p.stiffness, *(c.p.contact[0],) * 2), (*now.stiff, *deflection), strict=True)
         return _Observations(
             normal_force=normal,
-            friction_force_magnitude=c.p.friction_at(speed),
+            friction_force_magnitude=friction if c.p.sticks else c.p.friction_at(speed),
             sliding_speed=now.speed,
             friction_energy=s.friction_heat,
-            potential_energy=sum(0.5 * k * q * q for k, q in zip(c.p.stiffness, now.stiff, strict=True)),
+            potential_energy=sum(0.5 * k * q * q for k, q in stored),
             dissipated_energy=s.friction_heat + s.damping_heat,
             numerical_dissipation=s.numerical,
         )
@@ -284,12 +336,17 @@ class Rail(Connection[_Parameters, _State, Impulse]):
         """Heat (W) of friction and of damping."""
         now = self._now(s, u)
         damping = sum(d * w * w for d, w in zip(c.p.damping, now.rates, strict=True))
-        return c.p.friction_at(now.speed) * now.speed, damping
+        _, heat = _instant_friction(c.p, _deflection_now(c.p, s, now), now.velocity)
+        return heat, damping
 
     def follow(self, c: _Constants, s: _State, u: Inputs[Impulse], at_event: bool) -> _State:
-        """Follow the trolley's turn."""
-        twist = self._now(s, u).stiff[1]
-        return s._replace(turn=(twist, s.turn[1], s.turn[2]))
+        """Follow the trolley, with its turn and the deflection of friction."""
+        now = self._now(s, u)
+        return s._replace(
+            offset=now.pose.offset,
+            turn=(now.stiff[1], s.turn[1], s.turn[2]),
+            deflection=_deflection_now(c.p, s, now),
+        )
 
     def native_data(self) -> Mapping[str, ArrayLike]:
         """Axes of the plane, normal first, and mode."""
@@ -297,20 +354,178 @@ class Rail(Connection[_Parameters, _State, Impulse]):
 
 
 class _Friction(NamedTuple):
-    """Mean friction over a step in the plane's axes, its slope, and its heat (J)."""
+    """Mean friction over a step in the plane's axes, its slope, its heat (J), and the deflection at the end."""
 
     force: Two
     slope: Two
     heat: float
+    deflection: Two
 
 
-def _friction(p: _Parameters, slid: Two, bent: Two, h: float) -> _Friction:
+def _smooth_friction(p: _Parameters, slid: Two, bent: Two, h: float) -> _Friction:
     """Of what the trolley slid and of the moment of its velocity, at both points of Gauss' rule."""
     rates_y, rates_z = (gauss_rates(change, moment, h) for change, moment in zip(slid, bent, strict=True))
     before, after = (p.friction(velocity) for velocity in zip(rates_y, rates_z, strict=True))
     y = viscous_load(rates_y, (before[0], after[0]), h)
     z = viscous_load(rates_z, (before[1], after[1]), h)
-    return _Friction((y.force, z.force), (y.slope, z.slope), y.heat + z.heat)
+    return _Friction((y.force, z.force), (y.slope, z.slope), y.heat + z.heat, _NONE)
+
+
+def _sticking_friction(p: _Parameters, start: Two, slid: Two, bent: Two, h: float) -> _Friction:
+    """The same of friction that sticks, from a deflection on."""
+    stiffness, damping = p.contact
+    friction = _slipping_friction(p, start, slid, bent, h)
+    if friction is None:
+        y, z = (
+            _with_damper(damping / h, _relaxing(stiffness, 0.0, *one), *one[1:])
+            for one in zip(start, slid, bent, strict=True)
+        )
+        friction = _Friction(
+            (y.force, z.force), (y.slope, z.slope), y.heat + z.heat, (y.deflection, z.deflection)
+        )
+    deflection = _within(friction.deflection, p.breakaway_deflection)
+    lost = sum(a * a - b * b for a, b in zip(friction.deflection, deflection, strict=True))
+    return friction._replace(heat=friction.heat + 0.5 * stiffness * lost, deflection=deflection)
+
+
+def _slipping_friction(p: _Parameters, start: Two, slid: Two, bent: Two, h: float) -> _Friction | None:
+    """Along the directions of most and of least motion; None where the trolley sticks, as it does in any two.
+
+    Across, damping is no more than twice the friction, which it may be while the trolley sticks.
+    """
+    (stiffness, damping), limit = p.contact, p.breakaway_deflection
+    if sum(map(abs, (*slid, *bent))) < _STILL * limit:
+        return None
+    axis = _main_axis(slid, bent)
+    (z, z_across), (change, aside), (moment, turn) = (_turned(vector, axis) for vector in (start, slid, bent))
+    way = max(_length(z + change, z_across + aside) / limit - 1.0, 0.0)
+    across = _relaxing(stiffness, way, z_across, aside, turn)
+    before, after = (
+        sqrt(max(p.friction_force**2 - (across.force + at * across.slope) ** 2, 0.0))
+        for at in (-sqrt(1.0 / 3.0), sqrt(1.0 / 3.0))
+    )
+    friction = 0.5 * (before + after), 0.5 * sqrt(3.0) * (after - before)
+    if way == 0.0 and _holds(stiffness, damping / h, friction, z, change, moment):
+        return None
+    fastest = _length(_length(change, aside), 3.0 * _length(moment, turn))
+    felt = min(damping / h, 2.0 * p.friction_force / fastest) * exp(-way)
+    along, across = (
+        step_force(stiffness, damping, friction[0], z, change, h, moment=moment, friction_slope=friction[1]),
+        _with_damper(felt, across, aside, turn),
+    )
+    force, slope, deflection = (
+        _turned(vector, (axis[0], -axis[1]))
+        for vector in (
+            (along.force, across.force),
+            (along.slope, across.slope),
+            (along.deflection, across.deflection),
+        )
+    )
+    return _Friction(force, slope, along.heat + across.heat, deflection)
+
+
+def _main_axis(slid: Two, bent: Two) -> Two:
+    """Direction of most motion: between it and the one across, the mean of v v^T over a step has no part."""
+    (slid_y, slid_z), (bent_y, bent_z) = slid, bent
+    difference = slid_y * slid_y - slid_z * slid_z + 3.0 * (bent_y * bent_y - bent_z * bent_z)
+    angle = 0.5 * atan2(2.0 * (slid_y * slid_z + 3.0 * bent_y * bent_z), difference)
+    return cos(angle), sin(angle)
+
+
+def _turned(vector: Two, axis: Two) -> Two:
+    """Components along an axis of the plane and across it."""
+    return axis[0] * vector[0] + axis[1] * vector[1], axis[0] * vector[1] - axis[1] * vector[0]
+
+
+def _relaxing(stiffness: float, way: float, start: float, change: float, moment: float) -> Presliding:
+    """Of a spring whose deflection relaxes, z' = v - way z per step."""
+    left, *r = _exponentials(way)
+    begin, bend = change - 3.0 * moment, 6.0 * moment
+    end = start * left + begin * r[0] + bend * r[1]
+    mean = start * r[0] + begin * r[1] + bend * r[2]
+    first = 3.0 * mean - 6.0 * (start * r[1] + begin * r[2] + bend * r[3])
+    lost = mean * change + first * moment - 0.5 * (end - start) * (end + start)
+    return Presliding(-stiffness * mean, stiffness * lost, end, -stiffness * first)
+
+
+def _with_damper(damping: float, load: Presliding, change: float, moment: float) -> Presliding:
+    """With a damper; damping over the step size."""
+    return load._replace(
+        force=load.force - damping * change,
+        heat=load.heat + damping * (change * change + 3.0 * moment * moment),
+        slope=load.slope - 3.0 * damping * moment,
+    )
+
+
+def _exponentials(a: float) -> list[float]:
+    """Integrals over x from 0 to 1 of e^-ax times (1 - x)^n / n!, n from 0 to 3, after e^-a."""
+    if a < 1.0:
+        last = 1.0
+        for j in range(20, 4, -1):
+            last = 1.0 - a * last / j
+        integrals = [last / 24.0]
+        for term in _TERMS[::-1]:
+            integrals.append(term - a * integrals[-1])
+        return integrals[::-1]
+    integrals = [exp(-a)]
+    for term in _TERMS:
+        integrals.append((term - integrals[-1]) / a)
+    return integrals
+
+
+def _holds(
+    stiffness: float, damping: float, friction: Two, start: float, change: float, moment: float
+) -> bool:
+    """Whether spring and damper stay within a friction of mean and slope; damping over the step size.
+
+    Their forces are parabolas in time, which stay within the ends and where the tangents there meet.
+    """
+    mean, slope = friction
+    begin = change - 3.0 * moment
+    return all(
+        abs(stiffness * z) <= most and abs(stiffness * z + damping * v) <= most
+        for z, v, most in (
+            (start, begin, mean - slope),
+            (start + 0.5 * begin, change, mean),
+            (start + change, change + 3.0 * moment, mean + slope),
+        )
+    )
+
+
+def _within(vector: Two, limit: float) -> Two:
+    """A vector, at most the limit in length."""
+    length = _length(*vector)
+    if length <= limit:
+        return vector
+    return vector[0] * (limit / length), vector[1] * (limit / length)
+
+
+def _moved(p: _Parameters, deflection: Two, slid: Two) -> Two:
+    """Deflection that a motion moves, no further than where friction breaks away."""
+    if not p.sticks:
+        return _NONE
+    return _within((deflection[0] + slid[0], deflection[1] + slid[1]), p.breakaway_deflection)
+
+
+def _deflection_now(p: _Parameters, s: _State, now: _Instant) -> Two:
+    """Deflection at an instant."""
+    _, y, z = subtract(now.pose.offset, s.offset)
+    return _moved(p, s.deflection, (y, z))
+
+
+def _instant_friction(p: _Parameters, deflection: Two, velocity: Two) -> tuple[Two, float]:
+    """Friction of one instant in the plane's axes, and its heat as power (W)."""
+    if not p.sticks:
+        speed = _length(*velocity)
+        return p.friction(velocity), p.friction_at(speed) * speed
+    (stiffness, damping), (z_y, z_z), (v_y, v_z) = p.contact, deflection, velocity
+    against_y, against_z = _within(
+        (stiffness * z_y + damping * v_y, stiffness * z_z + damping * v_z), p.friction_force
+    )
+    stored = stiffness * (z_y * v_y + z_z * v_z)
+    if stored > 0.0 and _length(z_y, z_z) >= _AT_LIMIT * p.breakaway_deflection:
+        stored = 0.0
+    return (-against_y, -against_z), against_y * v_y + against_z * v_z - stored
 
 
 def _moments(now: _Instant, trolley: PortMoments, swing: Two) -> tuple[Two, Four]:

@@ -67,9 +67,15 @@ def step_friction(c: Constants, old: State, bushing: Sequence[MeanLoad], turn: S
     if old.holding:
         return _taking_over(c, after, turn.end - old.hold_angle)
     most = _largest(c, before, rates[0]), _largest(c, after, rates[1])
-    friction = 0.5 * (most[0] + most[1]), 0.5 * sqrt(3.0) * (most[1] - most[0])
     return step_force(
-        c.p.presliding_stiffness, c.p.presliding_damping, friction, old.presliding, change, moment, turn.h
+        c.p.presliding_stiffness,
+        c.p.presliding_damping,
+        0.5 * (most[0] + most[1]),
+        old.presliding,
+        change,
+        turn.h,
+        moment=moment,
+        friction_slope=0.5 * sqrt(3.0) * (most[1] - most[0]),
     )
 
 

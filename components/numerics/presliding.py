@@ -1,23 +1,25 @@
 """Friction that sticks: an elastic deflection before sliding, whose force never exceeds the friction.
 
-A spring and a damper in series with a Coulomb slider: the contact deflects by z with the motion s of its body until the
-force reaches the friction F, and then slides (an elasto-plastic model without its blend, Dupont, Hayward, Armstrong and
-Altpeter 2002; Prandtl's element). Unlike in the models of Dahl and LuGre nothing slides below the friction, so that a
-load that swings causes no drift:
+A spring and a damper in series with a Coulomb slider: the contact deflects by z with the motion s of its body until
+the force reaches the friction F, and then slides (an elasto-plastic model without its blend, Dupont, Hayward,
+Armstrong and Altpeter 2002; Prandtl's element). Unlike in the models of Dahl and LuGre, nothing slides below the
+friction, so that a load that swings causes no drift:
 
     force = -(k z + c s'), at most F in size;   z' = s', but k z never exceeds F.
 
 Over a step the rate s' is linear in time (`workless_pair`), and so is F. The step then consists of at most five
-stretches on which the contact sticks or slides, and of parts on which the force is a quadratic of time. Mean, slope and
-heat of the force are their exact integrals: sticking is as accurate as a spring of order 4, sliding as friction of order
-4, and breaking away and turning around within a step cost no accuracy. The work is that of the force along the path,
-and the heat k z (s' - z') + (force - k z) s' is nowhere negative, so the law cannot generate energy. The mean force is
-continuous in the motion. A damper, or friction that falls, lets the spring go down to the friction, which is heat too.
+stretches on which the contact sticks or slides, and of parts on which the force is a quadratic of time. Mean, slope
+and heat of the force are their exact integrals: sticking is as accurate as a spring of order 4, sliding as friction of
+order 4, and breaking away and turning around within a step cost no accuracy. The work is that of the force along the
+path, and the heat k z (s' - z') + (force - k z) s' is nowhere negative, so the law cannot generate energy. The mean
+force is continuous in the motion. A damper, or friction that falls, lets the spring go down to the friction, which is
+heat too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
@@ -27,7 +29,7 @@ _MOST_STRETCHES = 6
 
 
 class Presliding(NamedTuple):
-    """Force on the body (N, N.m), its heat (J over a step, W of an instant), deflection (m, rad), slope of the force."""
+    """Force on the body (N, N.m), heat (J over a step, W of an instant), deflection (m, rad), slope of the force."""
 
     force: float
     heat: float
@@ -84,23 +86,23 @@ class _Stretch(NamedTuple):
 def step_force(
     stiffness: float,
     damping: float,
-    friction: tuple[float, float],
+    friction: float,
     deflection: float,
     change: float,
-    moment: float,
     h: float,
+    *,
+    moment: float = 0.0,
+    friction_slope: float = 0.0,
 ) -> Presliding:
     """Mean force over a step of size h with its slope, and the deflection at the end.
 
-    stiffness: above 0. friction: mean, not negative, and slope. change: of the coordinate. moment: of its rate, zero at
-    order 2.
+    stiffness: above 0. friction: mean, not negative. change: of the coordinate. moment: of its rate, zero at order 2.
     """
-    mean, slope = friction
-    slope = within(slope, mean)
+    slope = within(friction_slope, friction)
     r = _Rubbing(
         start=change - 3.0 * moment,
         bend=6.0 * moment,
-        limit=(mean - slope) / stiffness,
+        limit=(friction - slope) / stiffness,
         growth=2.0 * slope / stiffness,
         damping=damping / (stiffness * h),
     )
@@ -175,7 +177,7 @@ def _integrals(r: _Rubbing, s: _Stretch) -> Iterator[tuple[float, float, float]]
         zero for sign in (1, -1) for zero in _zeros(c - sign * limit, b - sign * r.growth, s.z2, s.length)
     ]
     cuts = [0.0, *sorted(reached), s.length]
-    for begin, end in zip(cuts, cuts[1:], strict=False):
+    for begin, end in pairwise(cuts):
         half, middle = 0.5 * (end - begin), 0.5 * (end + begin)
         for x in (middle - _GAUSS * half, middle + _GAUSS * half):
             t, slipping, deflection = s.start + x, rate + r.bend * x, s.deflection(x)

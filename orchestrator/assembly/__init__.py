@@ -43,7 +43,8 @@ class HingeLine:
     but that of its lock. deployed_angle: where it is meant to end (rad), of lines that neither a
     latch nor an end stop keeps there. parts: of the bodies that it joins; axis: where a run begins, world axes. bolted:
     whether hold-downs or a drive keep it there. known: the range (rad) of its way and of what tables of its motor and
-    harness tell; empty without any.
+    harness tell; empty without any. coupled: the lines of a group that cable loops couple, this one included, and
+    their rates over that of this one; empty without loops.
     """
 
     name: str
@@ -57,6 +58,7 @@ class HingeLine:
     axis: tuple[float, ...] = ()
     bolted: bool = False
     known: tuple[float, ...] = ()
+    coupled: tuple[tuple[str, float], ...] = ()
 
     @property
     def locks_rigid(self) -> bool:

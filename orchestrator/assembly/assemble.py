@@ -19,6 +19,7 @@ from ..scene.component_connections import WrenchMode, component_values
 from ..scene.hinge_line_tables import HingeLine
 from ..scene.locked_groups import Piece, PortSite, held_bodies, joined, joined_geometry, joined_model, pieces
 from ..scene.loops.closing import start_poses
+from ..scene.loops.coupled_lines import coupled_lines, rates_with
 from ..scene.loops.rates import start_rates
 from ..scene.schema import CheckedScene
 from ..scene.table import SceneError
@@ -127,6 +128,7 @@ def _assembly_lines(
     poses: Mapping[str, StartPose],
 ) -> tuple[AssemblyHingeLine, ...]:
     roots, bolted = joined(scene), bolted_lines(scene)
+    groups = coupled_lines(scene)
     return tuple(
         assembly_line(
             line,
@@ -135,6 +137,7 @@ def _assembly_lines(
             (roots[line.inboard], roots[line.outboard]),
             rotate(poses[line.inboard].orientation, line.axis),
             line.name in bolted,
+            rates_with(groups, line.name),
         )
         for line in lines
     )

@@ -130,10 +130,11 @@ def assembly_line(
     parts: tuple[str, str],
     axis: Vector3,
     bolted: bool,
+    coupled: tuple[tuple[str, float], ...],
 ) -> AssemblyHingeLine:
     """What the master and the key figures need to know of a line; axis: in the world, where a run begins.
 
-    bolted: whether hold-downs or a drive keep it there.
+    bolted: whether hold-downs or a drive keep it there. coupled: rates of the lines that it turns with, over its own.
     """
     return AssemblyHingeLine(
         line.name,
@@ -147,6 +148,7 @@ def assembly_line(
         axis=axis,
         bolted=bolted,
         known=_known(line),
+        coupled=coupled,
     )
 
 

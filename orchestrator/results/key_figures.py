@@ -83,7 +83,8 @@ class Headline:
     inertia is no part of it. port_*_peaks: magnitude of the vector at each of its ports, by name, torques about the
     port; hinge_*_peaks: the same at each hinge between other bodies, on the outboard one. attitude_peaks (rad),
     attitude_rate_peaks (rad/s): magnitude of each component of a free base's rotation vector and angular velocity;
-    attitude_at_end: rad. base_load_peaks: magnitude of force and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
+    attitude_at_end: rad. base_load_peaks: magnitude of force
+    and torque on the base, by unit. torque_peaks: magnitudes, by component and signal.
     force_extremes: lowest and highest sample of the forces, as what goes slack or lifts off has a kink there.
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
@@ -151,7 +152,7 @@ class Headline:
     def open_ends(self) -> Iterator[str]:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
         for line, standing in self.not_opened.items():
-            yield f"{line} has not opened after {self.end_time:g} s: {standing.state}"
+            yield f"{line} {standing.missing}; at {self.end_time:g} s it {standing.state}"
         for line, passed in self.overruns.items():
             yield (
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
@@ -253,14 +254,18 @@ def headline(result: Result) -> Headline:
     }
     last = max(times.values(), default=float(result.time[-1]))
     ledger, errors, at_points = energy_ledger(result), estimated_errors(result), _peaks_at_points(result)
-    short, unlatched, stops = short_of_deployed(result), unlatched_angles(result, times), short_of_stops(result)
+    short, unlatched, stops = (
+        short_of_deployed(result),
+        unlatched_angles(result, times),
+        short_of_stops(result),
+    )
     motors_short = tuple(x.name for x in result.hinge_lines if x.name in short and has_motor(result, x))
     found = Headline(
         complete=result.complete,
         end_time=float(result.time[-1]),
         latch_times=times,
         unlatched_angles=unlatched,
-        not_opened=not_opened(result, {*unlatched, *motors_short, *stops}),
+        not_opened=not_opened(result, _missing(unlatched, {x: short[x] for x in motors_short}, stops)),
         overruns=overruns(result),
         folded_back=folded_back(result),
         beyond_tables=beyond_tables(result),
@@ -301,6 +306,18 @@ def headline(result: Result) -> Headline:
     given = "step" in result.provenance
     told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result), fixed_step=given)
     return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
+
+
+def _missing(
+    unlatched: Iterable[str], short: Mapping[str, ShortOf], stops: Mapping[str, ShortOf]
+) -> dict[str, str]:
+    """What lines have not done that they should have."""
+    missing = dict.fromkeys(unlatched, "has not latched")
+    for end, lines in (("deployed angle of", short), ("end stop at", stops)):
+        for name, one in lines.items():
+            reached = f"it went to {degrees(one.largest):.2f} deg"
+            missing[name] = f"has not come to its {end} {degrees(one.angle):.4g} deg: {reached}"
+    return missing
 
 
 def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:

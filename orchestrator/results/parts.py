@@ -153,15 +153,19 @@ def hinge_lines(dataset: Any) -> tuple[HingeLine, ...]:  # noqa: ANN401
 
 def _hinge_line(fields: Mapping[str, Any]) -> HingeLine:
     sequences = {key: tuple(fields.get(key, ())) for key in ("hinges", "parts", "axis", "known")}
-    line = HingeLine(**{**fields, **sequences})
-    texts = (line.name, line.sensor, *line.hinges, *line.parts)
+    coupled = tuple(fields.get("coupled", ()))
+    _refuse(any(np.shape(one) != (2,) for one in coupled), "a hinge line is not as it was written")
+    line = HingeLine(**{**fields, **sequences, "coupled": tuple((name, rate) for name, rate in coupled)})
+    texts = (line.name, line.sensor, *line.hinges, *line.parts, *(name for name, _ in line.coupled))
     angle = line.deployed_angle
     sound = all(isinstance(one, str) for one in texts) and all(
         isinstance(one, bool) for one in (line.latches, line.kinematic)
     )
     _refuse(
         not sound
-        or not all(isinstance(one, float | int) for one in (*line.axis, *line.known))
+        or not all(
+            isinstance(one, float | int) for one in (*line.axis, *line.known, *(r for _, r in line.coupled))
+        )
         or len(line.known) not in (0, 2)
         or not (angle is None or isinstance(angle, float | int)),
         "a hinge line is not as it was written",

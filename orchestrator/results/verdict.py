@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import degrees
 
@@ -23,54 +23,66 @@ _MOST_LINES = 3
 class NotOpened:
     """A line that should have latched, or come to its stop or deployed angle, and has not.
 
-    angle: at the end, rad. rate: at the end, rad/s. is_stuck: it stands still. driving: torque of motor and harness at
-    the end, N.m, positive opening. friction: torque up to which its own friction holds it, N.m.
+    missing: what it has not done. angle: at the end, rad. rate: at the end, rad/s. is_stuck: it stands still. coupled:
+    lines that cable loops couple to it. driving: torque of motor and harness at the end, N.m, positive opening. friction: torque up to which friction
+    holds, N.m. Both are sums over it and the lines coupled to it, at its rate.
     """
 
+    missing: str
     angle: float
     rate: float
     is_stuck: bool
+    coupled: tuple[str, ...]
     driving: float
     friction: float
 
     @property
     def state(self) -> str:
         """Where the line stands, and what holds it."""
-        where = f"{degrees(self.angle):.4g} deg"
+        where = f"{round(degrees(self.angle), 2) + 0.0:.2f} deg"  # no negative zero
         if not self.is_stuck:
-            return f"at {where} it still turns at {degrees(self.rate):.3g} deg/s"
-        if self.friction <= 0.0:
-            return f"stuck at {where}: no friction of its own holds it, but what it is coupled to"
-        if self.driving < self.friction:
-            motor, friction = _apart(self.driving, self.friction)
-            return f"stuck at {where}: motor {motor} N.m below friction {friction} N.m"
+            return f"stands at {where} and turns at {degrees(self.rate):.3g} deg/s"
+        order = "below" if self.driving < self.friction else "above"
         motor, friction = _apart(self.driving, self.friction)
-        return f"stuck at {where}: held by what it is coupled to, motor {motor} N.m above friction {friction} N.m"
+        coupled = f" (coupled to {', '.join(self.coupled)})" if self.coupled else ""
+        motors = "motors" if self.coupled else "motor"
+        held = f"is stuck at {where}{coupled}: {motors} {motor} N.m {order} friction {friction} N.m"
+        return held if order == "below" else f"{held}, but something else holds it"
 
 
-def not_opened(result: Result, names: Collection[str]) -> dict[str, NotOpened]:
-    """The lines of these names, as they stand at the end of a result."""
-    return {line.name: _standing(result, line) for line in result.hinge_lines if line.name in names}
+def not_opened(result: Result, missing: Mapping[str, str]) -> dict[str, NotOpened]:
+    """How lines stand at the end of a result, by name; missing: what each of them has not done."""
+    return {
+        line.name: _standing(result, line, missing[line.name])
+        for line in result.hinge_lines
+        if line.name in missing
+    }
 
 
-def _standing(result: Result, line: HingeLine) -> NotOpened:
+def _standing(result: Result, line: HingeLine, missing: str) -> NotOpened:
     angle = result.signal(line.sensor, "angle")
     late = angle[result.time >= _LATE * result.time[-1]]
-    rate = result.signal(line.sensor, "angular_rate") if result.has(line.sensor, "angular_rate") else np.zeros(1)
+    rates = dict(line.coupled) or {line.name: 1.0}
+    together = [(one, rates[one.name]) for one in result.hinge_lines if one.name in rates]
     return NotOpened(
+        missing=missing,
         angle=float(angle[-1]),
-        rate=float(rate[-1]),
+        rate=_at_end(result, (line.sensor,), "angular_rate"),
         is_stuck=late.size > 1 and float(np.ptp(late)) <= _STILL,
-        driving=_at_end(result, line, "motor_torque") + _at_end(result, line, "harness_torque"),
-        friction=_at_end(result, line, "friction_limit"),
+        coupled=tuple(name for name in rates if name != line.name),
+        driving=sum(rate * _driving(result, one) for one, rate in together),
+        friction=sum(abs(rate) * _at_end(result, one.hinges, "friction_limit") for one, rate in together),
     )
 
 
-def _at_end(result: Result, line: HingeLine, variable: str) -> float:
-    """Sum over the hinges of a line at the end."""
-    return float(
-        sum(result.signal(hinge, variable)[-1] for hinge in line.hinges if result.has(hinge, variable))
-    )
+def _driving(result: Result, line: HingeLine) -> float:
+    """Torque of motor and harness at the end."""
+    return sum(_at_end(result, line.hinges, variable) for variable in ("motor_torque", "harness_torque"))
+
+
+def _at_end(result: Result, hinges: Iterable[str], variable: str) -> float:
+    """Sum over hinges at the end."""
+    return float(sum(result.signal(name, variable)[-1] for name in hinges if result.has(name, variable)))
 
 
 def _apart(one: float, other: float) -> tuple[str, str]:
@@ -84,7 +96,7 @@ def lines_sentence(
 ) -> str:
     """Which lines latched, and which did not open and why."""
     sentences = [] if complete else [f"The run was interrupted at {end_time:.4g} s."]
-    named = [f"{line} has not opened: {one.state}." for line, one in list(standing.items())[:_MOST_LINES]]
+    named = [f"{line} {one.missing}: it {one.state}." for line, one in list(standing.items())[:_MOST_LINES]]
     sentences += named
     if len(standing) > len(named):
         others = ", ".join(list(standing)[len(named) :])
@@ -96,6 +108,8 @@ def lines_sentence(
             sentences.append(f"{last} latched {when}.")
         elif standing:
             sentences.append(f"{len(latch_times)} lines latched, the last ({last}) {when}.")
+        elif len(latch_times) == 2:
+            sentences.append(f"Both lines latched, the last ({last}) {when}.")
         else:
             sentences.append(f"All {len(latch_times)} lines latched, the last ({last}) {when}.")
     if not sentences:

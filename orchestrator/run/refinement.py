@@ -54,7 +54,8 @@ _LEAST, _LEAST_FALLING = 0.01, 0.001
 """Smallest parts of the tolerance asked for that a run is repeated at, so that no scene takes minutes for seconds: of
 any, and of one whose errors have fallen as they should where those of latch-ups and stops are still too large."""
 _MOST_TIMES = 6.0
-"""Steps of a repetition over those of the first run; at order 4 a thousandth of the tolerance takes 1000^(1/4) = 5.6."""
+"""Steps of a repetition over those of the first run; at order 4 a thousandth of the tolerance takes 5.6 = 1000^(1/4)
+times as many."""
 _BEGINNING = 0.5
 """Steps of a repetition, over those of the run, that are made before its cost is judged."""
 _UNTOLD = 1e4
@@ -147,7 +148,7 @@ def _predicted_times(
     assembly: Assembly, outcome: Outcome, finer: Settings, part: float, until: float | None
 ) -> float:
     """Steps of a run at a part of the tolerance over those of the run, as far as tolerances alone explain them."""
-    by_error = part ** (-1.0 / outcome.order)
+    by_error: float = part ** (-1.0 / outcome.order)
     longest = finer.largest_step * share_of_steps(finer.tolerance)
     return max(by_error, (until or assembly.until) / longest / outcome.costs.steps)
 

@@ -79,7 +79,7 @@ class Friction(Table):
     bending_arm: Arm = 0.0
     """Arm that turns bending moment into pin force; 0 for none."""
     stiction_velocity: AngularRate = 0.0167
-    """Hinge rate from which the friction of pins falls from its static to its sliding value; smooth friction is full."""
+    """Hinge rate from which smooth friction is full, and that of pins falls from its static to its sliding value."""
     flexible_stiction_factor: PositiveRatio = 10.0
     """Factor on this rate for friction that sticks, and for smooth friction next to a flexible body."""
 

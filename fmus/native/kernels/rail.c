@@ -6,13 +6,20 @@
 #include "rail_layout.h"
 #include "connection.h"
 #include "laws.h"
+#include "presliding.h"
 #include "workless.h"
+
+/* Of the largest deflection: motion over a step that has no direction, and from where on a deflection is it. */
+#define STILL 1e-11
+#define AT_LIMIT (1.0 - 1e-9)
 
 enum { STIFF_COUNT = 4, PLACE_SIZE = 7 };
 
+/* Stiffness and damping of friction that sticks are zero where nothing does. */
 typedef struct Rail {
     Connection base;
-    double axis_frame[4], stiffness[STIFF_COUNT], damping[STIFF_COUNT];
+    int sticks;
+    double axis_frame[4], stiffness[STIFF_COUNT], damping[STIFF_COUNT], contact_stiffness, contact_damping;
 } Rail;
 
 /* Pose against the start in axes with x along the normal, stiff coordinates and their rates, sliding velocity. */
@@ -53,12 +60,12 @@ static inline real speed_of(Transverse velocity) {
     return root_of_squares(velocity.y * velocity.y + velocity.z * velocity.z);
 }
 
-/* Friction force at a sliding speed. */
+/* Smooth friction at a sliding speed. */
 static inline real sliding_friction(const Rail *rail, real speed) {
     return rail->base.p[P_FRICTION_FORCE] * stiction_factors(real_abs(speed), rail->base.p[P_STICTION_VELOCITY], 1.0).constant;
 }
 
-/* Friction force over the sliding speed, finite at rest. */
+/* The same over the sliding speed, finite at rest. */
 static inline real sliding_resistance(const Rail *rail, real speed) {
     if (value_of(speed) == 0.0) return 1.5 * rail->base.p[P_FRICTION_FORCE] / rail->base.p[P_STICTION_VELOCITY];
     return sliding_friction(rail, speed) / speed;
@@ -110,13 +117,15 @@ static inline MeanLoad guiding_load(const Rail *rail, const StepMotion *motion, 
     return bushing_load(rail->stiffness[i], rail->damping[i], motion, rail->base.p[P_END_WEIGHT]);
 }
 
-/* Friction over a step, at both points of Gauss' rule: mean and slope in the plane's axes, heat. */
+/* Friction over a step: mean and slope in the plane's axes, heat, deflection at the end. */
 typedef struct Sliding {
     Transverse force, slope;
     real heat;
+    Transverse deflection;
 } Sliding;
 
-static inline Sliding sliding_over(const Rail *rail, Transverse slid, Transverse bent, double h) {
+/* Smooth friction, at both points of Gauss' rule. */
+static inline Sliding smooth_sliding(const Rail *rail, Transverse slid, Transverse bent, double h) {
     real rates_y[2], rates_z[2], forces_y[2], forces_z[2];
     gauss_rates(slid.y, bent.y, h, rates_y);
     gauss_rates(slid.z, bent.z, h, rates_z);
@@ -126,7 +135,164 @@ static inline Sliding sliding_over(const Rail *rail, Transverse slid, Transverse
         forces_z[i] = -resistance * rates_z[i];
     }
     MeanLoad y = viscous_load(rates_y, forces_y, h), z = viscous_load(rates_z, forces_z, h);
-    return (Sliding){{y.force, z.force}, {y.slope, z.slope}, y.heat + z.heat};
+    return (Sliding){{y.force, z.force}, {y.slope, z.slope}, y.heat + z.heat, {0.0, 0.0}};
+}
+
+/* A vector, at most the limit in length. */
+static inline Transverse within_circle(Transverse vector, double limit) {
+    const real length = speed_of(vector);
+    if (!(value_of(length) > limit)) return vector;
+    return (Transverse){vector.y * (limit / length), vector.z * (limit / length)};
+}
+
+/* Components along an axis of the plane and across it. */
+static inline Transverse turned(Transverse vector, Transverse axis) {
+    return (Transverse){axis.y * vector.y + axis.z * vector.z, axis.y * vector.z - axis.z * vector.y};
+}
+
+/* Direction of most motion: between it and the one across, the mean of v v^T over a step has no part. */
+static inline Transverse main_axis(Transverse slid, Transverse bent) {
+    const real difference = slid.y * slid.y - slid.z * slid.z + 3.0 * (bent.y * bent.y - bent.z * bent.z);
+    const real angle = 0.5 * real_atan2(2.0 * (slid.y * slid.z + 3.0 * bent.y * bent.z), difference);
+    return (Transverse){real_cos(angle), real_sin(angle)};
+}
+
+/* Integrals over x from 0 to 1 of e^-ax times (1 - x)^n / n!, n from 0 to 3, after e^-a. */
+static inline void exponentials(real a, real integrals[5]) {
+    static const double terms[4] = {1.0, 1.0, 0.5, 1.0 / 6.0};
+    if (value_of(a) < 1.0) {
+        real last = 1.0;
+        for (int j = 20; j > 4; j--) last = 1.0 - a * last / j;
+        integrals[4] = last / 24.0;
+        for (int n = 3; n >= 0; n--) integrals[n] = terms[n] - a * integrals[n + 1];
+        return;
+    }
+    integrals[0] = real_exp(-a);
+    for (int n = 0; n < 4; n++) integrals[n + 1] = (terms[n] - integrals[n]) / a;
+}
+
+/* Load of a spring whose deflection relaxes, z' = v - way z per step. */
+static inline Presliding relaxing_load(double stiffness, real way, real start, real change, real moment) {
+    real r[5];
+    exponentials(way, r);
+    const real begin = change - 3.0 * moment, bend = 6.0 * moment;
+    const real end = start * r[0] + begin * r[1] + bend * r[2];
+    const real mean = start * r[1] + begin * r[2] + bend * r[3];
+    const real first = 3.0 * mean - 6.0 * (start * r[2] + begin * r[3] + bend * r[4]);
+    const real lost = mean * change + first * moment - 0.5 * (end - start) * (end + start);
+    return (Presliding){-stiffness * mean, stiffness * lost, end, -stiffness * first};
+}
+
+/* The load with a damper; damping over the step size. */
+static inline Presliding with_damper(real damping, Presliding load, real change, real moment) {
+    load.force -= damping * change;
+    load.heat += damping * (change * change + 3.0 * moment * moment);
+    load.slope -= 3.0 * damping * moment;
+    return load;
+}
+
+/* Whether spring and damper stay within a friction of mean and slope; damping over the step size. */
+static inline int contact_holds(double stiffness, double damping, double mean, double slope, double start,
+                                double change, double moment) {
+    const double begin = change - 3.0 * moment;
+    const double z[3] = {start, start + 0.5 * begin, start + change}, v[3] = {begin, change, change + 3.0 * moment};
+    for (int i = 0; i < 3; i++) {
+        const double most = mean + (i - 1) * slope;
+        if (!(fabs(stiffness * z[i]) <= most && fabs(stiffness * z[i] + damping * v[i]) <= most)) return 0;
+    }
+    return 1;
+}
+
+/* Friction along the directions of most and of least motion; 0 where the trolley sticks, as it does in any two. */
+static inline int slips(const Rail *rail, Transverse start, Transverse slid, Transverse bent, double h,
+                        Sliding *friction) {
+    const double k = rail->contact_stiffness, d = rail->contact_damping, most = rail->base.p[P_FRICTION_FORCE];
+    const double limit = rail->base.p[P_BREAKAWAY_DEFLECTION];
+    const double motion =
+        fabs(value_of(slid.y)) + fabs(value_of(slid.z)) + fabs(value_of(bent.y)) + fabs(value_of(bent.z));
+    if (motion < STILL * limit) return 0;
+    const Transverse axis = main_axis(slid, bent), back = {axis.y, -axis.z};
+    start = turned(start, axis);
+    slid = turned(slid, axis);
+    bent = turned(bent, axis);
+    real way = speed_of((Transverse){start.y + slid.y, start.z + slid.z}) / limit - 1.0;
+    if (!(value_of(way) > 0.0)) way = 0.0;
+    Presliding across = relaxing_load(k, way, start.z, slid.z, bent.z);
+    real left[2];
+    for (int i = 0; i < 2; i++) {
+        const real load = across.force + (i ? sqrt(1.0 / 3.0) : -sqrt(1.0 / 3.0)) * across.slope;
+        left[i] = real_sqrt(above(most * most - load * load, 0.0));
+    }
+    const real mean = 0.5 * (left[0] + left[1]), slope = 0.5 * sqrt(3.0) * (left[1] - left[0]);
+    if (value_of(way) == 0.0 && contact_holds(k, d / h, value_of(mean), value_of(slope), value_of(start.y),
+                                              value_of(slid.y), value_of(bent.y)))
+        return 0;
+    const real fastest = root_of_squares(slid.y * slid.y + slid.z * slid.z + 9.0 * (bent.y * bent.y + bent.z * bent.z));
+    real felt = 2.0 * most / fastest;
+    if (!(value_of(felt) < d / h)) felt = d / h;
+    across = with_damper(felt * real_exp(-way), across, slid.z, bent.z);
+    const Presliding along = step_force(k, d, mean, slope, start.y, slid.y, bent.y, h);
+    *friction = (Sliding){
+        turned((Transverse){along.force, across.force}, back),
+        turned((Transverse){along.slope, across.slope}, back),
+        along.heat + across.heat,
+        turned((Transverse){along.deflection, across.deflection}, back),
+    };
+    return 1;
+}
+
+/* Friction that sticks, from a deflection on. */
+static inline Sliding sticking_sliding(const Rail *rail, Transverse start, Transverse slid, Transverse bent, double h) {
+    const double k = rail->contact_stiffness, damping = rail->contact_damping / h;
+    Sliding friction;
+    if (!slips(rail, start, slid, bent, h, &friction)) {
+        Presliding y = with_damper(damping, relaxing_load(k, 0.0, start.y, slid.y, bent.y), slid.y, bent.y);
+        Presliding z = with_damper(damping, relaxing_load(k, 0.0, start.z, slid.z, bent.z), slid.z, bent.z);
+        friction = (Sliding){{y.force, z.force}, {y.slope, z.slope}, y.heat + z.heat, {y.deflection, z.deflection}};
+    }
+    const Transverse free = friction.deflection, held = within_circle(free, rail->base.p[P_BREAKAWAY_DEFLECTION]);
+    friction.heat += 0.5 * k * (free.y * free.y + free.z * free.z - held.y * held.y - held.z * held.z);
+    friction.deflection = held;
+    return friction;
+}
+
+/* Deflection that a motion moves, no further than where friction breaks away. */
+static inline Transverse deflected(const Rail *rail, Transverse deflection, Transverse slid) {
+    if (!rail->sticks) return (Transverse){0.0, 0.0};
+    return within_circle((Transverse){deflection.y + slid.y, deflection.z + slid.z},
+                         rail->base.p[P_BREAKAWAY_DEFLECTION]);
+}
+
+/* Over a step; in an impulse friction that sticks does nothing, of an end point it follows the trolley. */
+static inline Sliding sliding_over(const Rail *rail, Transverse start, Transverse slid, Transverse bent, double h,
+                                   int impulse) {
+    if (!rail->sticks) return smooth_sliding(rail, slid, bent, h);
+    if (impulse) return (Sliding){{0.0, 0.0}, {0.0, 0.0}, 0.0, start};
+    Sliding friction = sticking_sliding(rail, start, slid, bent, h);
+    if (rail->base.endpoint) friction.deflection = deflected(rail, start, slid);
+    return friction;
+}
+
+/* Deflection at an instant. */
+static inline Transverse deflection_now(const Rail *rail, const real *x, const Trolley *now) {
+    const Transverse slid = {now->pose.offset.y - x[X_OFFSET + 1], now->pose.offset.z - x[X_OFFSET + 2]};
+    return deflected(rail, (Transverse){x[X_DEFLECTION], x[X_DEFLECTION + 1]}, slid);
+}
+
+/* Friction of one instant in the plane's axes, and its heat as power. */
+static inline Transverse instant_sliding(const Rail *rail, Transverse z, Transverse v, real *heat) {
+    if (!rail->sticks) {
+        const real speed = speed_of(v), resistance = sliding_resistance(rail, speed);
+        *heat = resistance * speed * speed;
+        return (Transverse){-resistance * v.y, -resistance * v.z};
+    }
+    const double k = rail->contact_stiffness, d = rail->contact_damping, limit = rail->base.p[P_BREAKAWAY_DEFLECTION];
+    const Transverse against =
+        within_circle((Transverse){k * z.y + d * v.y, k * z.z + d * v.z}, rail->base.p[P_FRICTION_FORCE]);
+    const real stored = k * (z.y * v.y + z.z * v.z);
+    *heat = against.y * v.y + against.z * v.z;
+    if (!(value_of(stored) > 0.0 && value_of(speed_of(z)) >= AT_LIMIT * limit)) *heat -= stored;
+    return (Transverse){-against.y, -against.z};
 }
 
 /* Loads of the stiff coordinates over a step and their slopes, with what is remembered; adds to the losses. */
@@ -161,7 +327,10 @@ int NAME(rail_step)(void *self, const double *x, const real *u, double h, real *
     Transverse bent = {0.0, 0.0};
     if (paired) bent = trolley_moments(&now, u + INPUTS, swing, moments);
     guide_step(rail, x, &now, moments, paired, h, load, slope, x_next);
-    Sliding friction = sliding_over(rail, slid, bent, h);
+    const Transverse deflection = {x[X_DEFLECTION], x[X_DEFLECTION + 1]};
+    Sliding friction = sliding_over(rail, deflection, slid, bent, h, impulse);
+    x_next[X_DEFLECTION] = friction.deflection.y;
+    x_next[X_DEFLECTION + 1] = friction.deflection.z;
     x_next[X_FRICTION_HEAT] = x[X_FRICTION_HEAT] + friction.heat;
     trolley_store(&now, x_next);
     rail_store_wrench(&now, load, friction.force, swing, x_next + X_WRENCH);
@@ -186,8 +355,8 @@ void NAME(rail_outputs)(void *self, const real *x, const real *u, real *y) {
     real load[STIFF_COUNT];
     for (int i = 0; i < STIFF_COUNT; i++)
         load[i] = -rail->stiffness[i] * now.stiff[i] - rail->damping[i] * now.rates[i];
-    real resistance = sliding_resistance(rail, speed_of(now.velocity));
-    const Transverse friction = {-resistance * now.velocity.y, -resistance * now.velocity.z};
+    real heat;
+    const Transverse friction = instant_sliding(rail, deflection_now(rail, x, &now), now.velocity, &heat);
     rail_store_wrench(&now, load, friction, now.pose.swing, y);
 }
 
@@ -196,8 +365,7 @@ int NAME(rail_rates)(void *self, const real *raw, const real *x, const real *u, 
     const Rail *rail = self;
     (void)raw, (void)why;
     Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
-    real speed = speed_of(now.velocity);
-    rates[0] = sliding_resistance(rail, speed) * speed * speed;
+    instant_sliding(rail, deflection_now(rail, x, &now), now.velocity, &rates[0]);
     rates[1] = 0.0;
     for (int i = 0; i < STIFF_COUNT; i++) rates[1] += rail->damping[i] * now.rates[i] * now.rates[i];
     return 1;
@@ -218,6 +386,9 @@ static int rail_prepare(void *self, const double *p, Reason *why) {
         rail->stiffness[i] = p[i == 0 ? P_NORMAL_STIFFNESS : P_ROTATIONAL_STIFFNESS];
         rail->damping[i] = p[i == 0 ? P_NORMAL_DAMPING : P_ROTATIONAL_DAMPING];
     }
+    rail->sticks = p[P_FRICTION_FORCE] > 0.0 && p[P_BREAKAWAY_DEFLECTION] > 0.0;
+    rail->contact_stiffness = rail->sticks ? p[P_FRICTION_FORCE] / p[P_BREAKAWAY_DEFLECTION] : 0.0;
+    rail->contact_damping = rail->sticks ? p[P_FRICTION_FORCE] / p[P_STICTION_VELOCITY] : 0.0;
     return prepare_connection(self, p, p[P_ORDER], p[P_END_WEIGHT], why);
 }
 
@@ -242,7 +413,9 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     Trolley now = trolley_of(rail, x + X_POSITION, u, x[X_TURN]);
     double speed = speed_of(now.velocity), energy = 0.0;
     for (int i = 0; i < STIFF_COUNT; i++) energy += 0.5 * rail->stiffness[i] * now.stiff[i] * now.stiff[i];
-    double rate = now.rates[0], felt = speed;
+    const Transverse deflection = deflection_now(rail, x, &now);
+    energy += 0.5 * rail->contact_stiffness * (deflection.y * deflection.y + deflection.z * deflection.z);
+    double rate = now.rates[0], felt = speed, heat;
     if (!rail->base.endpoint) {
         rate = x[X_MEMORIES + (rail->base.paired ? END_RATE : MEAN_RATE)];
         felt = mid_step_now(x + X_SLIDE);
@@ -250,7 +423,10 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     const double normal = -rail->stiffness[0] * now.stiff[0] - rail->damping[0] * rate;
     z[Z_NORMAL_FORCE] = normal;
     if (rail->base.paired) z[Z_NORMAL_FORCE] = load_now(x + X_PRESSED, normal, x[X_MEMORIES + ROUGHNESS]);
-    z[Z_FRICTION_FORCE_MAGNITUDE] = sliding_friction(rail, felt);
+    Transverse velocity = {0.0, 0.0};
+    if (speed > 0.0) velocity = (Transverse){now.velocity.y / speed * felt, now.velocity.z / speed * felt};
+    const double friction = speed_of(instant_sliding(rail, deflection, velocity, &heat));
+    z[Z_FRICTION_FORCE_MAGNITUDE] = rail->sticks ? friction : sliding_friction(rail, felt);
     z[Z_SLIDING_SPEED] = speed;
     z[Z_FRICTION_ENERGY] = x[X_FRICTION_HEAT];
     z[Z_POTENTIAL_ENERGY] = energy;
@@ -258,11 +434,16 @@ static void rail_observe(void *self, const double *x, const double *u, double *z
     z[Z_NUMERICAL_DISSIPATION] = x[X_NUMERICAL];
 }
 
-/* Follows the trolley's turn. */
+/* Follows the trolley, with its turn and the deflection of friction. */
 static void rail_update(void *self, const double *x, const double *u, int at_event, double *x_next) {
     (void)at_event;
+    Trolley now = trolley_of(self, x + X_POSITION, u, x[X_TURN]);
+    const Transverse deflection = deflection_now(self, x, &now);
     memcpy(x_next, x, STATES * sizeof *x);
-    x_next[X_TURN] = trolley_of(self, x + X_POSITION, u, x[X_TURN]).stiff[1];
+    vector_store(now.pose.offset, x_next + X_OFFSET);
+    x_next[X_TURN] = now.stiff[1];
+    x_next[X_DEFLECTION] = deflection.y;
+    x_next[X_DEFLECTION + 1] = deflection.z;
 }
 
 const Kernel rail_kernel = {CONNECTION_FUNCTIONS(rail, rail), .update = rail_update};

@@ -45,6 +45,10 @@ static inline real real_tan(real a) {
     double t = tan(creal(a));
     return complex_of(t, cimag(a) * (1.0 + t * t));
 }
+static inline real real_exp(real a) {
+    double e = exp(creal(a));
+    return complex_of(e, cimag(a) * e);
+}
 static inline real real_asin(real a) {
     double v = creal(a);
     return complex_of(asin(v), cimag(a) / sqrt(1.0 - v * v));
@@ -65,6 +69,7 @@ static inline real real_sqrt(real a) { return sqrt(a); }
 static inline real real_sin(real a) { return sin(a); }
 static inline real real_cos(real a) { return cos(a); }
 static inline real real_tan(real a) { return tan(a); }
+static inline real real_exp(real a) { return exp(a); }
 static inline real real_asin(real a) { return asin(a); }
 static inline real real_atan2(real y, real x) { return atan2(y, x); }
 static inline real real_abs(real a) { return fabs(a); }

@@ -1,4 +1,4 @@
-"""Trolleys that creep where friction should hold them, as that of a rail is smooth at rest."""
+"""Trolleys that creep where friction should hold them, as that of their rail is chosen to be smooth at rest."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from components.rail import Rail
 
-from ...assembly import Assembly
+from ...assembly import Assembly, Part
 from ...results.result import Result
 
 _LATE = 0.9
@@ -23,23 +23,20 @@ def creeping_sentences(assembly: Assembly, result: Result) -> Iterator[str]:
     """A sentence for each rail whose trolley slides steadily, at the end, below the speed of full friction."""
     late = result.time >= _LATE * result.time[-1]
     for rail in (part for part in assembly.parts if part.kind == Rail.kind):
-        if (
-            not rail.start.get("friction_force")
-            or not result.has(rail.name, "sliding_speed")
-            or late.sum() < 2
-        ):
+        smooth = _start(rail, "friction_force") > 0.0 and _start(rail, "breakaway_deflection") == 0.0
+        if not smooth or not result.has(rail.name, "sliding_speed") or late.sum() < 2:
             continue
-        full = float(np.ravel(rail.start.get("stiction_velocity", _full_speed()))[0])
+        full = _start(rail, "stiction_velocity")
         speed = result.signal(rail.name, "sliding_speed")[late]
         if _FELT * full < speed.min() and speed.max() < min(full, (1.0 + _STEADY) * speed.min()):
             yield (
                 f"{rail.name}: its trolley creeps at {1e3 * speed[-1]:.3g} mm/s at the end, where friction would hold "
-                f"it: below stiction_velocity ({1e3 * full:g} mm/s) that of a rail is less than its full force; a "
-                "smaller one creeps less"
+                f"it: without breakaway_deflection, friction below stiction_velocity ({1e3 * full:g} mm/s) is less "
+                "than its full force; with one it sticks, and a smaller stiction_velocity creeps less"
             )
 
 
-def _full_speed() -> float:
-    """The declared start value."""
+def _start(rail: Part, name: str) -> float:
+    """A parameter's start value, as it is declared where none is given."""
     layout = Rail().parameter_layout
-    return float(layout.start_values()[layout["stiction_velocity"]][0])
+    return float(np.ravel(rail.start.get(name, layout.start_values()[layout[name]]))[0])

@@ -69,6 +69,12 @@ def coupled_lines(scene: CheckedScene) -> tuple[CoupledLines, ...]:
     return tuple(sorted(groups, key=lambda group: names.index(next(iter(group.rates)))))
 
 
+def rates_with(groups: Iterable[CoupledLines], name: str) -> tuple[tuple[str, float], ...]:
+    """Lines that a line turns with, itself included, and their rates over its own; empty where it turns alone."""
+    rates = next((group.rates for group in groups if name in group.rates), {})
+    return tuple((other, rate / rates[name]) for other, rate in rates.items())
+
+
 def _loops(scene: CheckedScene) -> Iterator[_Loop]:
     """Cable loops, among them those that are connections along the axes of their bodies, and are not cut."""
     for loop in scene.loops:

@@ -141,7 +141,7 @@ def test_latch_times_and_torque_of_a_line(latched):
     )
     whole = sum(latched.signal(f"hl1_{side}", "latch_torque") for side in synthetic_result.SHARES)
     np.testing.assert_allclose(latched.latch_torque("hl1"), whole)
-    assert "hl1 6 s" in repr(latched)
+    assert "the last (hl3) at 9.7 s" in repr(latched)
 
 
 def test_figures_are_matplotlibs(tmp_path):
@@ -186,7 +186,9 @@ def test_what_is_not_as_it_should_be_is_a_warning():
             "hinge_line.middle_line.end_stop": {"stiffness": 2000},
         }
     )
-    with pytest.warns(fanfold.FanfoldWarning, match="root_line has not latched; at 0.1 s it stands") as told:
+    with pytest.warns(
+        fanfold.FanfoldWarning, match="root_line has not latched; at 0.1 s it is stuck"
+    ) as told:
         found = fanfold.simulate(stuck, until=0.1, estimate=False)
     assert told[0].filename == __file__
     said = [str(one.message) for one in told]

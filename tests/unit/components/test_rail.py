@@ -1,4 +1,4 @@
-"""Trolley on a rail: sliding to a stop, guidance, statics, energy, and what it carries."""
+"""Trolley on a rail with smooth friction: sliding to a stop, guidance, statics, energy, and what it carries."""
 
 import numpy as np
 import pytest
@@ -23,6 +23,7 @@ STIFF = {
     "rotational_stiffness": 1e4,
     "rotational_damping": 5.0,
     "stiction_velocity": TRANSITION,
+    "breakaway_deflection": 0.0,
 }
 
 
@@ -115,10 +116,11 @@ def test_an_undamped_rail_keeps_the_amplitude_of_its_ringing():
 @pytest.mark.parametrize("h", [0.05, 5e-3])
 @pytest.mark.parametrize("friction", [0.0, FRICTION])
 @pytest.mark.parametrize("order", [2, 4])
-def test_energy_balance_at_any_step_size(h, friction, order):
+@pytest.mark.parametrize("breakaway", [0.0, 1e-4, 1e-2])
+def test_energy_balance_at_any_step_size(h, friction, order, breakaway):
     """Conservation law: a thrown, turning trolley leaves the iteration's tolerance; friction never gives back."""
     start = {"initial_velocity": (0.5, -0.3, 0.2), "initial_angular_velocity": (0.3, 0.0, 0.5)}
-    run = slid(h, 1.0, start=start, friction_force=friction, order=order)
+    run = slid(h, 1.0, start=start, friction_force=friction, order=order, breakaway_deflection=breakaway)
     total = energy(run)
     assert np.abs(total - total[0]).max() < 1e-5 * total[0]
     assert np.all(np.diff(run.signal("rail", "friction_energy")) >= 0.0)

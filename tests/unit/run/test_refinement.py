@@ -153,7 +153,7 @@ def test_errors_that_fall_lead_further(outcome, monkeypatch):
 
 @pytest.mark.parametrize("predicted", [None, 1.0])
 def test_a_repetition_that_costs_too_much_is_not_made(outcome, monkeypatch, predicted):
-    """Rule: neither one whose tolerance alone makes it costly, nor one that turns out so. The result states the cost."""
+    """Rule: neither one that its tolerance makes costly, nor one that turns out so. The result states the cost."""
     said, bad = [], off_by(outcome, 60.0)
     monkeypatch.setattr(refinement, "_MOST_TIMES", 1.5)
     if predicted:

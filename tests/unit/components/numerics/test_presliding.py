@@ -16,11 +16,13 @@ SIGNED = st.floats(-1.0, 1.0)
 PARTS = 20_000
 
 
-@given(NUMBER, NUMBER, NUMBER, SIGNED, SIGNED, SIGNED, SIGNED, st.floats(1e-3, 1.0))
+@given(
+    NUMBER, NUMBER, st.floats(1e-6, 1.0) | st.just(0.0), SIGNED, SIGNED, SIGNED, SIGNED, st.floats(1e-3, 1.0)
+)
 def test_no_step_makes_energy(stiffness, damping, friction, growing, deflection, change, moment, h):
     """Work = energy of the spring + heat, and heat >= 0, to the round-off of these products; force within friction."""
     k = 1e-3 + 10.0 * stiffness
-    found = step_force(k, damping, (friction, growing), deflection, change, moment, h)
+    found = step_force(k, damping, friction, deflection, change, h, moment=moment, friction_slope=growing)
     stored = 0.5 * k * (found.deflection**2 - deflection**2)
     size = abs(change) + 6.0 * abs(moment)
     round_off = 1e-14 * (k * (deflection**2 + size**2) + friction * (1.0 + size) + damping * size**2 / h)
@@ -36,7 +38,10 @@ def law_in_time(k, c, friction, start, change, moment, h):
     """Mean, slope and end of the deflection along the path, by steps of the law with the midpoint rule."""
     t = (np.arange(PARTS) + 0.5) / PARTS
     rate, most = change + 3.0 * moment * (2.0 * t - 1.0), friction[0] + friction[1] * (2.0 * t - 1.0)
-    z, force = np.clip(start, -(friction[0] - friction[1]) / k, (friction[0] - friction[1]) / k), np.zeros(PARTS)
+    z, force = (
+        np.clip(start, -(friction[0] - friction[1]) / k, (friction[0] - friction[1]) / k),
+        np.zeros(PARTS),
+    )
     for i in range(PARTS):
         half = 0.5 * rate[i] / PARTS
         z = min(max(z + half, -most[i] / k), most[i] / k)
@@ -56,8 +61,8 @@ def test_a_step_that_sticks_slides_and_turns_is_that_of_its_law_in_time(path, da
     20,000 parts are off by their size times the jump of the slope at each of a few corners: below 5e-5 of 1 N.
     """
     start, change, moment, growing = path[0] * 0.1, 0.4 * path[1], 0.3 * path[2], 0.5 * path[3]
-    given = (10.0, damping, (1.0, growing), start, change, moment, 0.7)
-    found, (mean, slope, end) = step_force(*given), law_in_time(*given)
+    found = step_force(10.0, damping, 1.0, start, change, 0.7, moment=moment, friction_slope=growing)
+    mean, slope, end = law_in_time(10.0, damping, (1.0, growing), start, change, moment, 0.7)
     assert found.force == pytest.approx(mean, abs=5e-5)
     assert found.slope == pytest.approx(slope, abs=1.5e-4)
     assert found.deflection == pytest.approx(end, abs=5e-5)
@@ -67,7 +72,7 @@ def test_a_step_that_sticks_slides_and_turns_is_that_of_its_law_in_time(path, da
 def test_sticking_is_a_spring_and_a_damper_of_order_4(start, change, moment, k):
     """Below the friction: what `workless_spring` says of both."""
     h, c, friction = 0.5, 0.3, 1e6
-    found = step_force(k, c, (friction, 0.0), start, change, moment, h)
+    found = step_force(k, c, friction, start, change, h, moment=moment)
     motion = StepMotion(start, start + change, h, Memory(0.0, 0.0), moment)
     spring = workless_spring(k, c, motion)
     assert found.force == pytest.approx(spring.force, abs=1e-12)
@@ -82,7 +87,7 @@ def test_sticking_is_a_spring_and_a_damper_of_order_4(start, change, moment, k):
 def test_the_mean_of_a_step_is_that_of_its_law_in_time(start, change, damping):
     """By the midpoint rule over 20,000 parts at a constant rate: off by h^2 / 24 of jumps in slope, here below 1e-8."""
     k, friction, h = 10.0, 1.0, 0.7
-    found = step_force(k, damping, (friction, 0.0), start, change, 0.0, h)
+    found = step_force(k, damping, friction, start, change, h)
     rate, limit = change / h, friction / k
     moved = np.clip(start + change * (np.arange(PARTS) + 0.5) / PARTS, -limit, limit)
     law = np.mean([instant_force(k, damping, friction, z, rate).force for z in moved])
@@ -95,7 +100,7 @@ def test_force_follows_the_motion_without_jumps(start, change, further):
     """Nowhere steeper than stuck: k / 2 + c / h."""
     k, friction, h, damping = 10.0, 1.0, 0.5, 0.2
     one, other = (
-        step_force(k, damping, (friction, 0.0), 0.1 * start, s, 0.0, h).force for s in (change, change + further)
+        step_force(k, damping, friction, 0.1 * start, s, h).force for s in (change, change + further)
     )
     assert abs(other - one) <= (0.5 * k + damping / h) * abs(further) * (1.0 + 1e-12) + 1e-14
 
@@ -105,14 +110,14 @@ def test_slope_of_the_force_has_no_jump_where_it_breaks_away(start):
     """At the way w where k (z + w) + c w / h = F; beyond it slopes change by at most k / w."""
     k, friction, h, damping = 10.0, 1.0, 0.5, 0.2
     way, d = (friction / k - 0.1 * start) / (1.0 + damping / (h * k)), 1e-6
-    around = [step_force(k, damping, (friction, 0.0), 0.1 * start, way + n * d, 0.0, h).force for n in (-1, 0, 1)]
+    around = [step_force(k, damping, friction, 0.1 * start, way + n * d, h).force for n in (-1, 0, 1)]
     before, after = (around[1] - around[0]) / d, (around[2] - around[1]) / d
     assert after == pytest.approx(before, abs=2.0 * d * (k + damping / h) / way + 1e-8)
 
 
 def test_friction_that_falls_lets_the_spring_go():
     """Held at z = F / k while friction halves: three quarters of the spring's energy become heat, none of it work."""
-    found = step_force(10.0, 0.0, (0.5, 0.0), 0.1, 0.0, 0.0, 1.0)
+    found = step_force(10.0, 0.0, 0.5, 0.1, 0.0, 1.0)
     assert found.deflection == pytest.approx(0.05)
     assert found.heat == pytest.approx(0.5 * 10.0 * (0.1**2 - 0.05**2), rel=1e-14)
 

@@ -1,4 +1,4 @@
-"""What runs tell of trolleys on rails: friction that is smooth at rest holds nothing."""
+"""What runs tell of trolleys on rails: friction that is chosen to be smooth at rest holds nothing."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ MASS, SLOPE, TRANSITION = 2.0, np.radians(30.0), 0.02
 PULL = MASS * 9.81 * np.sin(SLOPE)
 
 
-def incline(friction, **header):
+def incline(friction, breakaway=1e-4, **header):
     """A block on an inclined rail."""
     scene = fanfold.Scene("incline", gravity=(0, 0, -9.81), **header)
     scene.base(points={"o": (0, 0, 0)})
@@ -18,7 +18,10 @@ def incline(friction, **header):
     scene.connection(
         "rail", "rail", ports={"trolley": {"body": "block", "point": "c"}},
         structure={"normal": (np.sin(SLOPE), 0.0, np.cos(SLOPE))},
-        parameters={"friction_force": friction, "stiction_velocity": TRANSITION, "normal_damping": 2e3},
+        parameters={
+            "friction_force": friction, "stiction_velocity": TRANSITION, "normal_damping": 2e3,
+            "breakaway_deflection": breakaway,
+        },
     )  # fmt: skip
     return scene
 
@@ -28,16 +31,18 @@ def test_a_trolley_that_creeps_is_told():
     with pytest.warns(
         fanfold.FanfoldWarning, match=r"rail: its trolley creeps at 12.5 mm/s at the end"
     ) as told:
-        found = fanfold.simulate(incline(12.0, until="2 s"), estimate=False)
+        found = fanfold.simulate(incline(12.0, 0.0, until="2 s"), estimate=False)
     r = found["rail", "sliding_speed"][-1] / TRANSITION
     assert 0.5 * r * (3.0 - r * r) == pytest.approx(PULL / 12.0, rel=1e-4)
     assert any("stiction_velocity (20 mm/s)" in str(one.message) for one in told)
 
 
-def test_a_trolley_that_slides_is_not_told(recwarn):
-    """Its friction is full."""
-    fanfold.simulate(incline(6.0, until="0.5 s"), estimate=False)
+@pytest.mark.parametrize(("friction", "breakaway"), [(6.0, 0.0), (6.0, 1e-4), (12.0, 1e-4)])
+def test_a_trolley_that_slides_or_sticks_gives_no_warning(friction, breakaway, recwarn):
+    """Its friction is full, or holds it."""
+    found = fanfold.simulate(incline(friction, breakaway, until="0.5 s"), estimate=False)
     assert not [one for one in recwarn if "creeps" in str(one.message)]
+    assert (found["rail", "sliding_speed"][-1] < 1e-6) == (friction > PULL)
 
 
 def test_a_start_that_slid_is_told():
