@@ -14,6 +14,9 @@ order 4, and breaking away and turning around within a step cost no accuracy. Th
 path, and the heat k z (s' - z') + (force - k z) s' is nowhere negative, so the law cannot generate energy. The mean
 force is continuous in the motion. A damper, or friction that falls, lets the spring go down to the friction, which is
 heat too.
+
+Without motion the derivative is that of a spring, but near the friction that of sliding: a line that just latches has
+slid up to there.
 """
 
 from __future__ import annotations
@@ -26,6 +29,8 @@ from typing import NamedTuple
 _NEVER = 2.0
 _GAUSS = sqrt(1.0 / 3.0)
 _MOST_STRETCHES = 6
+_STILL, _NEAR = 1e-9, 0.9
+"""Of the largest deflection: a motion that is none, and that from which on the derivative is of sliding."""
 
 
 class Presliding(NamedTuple):
@@ -66,7 +71,7 @@ class _Rubbing(NamedTuple):
     def slides_on(self, t: float, side: int) -> bool:
         """Whether a contact at its largest deflection slides on towards a side."""
         faster = side * self.rate(t) - self.growth
-        return faster > 0.0 or (faster == 0.0 and side * self.bend > 0.0)
+        return faster > 0.0 or (faster == 0.0 and side * self.bend >= 0.0)
 
 
 class _Stretch(NamedTuple):
@@ -107,6 +112,8 @@ def step_force(
         damping=damping / (stiffness * h),
     )
     z = within(deflection, r.limit)
+    if abs(change) + abs(moment) <= _STILL * r.limit and abs(z) >= _NEAR * r.limit:
+        r = r._replace(limit=abs(z), growth=0.0)
     force = force_slope = 0.0
     heat = 0.5 * (deflection * deflection - z * z)
     for stretch in _stretches(r, z):

@@ -110,8 +110,12 @@ def slopes(solver: Solver, names: Sequence[str], time: float, h: float) -> list[
 
 
 def _stiffness(connection: Participant, places: PortPlaces, width: Width, time: float, h: float) -> Matrix:
+    held = connection.inputs.copy()
+    if places.moments is not None:  # without motion, as those of the last step are no part of another one
+        connection.inputs[places.moments : places.moments + 6 * places.ports] = 0.0
     stepped(connection, time, h)
     matrix = jacobian_block(connection, places, width, time, h).matrix
+    connection.inputs[:] = held
     table = matrix.reshape(places.ports, width.wrench, places.ports, width.coordinates)[:, :6, :, :6]
     return table.reshape(6 * places.ports, 6 * places.ports)
 

@@ -26,6 +26,7 @@ from .lines.straying import (
     has_motor,
     overruns,
     pressed_stops,
+    reached_stops,
     short_of_deployed,
     short_of_stops,
     unlatched_angles,
@@ -72,6 +73,7 @@ class Headline:
     unlatched_angles: where lines with a latch stand at the end without having latched (rad). overruns: lines without a
     latch that passed their deployed angle. short_of_deployed: such lines that never came to it, motors_short: those of
     them that a motor opens. short_of_stops: lines that an end stop alone ends and that never came to it;
+    reached_stops: when (s) such lines came to it.
     pressed_stops: how far (rad) and when (s) lines went beyond one that gave way like none. folded_back: how far (rad)
     and when (s) lines with a latch or an end stop went furthest behind where they started. beyond_tables: the angle
     (rad) furthest beyond the tables of a line's motor and harness, and when. bent: how far (rad) and when
@@ -127,12 +129,17 @@ class Headline:
     attitude_at_end: tuple[float, ...] = ()
     attitude_rate_peaks: tuple[float, ...] = ()
     not_opened: Mapping[str, NotOpened] = field(default_factory=dict)
+    reached_stops: Mapping[str, float] = field(default_factory=dict)
     base_load_peaks: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def verdict(self) -> str:
         """What became of the deployment, in a few sentences."""
-        sentences = [lines_sentence(self.latch_times, self.not_opened, self.complete, self.end_time)]
+        sentences = [
+            lines_sentence(
+                self.latch_times, self.reached_stops, self.not_opened, self.complete, self.end_time
+            )
+        ]
         torques = {x: torque for x, torque in self.latch_torque_peaks.items() if x not in self.latch_impulses}
         if torques:
             line = max(torques, key=lambda name: torques[name])
@@ -152,7 +159,10 @@ class Headline:
     def open_ends(self) -> Iterator[str]:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
         for line, standing in self.not_opened.items():
-            yield f"{line} {standing.missing}; at {self.end_time:g} s it {standing.state}"
+            went = (
+                "" if line in self.unlatched_angles else f": it went to {degrees(standing.largest):.2f} deg"
+            )
+            yield f"{line} {standing.missing}{went}; at {self.end_time:g} s it {standing.state}"
         for line, passed in self.overruns.items():
             yield (
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
@@ -273,6 +283,7 @@ def headline(result: Result) -> Headline:
         short_of_deployed=short,
         motors_short=motors_short,
         short_of_stops=stops,
+        reached_stops=reached_stops(result),
         pressed_stops=pressed_stops(result),
         latch_torque_peaks={name: abs(torque.value) for name, torque in torques.items()},
         latch_impulses=latch_impulses(result, times),
@@ -315,8 +326,7 @@ def _missing(
     missing = dict.fromkeys(unlatched, "has not latched")
     for end, lines in (("deployed angle of", short), ("end stop at", stops)):
         for name, one in lines.items():
-            reached = f"it went to {degrees(one.largest):.2f} deg"
-            missing[name] = f"has not come to its {end} {degrees(one.angle):.4g} deg: {reached}"
+            missing[name] = f"has not come to its {end} {degrees(one.angle):.4g} deg"
     return missing
 
 

@@ -13,8 +13,8 @@ from .result import Result
 
 _LATE = 0.9
 """Part of a run after which a line that moves no more is stuck."""
-_STILL = 1e-4
-"""Rotation (rad) over the rest of the run up to which a line stands still."""
+_STILL, _ROUND_OFF = 1e-2, 1e-7
+"""Rotation over the rest of the run up to which a line stands still: over all that it moved, and rad."""
 _MOST_LINES = 3
 """Lines described one by one."""
 
@@ -23,13 +23,15 @@ _MOST_LINES = 3
 class NotOpened:
     """A line that should have latched, or come to its stop or deployed angle, and has not.
 
-    missing: what it has not done. angle: at the end, rad. rate: at the end, rad/s. is_stuck: it stands still. coupled:
-    lines that cable loops couple to it. driving: torque of motor and harness at the end, N.m, positive opening. friction: torque up to which friction
-    holds, N.m. Both are sums over it and the lines coupled to it, at its rate.
+    missing: what it has not done. angle, largest: at the end and the largest, rad. rate: at the end, rad/s. is_stuck:
+    it stands still. coupled: lines that cable loops couple to it. driving: torque of motor and harness at the end, N.m,
+    positive opening. friction: torque up to which friction holds, N.m. Both are sums over it and the lines coupled to
+    it, at its rate.
     """
 
     missing: str
     angle: float
+    largest: float
     rate: float
     is_stuck: bool
     coupled: tuple[str, ...]
@@ -67,8 +69,9 @@ def _standing(result: Result, line: HingeLine, missing: str) -> NotOpened:
     return NotOpened(
         missing=missing,
         angle=float(angle[-1]),
+        largest=float(angle.max()),
         rate=_at_end(result, (line.sensor,), "angular_rate"),
-        is_stuck=late.size > 1 and float(np.ptp(late)) <= _STILL,
+        is_stuck=late.size > 1 and float(np.ptp(late)) <= max(_ROUND_OFF, _STILL * float(np.ptp(angle))),
         coupled=tuple(name for name in rates if name != line.name),
         driving=sum(rate * _driving(result, one) for one, rate in together),
         friction=sum(abs(rate) * _at_end(result, one.hinges, "friction_limit") for one, rate in together),
@@ -92,26 +95,31 @@ def _apart(one: float, other: float) -> tuple[str, str]:
 
 
 def lines_sentence(
-    latch_times: Mapping[str, float], standing: Mapping[str, NotOpened], complete: bool, end_time: float
+    latch_times: Mapping[str, float],
+    stop_times: Mapping[str, float],
+    standing: Mapping[str, NotOpened],
+    complete: bool,
+    end_time: float,
 ) -> str:
-    """Which lines latched, and which did not open and why."""
+    """Which lines did not open and why, and which latched or came to their stops."""
     sentences = [] if complete else [f"The run was interrupted at {end_time:.4g} s."]
     named = [f"{line} {one.missing}: it {one.state}." for line, one in list(standing.items())[:_MOST_LINES]]
     sentences += named
     if len(standing) > len(named):
-        others = ", ".join(list(standing)[len(named) :])
-        sentences.append(f"Nor have {others}.")
-    if latch_times:
-        last = max(latch_times, key=lambda line: latch_times[line])
-        when = f"at {latch_times[last]:.4g} s"
-        if len(latch_times) == 1:
-            sentences.append(f"{last} latched {when}.")
-        elif standing:
-            sentences.append(f"{len(latch_times)} lines latched, the last ({last}) {when}.")
-        elif len(latch_times) == 2:
-            sentences.append(f"Both lines latched, the last ({last}) {when}.")
-        else:
-            sentences.append(f"All {len(latch_times)} lines latched, the last ({last}) {when}.")
-    if not sentences:
-        sentences.append(f"The run reached its end at {end_time:.4g} s.")
-    return " ".join(sentences)
+        sentences.append(f"Nor have {', '.join(list(standing)[len(named) :])} opened.")
+    of_all = not standing and complete
+    sentences += _reached(latch_times, "latched", of_all and not stop_times)
+    sentences += _reached(stop_times, "came to their end stops", of_all and not latch_times)
+    return " ".join(sentences) or f"The run reached its end at {end_time:.4g} s."
+
+
+def _reached(times: Mapping[str, float], did: str, are_all: bool) -> list[str]:
+    """A sentence on lines that did something, by the times (s) of each; none where there is no such line."""
+    if not times:
+        return []
+    last = max(times, key=lambda line: times[line])
+    when = f"at {times[last]:.4g} s"
+    if len(times) == 1:
+        return [f"{last} {did.replace('their end stops', 'its end stop')} {when}."]
+    count = f"{len(times)}" if not are_all else "Both" if len(times) == 2 else f"All {len(times)}"
+    return [f"{count} lines {did}, the last ({last}) {when}."]

@@ -95,7 +95,7 @@ def moved_starts(assembly: Assembly, result: Result) -> Iterator[str]:
 
 
 def _slid_start(assembly: Assembly, name: str, rail: Part, result: Result) -> Iterator[str]:
-    """A sentence where the search has let a trolley slide, as friction of rails goes to nothing at rest."""
+    """A sentence where a trolley has slid in the search, because its rail cannot hold it there."""
     (body,) = (part for part in assembly.parts if part.name == name)
     parameter = "initial_position"
     if parameter not in body.start or not result.has(name, _STARTED[parameter]):
@@ -105,8 +105,8 @@ def _slid_start(assembly: Assembly, name: str, rail: Part, result: Result) -> It
     along = float(np.linalg.norm(shift - (shift @ normal) / (normal @ normal) * normal))
     if along > _SLID:
         yield (
-            f"{name} starts {1e3 * along:.3g} mm along {rail.name} from where it is placed: what pulls it there is not "
-            "held, as friction of a rail goes to nothing at rest; start without preload, or hold it by a spring"
+            f"{name} starts {1e3 * along:.3g} mm along {rail.name} from where it is placed: the loads of the start "
+            "exceed the friction of the rail, or its friction is smooth; start without preload, or hold it by a spring"
         )
 
 

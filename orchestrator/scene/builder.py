@@ -210,9 +210,9 @@ class Scene:
         self._set("joint", Joint, keys)
 
     def friction(self, **keys: object) -> None:
-        """Set [friction] of all hinges: coefficient, static_ratio, pin_radius, bending_arm, stiction_velocity.
+        """Set [friction] of all hinges: law, coefficient, static_ratio, pin_radius, bending_arm.
 
-        Further key: flexible_stiction_factor.
+        Further keys: stiction_velocity, flexible_stiction_factor.
         """
         self._set("friction", Friction, keys)
 

@@ -19,6 +19,8 @@ class Runs:
 
     folder: Path
     done: dict[tuple[object, ...], Outcome]
+    always: tuple[str, ...] = ()
+    """Settings of every run."""
 
     def __call__(
         self,
@@ -31,6 +33,7 @@ class Runs:
         until: float | None = None,
     ) -> Outcome:
         """The outcome of a scene with its layers, at its own tolerance unless one is given."""
+        settings = (*self.always, *settings)
         key = (scene, variants, rigid, settings, tolerance, step, until)
         if key not in self.done:
             assembly = assemble(load_scene(find_scene(scene), variants, settings), rigid)
@@ -45,3 +48,6 @@ class Runs:
 
 _FOLDER = TemporaryDirectory(prefix="fanfold_runs_")  # goes with the session
 RUNS = Runs(Path(_FOLDER.name), {})
+THESIS = Runs(Path(_FOLDER.name) / "thesis", {}, ("friction.law=smooth",))
+"""With the friction of the theses, for comparisons with them."""
+THESIS.folder.mkdir()

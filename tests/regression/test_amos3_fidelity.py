@@ -5,7 +5,8 @@ import pytest
 
 from orchestrator.results.key_figures import latch_times, line_latch_torque
 
-from .scene_runs import RUNS
+from .scene_runs import RUNS as STICKING
+from .scene_runs import THESIS as RUNS
 
 pytestmark = pytest.mark.slow
 
@@ -113,17 +114,17 @@ def test_ground_rig_hybrid_and_rigid_agree_on_hl3():
     assert frequencies[1] < 0.95 * frequencies[0]
 
 
-LATCH_TIMES = {"HL3": 9.7910, "HL2": 10.9245}
-PEAK = 20.25
-"""s and N.m, ground rig, rigid; Fanfold, 2026-11-21, tolerance 1e-4: a change must be meant."""
+LATCH_TIMES = {"HL3": 9.8530, "HL2": 10.9885}
+PEAK = 20.284
+"""s and N.m, ground rig, rigid, friction sticks; Fanfold, 2026-11-28, tolerance 1e-6: a change must be meant."""
 
 
 def test_ground_rig_key_figures_stay():
     """Regression."""
-    found = RUNS("amos3-ground", rigid=RIGID, until=GROUND)
+    found = STICKING("amos3-ground", rigid=RIGID, until=GROUND)
     times = found.headline.latch_times
     assert {name: times[name] for name in LATCH_TIMES} == pytest.approx(LATCH_TIMES, rel=1e-3)
-    assert own_peak(RUNS.result("amos3-ground", rigid=RIGID, until=GROUND), "HL3") == pytest.approx(
+    assert own_peak(STICKING.result("amos3-ground", rigid=RIGID, until=GROUND), "HL3") == pytest.approx(
         PEAK, rel=5e-3
     )
     assert found.headline.energy_residual < 1e-4

@@ -5,7 +5,7 @@ import pytest
 
 from orchestrator.analysis.impact import impacts
 
-from .scene_runs import RUNS
+from .scene_runs import THESIS as RUNS
 
 RIGID = ("all",)
 PEAKS = {"rigid": 124.79, "semi-flexible": 114.64}

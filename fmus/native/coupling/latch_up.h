@@ -68,10 +68,16 @@ static int pose_stiffness(Solver *s, size_t i, double h, double *result) {
     Network *n = s->loop->network;
     const Width width = n->width;
     const size_t columns = width.coordinates * HINGE_PORTS;
-    double *matrix = s->jacobians.kept;
+    Participant *p = n->participant + i;
+    double *matrix = s->jacobians.kept, *moments = p->input + p->moments, held[MOMENTS * HINGE_PORTS] = {0.0};
+    const size_t held_size = p->moments ? sizeof held : 0;
     n->time = s->loop->time;
     n->h = h;
-    if (!step_one(n, i) || !fill_block(n, &s->jacobians, i, matrix)) return 0;
+    memcpy(held, moments, held_size); /* without motion, as moments of the last step are no part of another one */
+    memset(moments, 0, held_size);
+    const int filled = step_one(n, i) && fill_block(n, &s->jacobians, i, matrix);
+    memcpy(moments, held, held_size);
+    if (!filled) return 0;
     for (size_t row = 0; row < PORT_ROWS; row++)
         for (size_t column = 0; column < PORT_ROWS; column++)
             result[row * PORT_ROWS + column] = matrix[(row / WRENCH * width.wrench + row % WRENCH) * columns +

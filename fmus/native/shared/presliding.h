@@ -17,6 +17,11 @@ typedef struct Rubbing {
     real start, bend, limit, growth, damping;
 } Rubbing;
 
+/* Of the largest deflection: a motion that is none, and a deflection from which on a contact without motion has the
+   derivative of one that slides. */
+#define NO_MOTION 1e-9
+#define NEAR_FRICTION 0.9
+
 /* The value, at most the limit in size. */
 static inline real within(real value, real limit) {
     if (value_of(value) > value_of(limit)) return limit;
@@ -72,7 +77,7 @@ static inline void add_stretch(const Rubbing *r, real from, real length, const r
 /* Whether the contact slides towards a side, where its deflection is the largest. */
 static inline int slides_on(const Rubbing *r, real from, int side) {
     const double faster = side * value_of(r->start + r->bend * from) - value_of(r->growth);
-    return faster > 0.0 || (faster == 0.0 && side * value_of(r->bend) > 0.0);
+    return faster > 0.0 || (faster == 0.0 && side * value_of(r->bend) >= 0.0);
 }
 
 /* Mean force over a step of size h with its slope, and the deflection at its end; the friction has a slope too. */
@@ -80,9 +85,14 @@ static inline Presliding step_force(double stiffness, double damping, real frict
                                     real deflection, real change, real moment, double h) {
     if (fabs(value_of(friction_slope)) > value_of(friction))
         friction_slope = value_of(friction_slope) > 0.0 ? friction : -friction;
-    const Rubbing r = {change - 3.0 * moment, 6.0 * moment, (friction - friction_slope) / stiffness,
+    Rubbing r = {change - 3.0 * moment, 6.0 * moment, (friction - friction_slope) / stiffness,
                        2.0 * friction_slope / stiffness, damping / (stiffness * h)};
     real from = 0.0, z = within(deflection, r.limit);
+    const double most = value_of(r.limit);
+    if (fabs(value_of(change)) + fabs(value_of(moment)) <= NO_MOTION * most && fabs(value_of(z)) >= NEAR_FRICTION * most) {
+        r.limit = value_of(z) < 0.0 ? -z : z;
+        r.growth = 0.0;
+    }
     Presliding sum = {0.0, 0.5 * (deflection * deflection - z * z), 0.0, 0.0};
     int side = 0, left = 0;
     if (value_of(z) >= value_of(r.limit) && slides_on(&r, from, 1)) side = 1;

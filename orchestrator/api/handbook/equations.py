@@ -91,8 +91,8 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
             r"T_\mathrm{latch} = k_l (\varphi - \varphi_l) + c_l \dot\varphi,\qquad F_i = -k_i q_i - c_i \dot q{}_i",
         ),
         r"about the hinge line and, with $F_i$, along and about all axes, with the pin's radius $r_p$ and its force "
-        r"$F_r$ normal to the line (Bagnoli 2007, equation 2.2). The latch torque begins with the latch-up; the sign "
-        r"of the rate is smooth, or friction sticks by an elastic deflection.",
+        r"$F_r$ normal to the line (Bagnoli 2007, equation 2.2). The latch torque begins with the latch-up. Below "
+        r"its largest torque friction sticks, by an elastic deflection; with the smooth law it falls with the rate.",
     ),
     "hold_down": (
         (r"F_i = -k_i\, q_i - c_i\, \dot q{}_i - P a_i,\qquad i = x, y, z",),
@@ -123,7 +123,7 @@ EQUATIONS: dict[str, tuple[tuple[str, ...], str]] = {
             r"\mathbf F_t = -F_\mu\, \frac{\mathbf v}{|\mathbf v|}",
         ),
         r"with the displacement $q_n$ normal to the plane, rotations $\theta_i$, and friction $F_\mu$ against the "
-        r"sliding velocity $\mathbf v$, smooth below the stiction velocity.",
+        r"sliding velocity $\mathbf v$. Below $F_\mu$ the trolley sticks, by an elastic deflection.",
     ),
     "suspension": (
         (r"F = \max\!\left(0,\; P + k\,(l - l_P) + c\, \dot l\right) \text{ while the spring is taut}",),

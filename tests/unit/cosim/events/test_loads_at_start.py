@@ -24,6 +24,7 @@ def test_a_motor_loads_the_base_before_friction_of_its_line_has_grown(tolerance)
         "root", inboard="ground", outboard="flap", axis="+y", aligned_angle="172 deg", friction_preload=FRICTION,
         motor={"stowed": MOTOR, "deployed": 0.5 * MOTOR}, hinges=[{"name": "h", "inboard": "o", "outboard": "p"}],
     )  # fmt: skip
+    scene.friction(law="smooth")
     run = fanfold.simulate(scene, estimate=False)
     assert run["ground", "interface_torque"][0, 1] == pytest.approx(-MOTOR, rel=1e-5)
     assert run.headline.interface_torque_peaks[1] == pytest.approx(MOTOR, rel=1e-5)

@@ -228,7 +228,7 @@ def test_report_of_a_real_run(tmp_path):
         fanfold(
             "run", "workbench", "--until", 0.02, "--rigid", "all", "--no-estimate", "--output", run
         ).exit_code
-        == 0
+        == 3  # it ends before it latches
     )
     result = fanfold("report", run)
     assert result.exit_code == 0
