@@ -211,41 +211,12 @@ def test_kinds_stand_by_themselves():
     assert [pair for pair in imports_of(components) if pair[1] in kinds] == []
 
 
-def test_few_arrows_between_rooms():
-    """Rule of the architecture: at most 30 arrows between the rooms of the orchestrator, none both ways."""
+def test_no_arrows_both_ways_between_rooms():
+    """Rule of the architecture: no two rooms of the orchestrator import each other."""
     rooms = {(a.split(".")[1], b.split(".")[1]) for a, b in imports_of(orchestrator) if "." in a and "." in b}
     arrows = {(a, b) for a, b in rooms if a != b}
     assert len(arrows) >= 10  # control: imports are found at all
-    assert len(arrows) <= 30
     assert not {(b, a) for a, b in arrows} & arrows
-
-
-KINDS = ("components", "fmus/native/kernels", "fmus/native/kernels/layouts")
-"""One file a kind, and one analysis a file, however many there are."""
-ANALYSES = ("orchestrator/analysis", "orchestrator/cli/analyse", "tests/unit/analysis")
-
-
-@pytest.mark.parametrize("top", ["components", "fmus", "orchestrator", "tests"])
-def test_folders_stay_small(top):
-    """Rule of the architecture: at most 16 modules a folder, but for kinds of components and for analyses."""
-    crowded = {}
-    for folder in (ROOT / top, *(path for path in (ROOT / top).rglob("*") if path.is_dir())):
-        name = folder.relative_to(ROOT).as_posix()
-        count = max(len(list(folder.glob(pattern))) for pattern in ("*.py", "*.c", "*.h"))
-        if count > 16 and name not in (*KINDS, *ANALYSES):
-            crowded[name] = count
-    assert crowded == {}
-
-
-def test_nothing_lies_beside_the_packages():
-    """Rule of the architecture: what commands write where one stands is no part of the project."""
-    if not (ROOT / ".git").exists():
-        pytest.skip("not a checkout")
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    top = {name.partition("/")[0] for name in listed.splitlines()}
-    assert {name for name in top if not name.startswith(".")} == {
-        "pyproject.toml", "fmus", "components", "orchestrator", "tests", "README.md"
-    }  # fmt: skip
 
 
 def test_packages_share_one_folder():
@@ -357,17 +328,3 @@ def test_readme_has_the_two_commands():
     assert lines[0].endswith("fanfold run amos3")
     assert lines[1].startswith("python3 -m venv .venv && ")
     assert "pytest" in lines[1]
-
-
-def test_files_and_functions_stay_short():
-    """Smell: an idea fills a file of more than 500 lines, or a function of more than 66, only where it is several."""
-    long = []
-    for package in (components, fmus, orchestrator):
-        for _, path, tree in modules_of(package):
-            lines = path.read_text(encoding="utf-8").count("\n")
-            if lines > 500:
-                long.append(f"{path.name}: {lines}")
-            for node in ast.walk(tree):
-                if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno + 1 > 66:
-                    long.append(f"{path.name} {node.name}: {node.end_lineno - node.lineno + 1}")
-    assert long == []
