@@ -14,7 +14,8 @@ from ..numerics.workless_pair import gauss_rates, viscous_load
 from .state import Constants
 from .variables import State
 
-FORCE_SMOOTHING = 1.0
+FORCE_SMOOTHING = 1e-2
+"""N, below which the friction of pins falls with the square of the load, so that it has a derivative at no load."""
 
 
 class _Magnitudes(NamedTuple):

@@ -15,6 +15,8 @@ _LATE = 0.9
 """Part of a run after which a line that moves no more is stuck."""
 _STILL, _ROUND_OFF = 1e-2, 1e-7
 """Rotation over the rest of the run up to which a line stands still: over all that it moved, and rad."""
+_GIVES = 1e-4
+"""rad, that a line gives way by while its friction exceeds what drives it."""
 _MOST_LINES = 3
 """Lines described one by one."""
 
@@ -63,18 +65,21 @@ def not_opened(result: Result, missing: Mapping[str, str]) -> dict[str, NotOpene
 
 def _standing(result: Result, line: HingeLine, missing: str) -> NotOpened:
     angle = result.signal(line.sensor, "angle")
-    late = angle[result.time >= _LATE * result.time[-1]]
     rates = dict(line.coupled) or {line.name: 1.0}
     together = [(one, rates[one.name]) for one in result.hinge_lines if one.name in rates]
+    driving = sum(rate * _driving(result, one) for one, rate in together)
+    friction = sum(abs(rate) * _at_end(result, one.hinges, "friction_limit") for one, rate in together)
+    late = angle[result.time >= _LATE * result.time[-1]]
+    still = max(_GIVES if driving < friction else _ROUND_OFF, _STILL * float(np.ptp(angle)))
     return NotOpened(
         missing=missing,
         angle=float(angle[-1]),
         largest=float(angle.max()),
         rate=_at_end(result, (line.sensor,), "angular_rate"),
-        is_stuck=late.size > 1 and float(np.ptp(late)) <= max(_ROUND_OFF, _STILL * float(np.ptp(angle))),
+        is_stuck=late.size > 1 and float(np.ptp(late)) <= still,
         coupled=tuple(name for name in rates if name != line.name),
-        driving=sum(rate * _driving(result, one) for one, rate in together),
-        friction=sum(abs(rate) * _at_end(result, one.hinges, "friction_limit") for one, rate in together),
+        driving=driving,
+        friction=friction,
     )
 
 

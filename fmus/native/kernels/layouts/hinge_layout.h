@@ -5,9 +5,9 @@
 #define FANFOLD_HINGE_LAYOUT_H
 
 #define KIND "hinge"
-#define LAYOUT_DIGEST "d42dc72cd9454cbb"
+#define LAYOUT_DIGEST "176cc428f7f624da"
 #define REACHED 1e-09
-#define FORCE_SMOOTHING 1.0
+#define FORCE_SMOOTHING 0.01
 #define FOLDED 3.0
 #define NONE_LATCH 0
 #define SPRING_LATCH 1

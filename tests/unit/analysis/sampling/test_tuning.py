@@ -88,7 +88,8 @@ def test_rows_after_the_end_are_refused(tmp_path):
 def test_the_data_sheet_of_amos3_from_its_latch_times():
     """Data sheet: 1.648, 1.591 and 2.021 N.m, found within 1e-3 from three latch times in less than thirty runs.
 
-    The targets are nearly dependent (condition number 1241): from 0.1 N.m away a search may end at a bound, and says so.
+    The targets are nearly dependent (condition number 1241): from 0.1 N.m away a search may end at a bound, and says
+    so.
     """
     wing = fanfold.load("amos3")
     keys = {f"hinge_line.HL{k}.motor.stowed": torque for k, torque in enumerate((1.648, 1.591, 2.021), 1)}

@@ -84,7 +84,7 @@ def test_rotor_sticks_below_the_friction_torque_and_slides_above():
 def test_friction_torque_of_the_pin_force(bending_arm, swing):
     """Bagnoli 2.2 and benchmark 5: mu 0.1, r 6 mm, 40 N make 0.0240 N.m; a bending moment M adds M / arm.
 
-    The force is smoothed at 1 N: F^2 / sqrt(F^2 + 1 N^2).
+    The force is smoothed at 0.01 N: F^2 / sqrt(F^2 + (0.01 N)^2).
     """
     component, c = hinge(
         translational_stiffness=(0, 1e6, 1e6), rotational_stiffness=(0, 50.0, 50.0),
@@ -96,7 +96,7 @@ def test_friction_torque_of_the_pin_force(bending_arm, swing):
         for twist in (Rotation.identity(), Rotation.from_rotvec((0, 0.1, 0)))
     ]
     y = component.step(c, component.initial(c, states[0]), states[1], 0.1)
-    force = 40.0**2 / np.hypot(40.0, 1.0) + (50.0 * swing / bending_arm if bending_arm else 0.0)
+    force = 40.0**2 / np.hypot(40.0, 0.01) + (50.0 * swing / bending_arm if bending_arm else 0.0)
     expected = -0.1 * 0.006 * force
     energy = observed(component, c, y, states[1])["friction_energy"]
     assert energy == pytest.approx(-expected * 0.1, rel=1e-12)
