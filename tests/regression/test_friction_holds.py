@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from math import degrees, pi, sqrt
 
+import fmpy
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -152,3 +153,11 @@ def test_the_command_says_which_line_is_stuck_and_why(tmp_path):
         content = json.loads(found.stdout)
         assert list(content["not_opened"]) == ["HL"] * (code == 3)
         assert "HL" in content["verdict"]
+
+
+def test_a_wing_as_one_fmu_stands_still_in_another_tool(tmp_path):
+    """Driven by FMPy, motor 0.8 N.m against friction of 1.6 N.m: not a bit of an angle changes in a minute."""
+    (path,) = fanfold.export(door((0.8, 0.8), 1.6), tmp_path, as_one=True)
+    rows = fmpy.simulate_fmu(str(path), stop_time=60.0, output_interval=0.1)
+    assert np.ptp(np.asarray(rows["hl_left.angle"])) == 0.0
+    assert rows["time"][-1] == pytest.approx(60.0)

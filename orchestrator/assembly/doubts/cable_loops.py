@@ -9,6 +9,7 @@ from typing import NamedTuple
 from components.contract.frames import Vector3, cross, dot, norm
 
 from ...scene.connection_tables import Ccl
+from ...scene.loops.coupled_lines import body_between
 from ...scene.schema import CheckedScene
 
 _STIFFEST = 1e8
@@ -48,29 +49,11 @@ class Travels(NamedTuple):
 def loop_travels(scene: CheckedScene, loop: Ccl) -> Travels | None:
     """The travels that a loop joins; None where no single body is between its pulleys."""
     bodies = loop.pulley_1.body, loop.pulley_2.body
-    carrier = loop.guide.body if loop.guide is not None else _between(scene, *bodies)
+    carrier = loop.guide.body if loop.guide is not None else body_between(scene, bodies)
     if carrier is None:
         return None
     first, second, middle = (_turn(scene, body, loop.axis) for body in (*bodies, carrier))
     return Travels(first - middle, second - middle)
-
-
-def _between(scene: CheckedScene, a: str, b: str) -> str | None:
-    """The body that two hinge lines join to two others; None where there is none."""
-    inboard = {line.outboard: line.inboard for line in scene.hinge_lines}
-    for outer, inner in ((a, b), (b, a)):
-        middle = inboard.get(outer)
-        if (
-            middle is not None
-            and middle != inner
-            and inner in (inboard.get(middle), *_outboard(scene, middle))
-        ):
-            return middle
-    return None
-
-
-def _outboard(scene: CheckedScene, body: str) -> list[str]:
-    return [line.outboard for line in scene.hinge_lines if line.inboard == body]
 
 
 def _turn(scene: CheckedScene, body: str, axis: Vector3) -> float:

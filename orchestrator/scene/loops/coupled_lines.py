@@ -94,7 +94,7 @@ def _loops(scene: CheckedScene) -> Iterator[_Loop]:
 
 def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
     """Coefficients (m) by line of the sum of rates that the loop keeps at zero; empty where it is not known."""
-    carrier = loop.guide or _between(scene, loop.bodies)
+    carrier = loop.guide or body_between(scene, loop.bodies)
     if carrier is None or not all(_is_carried(scene, body) for body in (*loop.bodies, carrier)):
         return {}
     first, second, middle = (_turning(scene, body, loop.axis) for body in (*loop.bodies, carrier))
@@ -107,7 +107,7 @@ def _row(scene: CheckedScene, loop: _Loop) -> dict[str, float]:
     return _without_nothing(row, max(loop.radii))
 
 
-def _between(scene: CheckedScene, bodies: tuple[str, str]) -> str | None:
+def body_between(scene: CheckedScene, bodies: tuple[str, str]) -> str | None:
     """The body that two lines join to two others; None where there is none."""
     ways = [list(scene.lines_inward(body)) for body in bodies]
     lines = [line for way, other in (ways, ways[::-1]) for line in way if line not in other]
