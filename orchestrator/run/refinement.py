@@ -8,8 +8,8 @@ which numbers nobody can vouch for. Latch-ups and stops, which size hinges, are 
 most, loads to what is likely.
 
 Estimates near the limit may fall on either side of it on different processors. So a repetition is made only where it
-costs a few times the run: one that would take more steps is not begun, or given up as soon as that shows, and the
-result states the tolerance and the cost of the run that the user may ask for.
+costs a few times the run: one that would take more steps is not begun, or is given up, and the result states the
+tolerance and the cost of the run that the user may ask for.
 """
 
 from __future__ import annotations
@@ -56,8 +56,6 @@ any, and of one whose errors have fallen as they should where those of latch-ups
 _MOST_TIMES = 6.0
 """Steps of a repetition over those of the first run; at order 4 a thousandth of the tolerance takes 5.6 = 1000^(1/4)
 times as many."""
-_BEGINNING = 0.5
-"""Steps of a repetition, over those of the run, that are made before its cost is judged."""
 _UNTOLD = 1e4
 """Tolerances beyond which their number is not told: something has blown up."""
 _FALLING = 1.0 / 3.0
@@ -162,11 +160,11 @@ class CostlyError(RunError):
 
 
 class _Bounded:
-    """A watch that ends a repetition which takes too many times the steps that the run had made by the same time."""
+    """A watch that ends a repetition of too many times the steps of the first run."""
 
-    def __init__(self, watch: Watch, outcome: Outcome) -> None:
+    def __init__(self, watch: Watch, first: Outcome) -> None:
         self._watch = watch
-        self._times = np.cumsum([h for segment in outcome.segments for h in segment])
+        self._times = np.cumsum([h for segment in first.segments for h in segment])
         self._made, self._last = 0.0, 0.0
 
     def __call__(self, time: float, h: float) -> None:
@@ -174,9 +172,8 @@ class _Bounded:
         self._watch(time, h)
         self._made += max(1.0, (time - self._last) / h)
         self._last = time
-        before = max(1, int(np.searchsorted(self._times, time)))
-        if self._made > _BEGINNING * self._times.size + _MOST_TIMES * before:
-            raise CostlyError(self._made / before)
+        if self._made > _MOST_TIMES * self._times.size:
+            raise CostlyError(self._made / max(1, int(np.searchsorted(self._times, time))))
 
 
 def _again(
