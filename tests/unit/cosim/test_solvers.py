@@ -324,6 +324,8 @@ def test_native_solver_equals_python(tmp_path, monkeypatch, backend, end):
     solved = 2.0 * 4.0 * 1e-6 * (1.0 + largest(results[0], "N"))
     for component in results[0].components:
         for variable in results[0].variables(component):
+            if variable == "iterations":
+                continue
             mine, theirs = (result.signal(component, variable) for result in results)
             # momenta add up that error over the run
             known = {"N": solved, "N.m": solved, "N.s": end * solved, "N.m.s": end * solved}

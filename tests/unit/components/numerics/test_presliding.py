@@ -50,7 +50,7 @@ def law_in_time(k, c, friction, start, change, moment, h):
     return force.mean(), 3.0 * np.mean(force * (2.0 * t - 1.0)), z
 
 
-PATHS = np.random.default_rng(7).uniform(-1.0, 1.0, (40, 4))
+PATHS = np.random.default_rng(7).uniform(-1.0, 1.0, (20, 4))
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.4])
