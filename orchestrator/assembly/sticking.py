@@ -19,6 +19,8 @@ _BREAKAWAY = 1e-4
 """Deflection at breakaway over the travel of the line."""
 _LEAST_TRAVEL = 0.1
 """rad, of lines that open to nowhere, such as joints of a linkage."""
+_LEAST_LOAD = 1.0
+"""N, of scenes that nothing drives but the motion of their base."""
 
 
 class Sticking(NamedTuple):
@@ -59,10 +61,6 @@ def _pin_friction(scene: CheckedScene) -> float:
     load = driving_load(scene, scene.hinge_lines) + hypot(*scene.header.gravity) * _mass(scene)
     arm = pins.pin_radius * (1.0 + (1.0 / pins.bending_arm if pins.bending_arm else 0.0))
     return pins.static_ratio * pins.coefficient * arm * max(load, _LEAST_LOAD)
-
-
-_LEAST_LOAD = 1.0
-"""N, of scenes that nothing drives but the motion of their base."""
 
 
 def _mass(scene: CheckedScene) -> float:

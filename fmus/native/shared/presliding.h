@@ -6,7 +6,7 @@
 
 #include "real.h"
 
-/* Force against the motion, its slope over a step, its heat (over a step, or as power of an instant), deflection. */
+/* Force on the body, its heat (over a step, or as power of an instant), deflection, and slope of the force over a step. */
 typedef struct Presliding {
     real force, heat, deflection, slope;
 } Presliding;
@@ -52,7 +52,7 @@ static inline int with_zeros(real c, real b, real a, real length, real *zeros, i
     return count;
 }
 
-/* A stretch on which the deflection is z[0] + z[1] x + z[2] x^2 / 2: to the point of two of Gauss' rule on every part
+/* Adds a stretch on which the deflection is z[0] + z[1] x + z[2] x^2 / 2: by Gauss' rule with two points on every part
    where the force is a polynomial. */
 static inline void add_stretch(const Rubbing *r, real from, real length, const real z[3], Presliding *sum) {
     const real rate = r->start + r->bend * from, limit = r->limit + r->growth * from;
@@ -86,7 +86,7 @@ static inline Presliding step_force(double stiffness, double damping, real frict
     if (fabs(value_of(friction_slope)) > value_of(friction))
         friction_slope = value_of(friction_slope) > 0.0 ? friction : -friction;
     Rubbing r = {change - 3.0 * moment, 6.0 * moment, (friction - friction_slope) / stiffness,
-                       2.0 * friction_slope / stiffness, damping / (stiffness * h)};
+                 2.0 * friction_slope / stiffness, damping / (stiffness * h)};
     real from = 0.0, z = within(deflection, r.limit);
     const double most = value_of(r.limit);
     if (fabs(value_of(change)) + fabs(value_of(moment)) <= NO_MOTION * most && fabs(value_of(z)) >= NEAR_FRICTION * most) {

@@ -9,7 +9,7 @@ from html import escape
 from ...analysis.motion.deflection import quiet
 from ...results.compare import by_component, cells, compare, end_note, labels
 from ...results.differences import scene_note
-from ...results.key_figures import headline, headline_rows
+from ...results.key_figures import Headline, headline, headline_rows
 from ...results.parts import TOLD, json_of
 from ...results.point_loads import event_loads
 from ...results.result import Result
@@ -24,7 +24,9 @@ def report(result: Result, others: Sequence[Result] = (), frame_count: int = 6) 
     from .page import page  # matplotlib takes its time, which --help need not
 
     title = result.provenance.get("scene", _file(result))
-    opening, numbers, figures = [*_opening(result, title)], [*_numbers(result)], [*_figures(result)]
+    found = headline(result)
+    opening, numbers = [*_opening(result, title, found)], [*_numbers(result, found)]
+    figures = [*_figures(result)]
     for k, other in enumerate(others):
         figures += _comparison(result, other, f"compare_{k + 1}" if k else "compare")
     if others:
@@ -39,7 +41,7 @@ def _file(result: Result) -> str:
     return result.name if result.path is None else result.path.name
 
 
-def _opening(result: Result, title: str) -> Iterator[str]:
+def _opening(result: Result, title: str, found: Headline) -> Iterator[str]:
     from .page import paragraph
 
     scene = _scene_tree(result).get("scene")
@@ -48,13 +50,12 @@ def _opening(result: Result, title: str) -> Iterator[str]:
     yield paragraph(
         f"{description}. Result {_file(result)}." if description else f"Result {_file(result)}.", "lead"
     )
-    yield paragraph(headline(result).verdict, "lead")
+    yield paragraph(found.verdict, "lead")
 
 
-def _numbers(result: Result) -> Iterator[str]:
+def _numbers(result: Result, found: Headline) -> Iterator[str]:
     from .page import heading, paragraph, table
 
-    found = headline(result)
     yield heading("Headline numbers")
     columns = ("quantity", "of", "value", "unit", "estimated error")
     yield table(columns, headline_rows(found), numeric=(2, 4))
