@@ -10,6 +10,7 @@ from ..assembly.assemble import assemble
 from ..assembly.fidelities import bending
 from ..assembly.spin import unstiffened_spins
 from ..assembly.statics.steady_spin import spin_at_start
+from ..messages import message
 from ..run.progress import Progress
 from ..scene import CheckedScene, SceneError
 from ..scene.builder import Names, listed
@@ -82,7 +83,7 @@ def modes(
     if spin_at_start(checked):
         assembly = assemble(checked, listed(rigid), listed(flexible), large_deformation=None)
         for sentence in unstiffened_spins(checked, assembly, until=0.0):
-            warn(sentence)
+            warn(message("W-spin", sentence))
     found = find_modes(
         checked,
         listed(rigid),
@@ -95,7 +96,7 @@ def modes(
     if as_posed:
         _tell_of_posing(checked, rigid, flexible, target, found.unbalanced)
     for sentence in unstated_joint_sentences(checked, found.model, found.shapes):
-        warn(sentence)
+        warn(message("W-joint-stiffness", sentence))
     return found
 
 
@@ -360,8 +361,11 @@ def _tell_of_locks(line: HingeLine) -> None:
     """FanfoldWarning where a latch has no use for a stiffness."""
     if line.latch is not None and line.latch.kind == "kinematic":
         warn(
-            f"hinge_line.{line.name}: its latch is kinematic and locks whatever its stiffness; what is found here acts "
-            'once latch.kind is "spring" or "by_fidelity"'
+            message(
+                "W-latch-curve",
+                f"hinge_line.{line.name}: its latch is kinematic, so a stiffness has no effect; set latch.kind to "
+                "spring or by_fidelity to use the result",
+            )
         )
 
 
@@ -454,7 +458,7 @@ def _for_small_motion(scene: SceneLike, rigid: Names, spinning: bool = False) ->
 
     checked = load(scene).check_one_run()
     for sentence in left_out(checked, listed(rigid), spinning):
-        warn(sentence)
+        warn(message("W-modes-omitted", sentence))
     return checked
 
 
@@ -465,7 +469,7 @@ def _tell_of_posing(
     from ..analysis.modes import posing_sentence
 
     if sentence := posing_sentence(scene, listed(rigid), listed(flexible), target, unbalanced):
-        warn(sentence)
+        warn(message("W-modes-omitted", sentence))
 
 
 def _configuration(

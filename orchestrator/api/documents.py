@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from ..messages import message
 from ..results import compare as comparing
 from ..results.compare import Comparison
 from ..results.differences import scene_note
@@ -25,7 +26,7 @@ def compare(a: ResultLike, b: ResultLike) -> Comparison:
     """
     first, second = opened(a), opened(b)
     if note := scene_note(first, second):
-        warn(note)
+        warn(message("W-different-scenes", note))
     return comparing.compare(first, second)
 
 

@@ -10,6 +10,7 @@ from fmus import PLATFORMS, Backend, Experiment, FmiVersion
 
 from ..assembly import Assembly
 from ..assembly.assemble import assemble
+from ..messages import message
 from ..run import run
 from ..run.as_one.export import export_as_one
 from ..run.body_export import ExportedBody
@@ -67,7 +68,7 @@ def export(
         _check_ssp(Path(ssp), fmi, wrench_mode)
     wanted = list(PLATFORMS) if platforms == "all" else list(listed(platforms))
     if fmi == "2.0" and not sources and not wanted and (sentence := python_sentence(backend)):
-        warn(sentence)
+        warn(message("W-backend", sentence))
 
     def assembled(mode: WrenchMode) -> Assembly:
         return assemble(checked, listed(rigid), listed(flexible), mode, listed(large_deformation))
@@ -94,8 +95,11 @@ def _as_ssp(ssp: Path, assembly: Assembly, paths: Sequence[Path], experiment: Ex
     """Write the SSP file of FMUs that were written; a FanfoldWarning tells of what it leaves behind."""
     if files := ", ".join(files_besides(dict(assembly.scene_tree))):
         warn(
-            f"{assembly.name}: its scene goes along in {ssp.name}, but not the files that it is made of besides, "
-            f"which `fanfold run` of it takes from where they are: {files}"
+            message(
+                "W-export",
+                f"{assembly.name}: its scene goes along in {ssp.name}, but not the files that it is made of besides, "
+                f"which `fanfold run` of it takes from where they are: {files}",
+            )
         )
     return write_ssp(ssp, assembly, paths, experiment)
 
@@ -132,7 +136,10 @@ def _at_rest(assembly: Assembly, coupled: Assembly) -> Assembly:
     if assembly.large_deformation:
         names = ", ".join(assembly.large_deformation)
         warn(
-            f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}"
+            message(
+                "W-export",
+                f"{assembly.name}: beams of large deformation start without load, though preload bends them: {names}",
+            )
         )
     return started_at_rest(assembly, coupled)
 
@@ -141,9 +148,11 @@ def _tell_of_locks(assembly: Assembly) -> None:
     """A FanfoldWarning of lines whose latch is an impulse, which no load of an instant holds."""
     if names := ", ".join(line.name for line in assembly.hinge_lines if line.kinematic):
         warn(
-            f"{assembly.name}: the impulse of a kinematic latch is not in the interface loads that the base gives, so "
-            f"a spacecraft that takes these lacks it: {names}; it is in the base's interface impulses, or let them "
-            "latch by a spring or a table"
+            message(
+                "W-export",
+                f"{assembly.name}: the interface loads do not include the impulses of kinematic latches: {names}. Use "
+                "the growth of interface_impulse and interface_angular_impulse, or latches with springs.",
+            )
         )
 
 
@@ -151,11 +160,19 @@ def _tell_of_absent(scene: CheckedScene, *, with_events: bool) -> None:
     """FanfoldWarnings of what a scene has and its FMUs have not."""
     if scene.events and not with_events:
         names = ", ".join(event.name for event in scene.events)
-        warn(f"{scene.header.name}: events are no part of FMUs, so nothing makes these happen: {names}")
+        warn(
+            message(
+                "W-export",
+                f"{scene.header.name}: events are no part of FMUs, so nothing makes these happen: {names}",
+            )
+        )
     if scene.fmus:
         names = ", ".join(f"{fmu.name} ({Path(fmu.file).name})" for fmu in scene.fmus)
         warn(
-            f"{scene.header.name}: FMUs of other tools are not exported again; connect them as the scene does: {names}"
+            message(
+                "W-export",
+                f"{scene.header.name}: FMUs of other tools are not exported; connect them as the scene does: {names}",
+            )
         )
 
 
@@ -177,7 +194,12 @@ def _step_of_tools(assembly: Assembly) -> float | None:
     try:
         found = largest_stable_step(assembly)
     except SceneError as error:
-        warn(f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}")
+        warn(
+            message(
+                "W-export-step",
+                f"{assembly.name}: nothing tells which communication step is stable in other tools: {error}",
+            )
+        )
         return None
     if found is None or assembly.until / found > _MANY_STEPS:
         stable = (
@@ -187,7 +209,10 @@ def _step_of_tools(assembly: Assembly) -> float | None:
         )
         instead = "export rigid bodies for them, or use" if assembly.flexible else "use"
         warn(
-            f"{assembly.name}: tools that do not iterate are stable {stable}; {instead} the scene as one FMU or model "
-            "exchange"
+            message(
+                "W-export-step",
+                f"{assembly.name}: tools that do not iterate are stable {stable}; {instead} the scene as one FMU "
+                "or model exchange",
+            )
         )
     return found

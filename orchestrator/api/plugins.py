@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from components.contract.plugins import line_in
 
+from ..messages import message
 from ..results.result import Result as Record
 from ..scene.plugins.loading import load
 from .warnings import warn
@@ -51,7 +52,11 @@ def _left_out_where_it_fails(name: str, draw: Draw) -> Draw:
             code = getattr(draw, "__code__", None)  # none of what is no function but can be called
             file = Path(code.co_filename if code else draw.__module__)
             said = f"{type(error).__name__}: {error}"
-            warn(f"the figure {name!r} of {file}{line_in(file, error)}: {said}; it is left out")
+            warn(
+                message(
+                    "W-figure", f"the figure {name!r} of {file}{line_in(file, error)}: {said}; it is left out"
+                )
+            )
             return None
 
     return drawn

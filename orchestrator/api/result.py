@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from ..messages import is_note
 from ..results import key_figures
 from ..results.estimated_errors import ESTIMATED_ERRORS
 from ..results.key_figures import Headline
@@ -88,8 +89,17 @@ class Result(Record):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what is not as it should be: what the run told, lines not latched, numbers that may be off."""
-        return tuple(dict.fromkeys((*self.told, *self.headline.open_ends(), *self.headline.warnings)))
+        """Sentences that a careful engineer acts on, each with its code, such as `[W-motor-short]`."""
+        return tuple(one for one in self._messages if not is_note(one))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on how the run went, such as a repetition, each with its code."""
+        return tuple(one for one in self._messages if is_note(one))
+
+    @property
+    def _messages(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys((*self.told, *self.headline.open_ends(), *self.headline.messages)))
 
     def verify(self, progress: bool | Progress | None = None) -> list[Verified]:
         """Run twice more with steps halved and quartered: extrapolated value, error, order of every headline number.

@@ -16,6 +16,7 @@ from ..analysis.sampling.sample import Task
 from ..analysis.sampling.study import Study as Record
 from ..analysis.sampling.targets import signals_of
 from ..analysis.sampling.varied import varied
+from ..messages import message
 from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .quantities import Quantity
@@ -106,8 +107,11 @@ def _tell_of_unknown_signals(task: Task) -> None:
     ]
     if unmatched:
         warn(
-            f"{task.scene.name}: no signal of a component matches {', '.join(unmatched)}; patterns are of COMPONENT or "
-            f"COMPONENT.VARIABLE, and components are {', '.join(components)}"
+            message(
+                "W-signals",
+                f"{task.scene.name}: no signal matches {', '.join(unmatched)}; patterns are COMPONENT or "
+                f"COMPONENT.VARIABLE, and components are {', '.join(components)}",
+            )
         )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..messages import message
 from ..results.result import ResultError
 from .documents import ResultLike, opened
 from .warnings import warn
@@ -50,7 +51,10 @@ def export_view(
     refuse_to_lose(found, target, replace)
     if not found.complete:
         warn(
-            f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s; nothing after that is exported"
+            message(
+                "W-incomplete",
+                f"{found.name}: the run was interrupted at {found.time[-1]:.6g} s; nothing after that is exported",
+            )
         )
     if kind == "glb":
         from ..views.viewers.gltf import write_glb
@@ -79,7 +83,7 @@ def _series(
 
     refuse_folder(path, replace)
     for remark in write_series(path, found, frames, times, stress):
-        warn(remark)
+        warn(message("W-stress", remark))
 
 
 def _tables(found: Result, path: Path, kind: str, patterns: tuple[str, ...], every: float | None) -> None:

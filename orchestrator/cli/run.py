@@ -143,7 +143,7 @@ def command(
 def content(result: Result, verified: list[Verified] | None) -> dict[str, object]:
     """What a run found, for JSON."""
     content = {**result.headline.as_dict(), **result.costs, "output": str(result.path)}
-    content["warnings"] = list(result.warnings)
+    content["warnings"], content["notes"] = list(result.warnings), list(result.notes)
     if verified is not None:
         content["verification"] = [one.as_dict() for one in verified]
     return content

@@ -25,6 +25,7 @@ from components import (
 )
 from components.contract.component import Vector
 
+from ..messages import message
 from .result import Result
 
 _GAINS: Final = {
@@ -75,10 +76,12 @@ class EnergyLedger(NamedTuple):
         if relative <= _ALLOWED * self.tolerance or self._is_rounding:
             return ()
         return (
-            f"the energy balance is off by {self.residual:.3g} J, {relative:.2g} of the {self.exchanged:.3g} J "
-            f"exchanged, where the tolerance of {self.tolerance:g} allows {_ALLOWED * self.tolerance:.2g}; numbers "
-            "may be wrong by as much: tighten the tolerance or take smaller steps, and check that the scene's "
-            "stiffnesses and torques are meant",
+            message(
+                "W-energy-balance",
+                f"The energy balance is off by {self.residual:.3g} J, {relative:.2g} of the energy exchanged; the "
+                f"tolerance allows {_ALLOWED * self.tolerance:.2g}. Run again with a smaller --tolerance, and check "
+                "units of stiffnesses and torques.",
+            ),
         )
 
 

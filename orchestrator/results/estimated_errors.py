@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import inf
 from typing import Literal, NamedTuple
 
+from ..messages import message
 from .result import Result, ResultError
 from .round_off import noise_floor
 
@@ -15,7 +16,9 @@ Key = tuple[str, str]
 ESTIMATED_ERRORS = "estimated_errors"
 """Name of the statistic that holds them."""
 MOST_TOLERANCES = 10.0
-"""What a number may be off by before it cannot be vouched for."""
+"""What a number may be off by before a run is repeated for it, or a note says so."""
+_NOTABLE = 0.01
+"""Error of a number, relative to what it is judged by, from which on a run warns: it changes the second digit."""
 _LOADS = ("interface force peak", "interface torque peak")
 TORQUE_PEAKS = ("port torque peak", "hinge torque peak")
 """Of single hinges, with the torque about their line."""
@@ -88,16 +91,19 @@ def estimated_errors(result: Result) -> dict[Key, EstimatedError]:
 
 
 def unknown_errors(result: Result) -> list[str]:
-    """A sentence where errors were to be estimated and could not be."""
+    """A warning where errors were to be estimated and could not be."""
     if ESTIMATED_ERRORS not in result.statistics or estimated_errors(result):
         return []
     return [
-        "no headline number can be vouched for: a run with steps twice as long, which tells their errors, does not "
-        "reach the end; a smaller tolerance makes them surer"
+        message(
+            "W-error-unknown",
+            "No errors could be estimated: the run with steps twice as long does not reach the end. Run again with a "
+            "smaller --tolerance.",
+        )
     ]
 
 
-def doubts(
+def error_messages(
     numbers: Sequence[tuple[Key, float]],
     errors: Mapping[Key, EstimatedError],
     tolerance: float | None,
@@ -105,21 +111,38 @@ def doubts(
     *,
     fixed_step: bool = False,
 ) -> list[str]:
-    """A sentence for every headline number (key and value) that cannot be vouched for to ten tolerances.
+    """Warnings of headline numbers (key and value) with large errors, and notes on those beyond ten tolerances.
 
-    Latch times, impulses and torques are judged beside their own values, components of a load beside its largest, stops
-    and contacts beside the one that is struck the hardest; by what the error may be at the most. refined: the smaller
-    tolerance that the run took in the end, if it did. fixed_step: whether steps do not follow from the tolerance.
+    Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
+    largest, stops and contacts relative to the one that is struck the hardest. refined: the smaller tolerance of the
+    repetition, if there was one. fixed_step: whether steps do not follow from the tolerance.
     """
     if tolerance is None:
         return []
-    advice = f"a smaller {'step' if fixed_step else 'tolerance'} makes it surer"
-    if refined is not None:
-        advice = f"a run at {refined:.2g} made it no surer than that"
-    return [
-        f"{subject} may be off by {share:.1g} of {whole}, more than ten times the tolerance of {tolerance:g}; {advice}"
-        for subject, share, whole in _together(doubtful(numbers, errors, tolerance))
+    shares = _shares(numbers, errors, VOUCHED)
+    notable = max(_NOTABLE, MOST_TOLERANCES * tolerance)
+    large = {key: share.likely for key, share in shares.items() if share.likely > notable}
+    smaller = f"a smaller --{'step' if fixed_step else 'tolerance'}"
+    advice = (
+        f"Run again with {smaller}."
+        if refined is None
+        else f"A repetition at {refined:.2g} did not reduce it."
+    )
+    messages = [
+        message("W-error", f"{subject}: the estimated error is {100 * share:.2g} % of {whole}. {advice}")
+        for subject, share, whole in _together(large)
     ]
+    beyond = doubtful(numbers, errors, tolerance)
+    messages += [
+        message(
+            "N-tolerance",
+            f"{subject}: the error may be up to {100 * share:.2g} % of {whole}, over ten tolerances.",
+        )
+        for subject, share, whole in _together(
+            {key: share for key, share in beyond.items() if key not in large}
+        )
+    ]
+    return messages
 
 
 def doubtful(
@@ -138,12 +161,12 @@ def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
     for quantity, of in shares:
         whole = _AMONG.get(quantity)
         if whole is None:
-            yield f"the {quantity} of {of}", shares[quantity, of], "its size"
+            yield f"{quantity} of {of}", shares[quantity, of], "its value"
             continue
         members = [one for like, one in shares if like == quantity]
         if of == members[0]:
             most = max(shares[quantity, one] for one in members)
-            yield f"the {_SAID.get(quantity, quantity)} of {', '.join(members)}", most, whole
+            yield f"{_SAID.get(quantity, quantity)} of {', '.join(members)}", most, whole
 
 
 def round_off_of_loads(numbers: Iterable[tuple[Key, float]]) -> float:
@@ -180,7 +203,7 @@ def least_sure(
     """In words the number with the largest error of promised quantities, and both its errors over its size."""
     shares = _shares(numbers, errors, quantities)
     quantity, of = max(shares, key=lambda key: float(getattr(shares[key], by)))
-    return f"the {_SAID.get(quantity, quantity)} of {of}", shares[quantity, of]
+    return f"{_SAID.get(quantity, quantity)} of {of}", shares[quantity, of]
 
 
 def _shares(

@@ -14,8 +14,16 @@ from components import SUPPLIED_ENERGY
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
 from ..assembly import HingeLine
+from ..messages import is_note, message
 from .energy_ledger import energy_ledger, tolerance_asked, tolerance_taken
-from .estimated_errors import POINT_PEAKS, Key, doubts, estimated_errors, round_off_of_loads, unknown_errors
+from .estimated_errors import (
+    POINT_PEAKS,
+    Key,
+    error_messages,
+    estimated_errors,
+    round_off_of_loads,
+    unknown_errors,
+)
 from .lines.latch_impulse import latch_impulses
 from .lines.straying import (
     Overrun,
@@ -91,7 +99,7 @@ class Headline:
     motor_energy: released by motors and put in by drives up to the last latch-up; supplied_energy: put in by loads and
     by what moves by a law up to the end. energy_exchanged,
     numerical_dissipation and energy_residual (largest, over energy_exchanged; None where there is none): see
-    `energy_ledger`. warnings: sentences on what is not as the tolerance promises.
+    `energy_ledger`. messages: warnings and notes on what is not as the tolerance promises.
     estimated_errors: of numbers by quantity and what it is of, in their units; empty where none were estimated.
     """
 
@@ -112,7 +120,7 @@ class Headline:
     energy_exchanged: float
     numerical_dissipation: float
     energy_residual: float | None
-    warnings: tuple[str, ...] = ()
+    messages: tuple[str, ...] = ()
     estimated_errors: Mapping[Key, float] = field(default_factory=dict)
     folded_back: Mapping[str, Peak] = field(default_factory=dict)
     beyond_tables: Mapping[str, Peak] = field(default_factory=dict)
@@ -154,7 +162,14 @@ class Headline:
         nested: dict[str, dict[str, float]] = {}
         for (quantity, of), error in self.estimated_errors.items():
             nested.setdefault(quantity, {})[of] = error
-        return {"verdict": self.verdict, **asdict(self), "estimated_errors": nested}
+        numbers = asdict(self)
+        del numbers["messages"]
+        return {"verdict": self.verdict, **numbers, "warnings": self.warnings, "estimated_errors": nested}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Messages on numbers that are less accurate than an engineer expects."""
+        return tuple(one for one in self.messages if not is_note(one))
 
     def open_ends(self) -> Iterator[str]:
         """Sentences on lines that have not latched or went too far, and on peaks that may lie beyond the end."""
@@ -162,39 +177,47 @@ class Headline:
             went = (
                 "" if line in self.unlatched_angles else f": it went to {degrees(standing.largest):.2f} deg"
             )
-            yield f"{line} {standing.missing}{went}; at {self.end_time:g} s it {standing.state}"
+            yield message(
+                "W-not-opened", f"{line} {standing.missing}{went}; at {self.end_time:g} s it {standing.state}"
+            )
         for line, passed in self.overruns.items():
-            yield (
+            yield message(
+                "W-no-end",
                 f"{line} has no latch and passed its deployed angle of {degrees(passed.deployed_angle):g} deg at "
                 f"{passed.passed_at:.4g} s; it went to {degrees(passed.largest):.2f} deg, and at {self.end_time:g} s "
-                f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop"
+                f"it stands at {degrees(passed.last):.2f} deg; give it a latch or an end_stop",
             )
         for line, depth in self.pressed_stops.items():
-            yield (
+            yield message(
+                "W-stop-pressed",
                 f"{line} went {degrees(depth.value):.0f} deg beyond its end stop, at {depth.time:.4g} s; check the "
-                "stiffness of end_stop"
+                "stiffness of end_stop",
             )
         for line, back in self.folded_back.items():
-            yield (
+            yield message(
+                "W-folded-back",
                 f"{line} folded back by {degrees(back.value):.1f} deg behind where it started, at {back.time:.4g} s; "
-                "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down"
+                "nothing there is meant to stop it: where bodies would touch, give a contact or a hold_down",
             )
         for line, stood in self.beyond_tables.items():
-            yield (
+            yield message(
+                "W-table-range",
                 f"{line} stood at {degrees(stood.value):.4g} deg at {stood.time:.4g} s, beyond the tables of its motor "
                 "or harness, which go on by their slopes there without end; give tables that tell of such angles, or "
-                "what keeps the line from them"
+                "what keeps the line from them",
             )
         for line, bend in self.bent.items():
-            yield (
+            yield message(
+                "W-bent",
                 f"the hinges of {line} bent across their line by up to {degrees(bend.value):.0f} deg, "
                 f"at {bend.time:.4g} s; no hinge does, and their springs are meant for small angles: check "
-                "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it"
+                "cross_stiffness and rotational_stiffness, and whether a line of one hinge can carry what hangs on it",
             )
         for line in self.peaks_at_end:
-            yield (
+            yield message(
+                "W-peak-at-end",
                 f"the latch torque of {line} is largest at the very end, {self.end_time:g} s; "
-                "run longer for its peak"
+                "run longer for its peak",
             )
 
     def numbers(self) -> Iterator[Number]:
@@ -310,13 +333,15 @@ def headline(result: Result) -> Headline:
         energy_exchanged=ledger.exchanged if ledger else 0.0,
         numerical_dissipation=ledger.numerical if ledger else 0.0,
         energy_residual=ledger.relative_residual if ledger else None,
-        warnings=ledger.warnings() if ledger else (),
+        messages=ledger.warnings() if ledger else (),
         estimated_errors={key: error.likely for key, error in errors.items()},
     )
     numbers = [(number.key, number.value) for number in found.numbers()]
     given = "step" in result.provenance
-    told = doubts(numbers, errors, tolerance_asked(result), tolerance_taken(result), fixed_step=given)
-    return replace(found, warnings=(*found.warnings, *unknown_errors(result), *told))
+    of_errors = error_messages(
+        numbers, errors, tolerance_asked(result), tolerance_taken(result), fixed_step=given
+    )
+    return replace(found, messages=(*found.messages, *unknown_errors(result), *of_errors))
 
 
 def _missing(

@@ -11,6 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 
+from ..messages import message
 from .progress import Watch
 
 _SECONDS = 1.0
@@ -60,14 +61,19 @@ class FreeSpace:
         if needed > free:
             self._told = True
             self._warn(
-                f"{self._path}: at t = {time:.6g} s the disk has {free / _MEGABYTE:.3g} MB free, and the result will "
-                f"take about {needed / _MEGABYTE:.3g} MB more; make room while the run goes on, or stop it and name a "
-                "file elsewhere. What is written stays readable"
+                message(
+                    "W-disk",
+                    f"{self._path}: at t = {time:.6g} s the disk has {free / _MEGABYTE:.3g} MB free, and the "
+                    f"result needs about {needed / _MEGABYTE:.3g} MB more. Make room now, or stop the run and choose "
+                    "another --output; what is written stays readable.",
+                )
             )
         elif size + needed > _LARGE and not self._told_large:
             self._told_large = True
             self._warn(
-                f"{self._path}: the result will take about {(size + needed) / _GIGABYTE:.3g} GB by "
-                f"{self._end:.6g} s, as it keeps all rows while the run goes on; --record SECONDS leaves fewer of them "
-                "in the end, and a looser tolerance or an earlier end makes fewer"
+                message(
+                    "W-disk",
+                    f"{self._path}: the result will take about {(size + needed) / _GIGABYTE:.3g} GB by "
+                    f"{self._end:.6g} s. Use --record SECONDS, a larger --tolerance or an earlier --until.",
+                )
             )

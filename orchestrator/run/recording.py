@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from components.contract.roles import ATTITUDE, INTERFACE_LOAD, LOAD
 
+from ..messages import message
 from ..results.energy_ledger import rows_of_exchange
 from ..results.key_figures import headline, line_latch_torque
 from ..results.lines.straying import overruns
@@ -73,8 +74,11 @@ class Recording:
         unmatched = [one for one, keys in matching.items() if not keys]
         if unmatched:
             warn(
-                f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept; patterns are of "
-                f"COMPONENT or COMPONENT.VARIABLE, and components are {', '.join(result.components)}"
+                message(
+                    "W-signals",
+                    f"{result.name}: no signal matches {', '.join(unmatched)}, so all are kept; patterns are of "
+                    f"COMPONENT or COMPONENT.VARIABLE, and components are {', '.join(result.components)}",
+                )
             )
         if unmatched or not self.signals:
             return every

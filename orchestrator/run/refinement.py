@@ -27,6 +27,7 @@ import numpy as np
 from ..assembly import Assembly
 from ..cosim.settings import Settings
 from ..cosim.stepping import share_of_steps
+from ..messages import message
 from ..results.estimated_errors import (
     MOST_TOLERANCES,
     PROMISED,
@@ -98,10 +99,8 @@ def refined(
             warn(_too_costly(assembly.name, outcome, asked, tolerance, costly.times))
             break
         except RunError as failure:
-            warn(
-                f"{assembly.name}: the result is that of {settings.tolerance:.2g}, as the repetition failed: "
-                f"{failure.reason}"
-            )
+            note = f"The result is that of {settings.tolerance:.2g}: the repetition failed, {failure.reason}"
+            warn(message("N-repetition-failed", note))
             break
         before, error = error, error_in_tolerances(better, asked)
         outcome, settings = better, finer
@@ -218,13 +217,14 @@ def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
 
 
 def _sentence(name: str, outcome: Outcome, asked: float, tolerance: float) -> str:
-    return f"{_reason(name, outcome, asked)}; it is run again at {tolerance:.2g}"
+    return message("N-repeated", f"{_reason(name, outcome, asked)}; the run was repeated at {tolerance:.2g}.")
 
 
 def _too_costly(name: str, outcome: Outcome, asked: float, tolerance: float, times: float) -> str:
-    return (
-        f"{_reason(name, outcome, asked)}; a run at {tolerance:.2g} takes about {times:.0f} times the "
-        f"{outcome.costs.steps} steps and was not made: ask for it by that tolerance"
+    return message(
+        "N-repetition-costly",
+        f"{_reason(name, outcome, asked)}; a run at --tolerance {tolerance:.2g} takes about {times:.0f} times the "
+        f"{outcome.costs.steps} steps and was not made.",
     )
 
 
@@ -232,14 +232,14 @@ def _reason(name: str, outcome: Outcome, asked: float) -> str:
     numbers, errors = _numbers(outcome), estimated_errors(outcome.result)
     error = error_in_tolerances(outcome, asked)
     if not isfinite(error.likely):
-        said = "nothing tells how far its numbers are off"
+        said = "no error could be estimated"
     elif error.likely > _LIKELY * MOST_TOLERANCES:
         number, share = least_sure(numbers, errors)
-        said = f"{number} is likely to be off by {_times(share.likely / asked)} the tolerance of {asked:g}"
+        said = f"the estimated error of {number} is {_times(share.likely / asked)} the tolerance of {asked:g}"
     else:
         among = SIZING if _of_hinges(outcome) > MOST_TOLERANCES * asked else PROMISED
         number, share = least_sure(numbers, errors, among, by="most")
-        said = f"{number} may be off by {_times(share.most / asked)} the tolerance of {asked:g}"
+        said = f"the largest possible error of {number} is {_times(share.most / asked)} the tolerance of {asked:g}"
     return f"{name}: {said}"
 
 

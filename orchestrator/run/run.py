@@ -38,6 +38,7 @@ from ..cosim.settings import Settings
 from ..cosim.signals.joined import recorded
 from ..cosim.signals.process import SignalProcess
 from ..cosim.stepping import StepError
+from ..messages import message
 from ..results.key_figures import Headline, headline
 from ..results.recorder import MemoryRecorder, SignalGroup
 from ..results.result import Result
@@ -264,15 +265,21 @@ def _run(
             )
             if exposed:
                 warn(
-                    f"{assembly.name}: {exposed} shares the process of this run, which ends if it crashes; processes "
-                    "of their own need Fanfold installed where there is a C compiler"
+                    message(
+                        "W-backend",
+                        f"{assembly.name}: {exposed} runs in the process of this run, and a crash ends both; "
+                        "install Fanfold with a C compiler to isolate FMUs",
+                    )
                 )
             fixed = ", ".join(p.name for p in participants if not p.can_restore)
             if fixed and master == "implicit":
                 master = "gauss-seidel"
                 warn(
-                    f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
-                    "the explicit Gauss-Seidel master takes its place"
+                    message(
+                        "W-backend",
+                        f"{assembly.name}: {fixed} cannot return to a saved state, which the implicit master needs; "
+                        "the explicit Gauss-Seidel master takes its place",
+                    )
                 )
             network = Network.ordered(
                 participants, assembly.links, settings.order if master == "implicit" else 2
@@ -377,7 +384,7 @@ def _signal_processes(
 
     def tell() -> None:
         for sentence in (sentence for one in found for sentence in one.warned()):
-            warn(f"{assembly.name}: {sentence}")
+            warn(message("W-fmu", f"{assembly.name}: {sentence}"))
 
     stack.callback(tell)
     return found

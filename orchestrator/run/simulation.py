@@ -8,8 +8,6 @@ from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
 from components.cache.disk import place_sentence
 from fmus import Backend, native_library
 
@@ -20,6 +18,7 @@ from ..assembly.spin import unstiffened_spins
 from ..cosim.native.library import absence_sentence
 from ..cosim.ports import Order
 from ..cosim.settings import Settings
+from ..messages import coded, is_note, message
 from ..results.attitude import turned_over
 from ..results.result_file import refuse_to_replace, with_told
 from ..scene import CheckedScene, read_scene
@@ -151,25 +150,24 @@ def simulate(
 ) -> Simulation:
     """Run a scene into a file or, without one, into memory; RunError or SceneError where that cannot be.
 
-    estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: is given sentences.
+    estimate: let a companion run, at half the cost, tell the errors of headline numbers. warn: gets every warning.
     start: the checkpoint to go on from. fmus: a loader of `kept_fmus` to share between runs, by default one of its own.
     """
     if options.checkpoint is not None and output is None:
         raise RunError("a run that keeps its result in memory has no checkpoints; give it a file")
     if output is not None:
         refuse_to_replace(output)
-    told: list[str] = []
+    messages: list[str] = []
 
     def tell(sentence: str) -> None:
-        told.append(sentence)
-        warn(sentence)
+        messages.append(sentence)
+        if not is_note(sentence):
+            warn(sentence)
 
-    for sentence in filter(None, (python_sentence(options.backend), absence_sentence(), place_sentence())):
-        tell(sentence)
     assembly = options.assemble(scene)
     if options.step is not None:
         _refuse_wings(assembly)
-    for sentence in _before(scene, options, assembly):
+    for sentence in (*_missing_parts(options), *_before(scene, options, assembly)):
         tell(sentence)
     settings, end = options.settings(assembly), options.until or assembly.until
     own = kept_fmus(options.backend, isolate=options.isolate) if fmus is None else nullcontext(fmus)
@@ -180,17 +178,48 @@ def simulate(
             outcome = run(assembly, output, settings, end, options.master, watch, tell, load, asked, start)
         settings = replace(settings, snapshot_every=None)
         if estimate:
-            with _whole(assembly, outcome):
-                with followed(progress, f"{assembly.name}: errors", end) as watch:
-                    outcome = with_estimates(assembly, outcome, settings, end, watch, load)
-                if options.refine:
-                    outcome, settings = refined(assembly, outcome, settings, end, progress, tell, load)
+            refine = options.refine
+            outcome, settings = _estimated(
+                assembly, outcome, settings, end, progress, tell, load, refine=refine
+            )
     for sentence in _after(scene, options, assembly, outcome):
         tell(sentence)
     kept = Recording(options.record, options.signals).applied(outcome.result, tell)
-    outcome = replace(outcome, result=with_told(kept, told))
+    outcome = replace(outcome, result=with_told(kept, [*dict.fromkeys(messages)]))
+    for sentence in outcome.headline.warnings:
+        warn(sentence)
     load_again = partial(as_fmus, backend=options.backend, isolate=options.isolate)
     return Simulation(assembly, settings, end, load_again, outcome)
+
+
+def _estimated(
+    assembly: Assembly,
+    outcome: Outcome,
+    settings: Settings,
+    end: float,
+    progress: Progress,
+    tell: Warn,
+    load: Loader,
+    *,
+    refine: bool,
+) -> tuple[Outcome, Settings]:
+    """The outcome with estimated errors, and of the last repetition where these were too large; and its settings."""
+    with _whole(assembly, outcome):
+        with followed(progress, f"{assembly.name}: errors", end) as watch:
+            outcome = with_estimates(assembly, outcome, settings, end, watch, load)
+        return (
+            refined(assembly, outcome, settings, end, progress, tell, load) if refine else (outcome, settings)
+        )
+
+
+def _missing_parts(options: Options) -> Iterator[str]:
+    """Warnings of what the installation lacks."""
+    sentences = {
+        "W-backend": python_sentence(options.backend),
+        "W-compiled-code": absence_sentence(),
+        "W-cache": place_sentence(),
+    }
+    yield from (message(code, sentence) for code, sentence in sentences.items() if sentence)
 
 
 @contextmanager
@@ -209,28 +238,29 @@ def _whole(assembly: Assembly, outcome: Outcome) -> Iterator[None]:
 def _before(scene: CheckedScene, options: Options, assembly: Assembly) -> Iterator[str]:
     """What is told of a scene before it is run."""
     yield from assembled_doubts(scene, assembly, {*assembly.flexible, *assembly.large_deformation})
-    yield from _held_sentences(assembly, {*options.flexible, *options.large_deformation})
-    yield from unstiffened_spins(scene, assembly)
-    yield from let_go_at_start(assembly)
+    yield from coded(
+        "W-held-body", _held_sentences(assembly, {*options.flexible, *options.large_deformation})
+    )
+    yield from coded("W-spin", unstiffened_spins(scene, assembly))
+    yield from coded("W-preload", let_go_at_start(assembly))
 
 
 def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
     """What is told of a run."""
     if options.step is not None and outcome.costs.rejected:
-        yield _divided(assembly, options.step, outcome)
-    yield from sampled_loop_sentences(assembly, outcome.result)
+        yield message("W-step-divided", _divided(assembly, options.step, outcome))
+    yield from coded("W-fmu-loop", sampled_loop_sentences(assembly, outcome.result))
     yield from outcome.headline.open_ends()
     if outcome.restless:
-        yield f"{assembly.name}: {outcome.restless}"
-    yield from lost_preloads(assembly, outcome.result)
-    yield from moved_starts(assembly, outcome.result)
-    yield from idle_events(assembly, outcome.result)
-    yield from _damped_sentences(scene, assembly, outcome)
-    yield from open_joint_sentences(scene, assembly, outcome.result)
-    yield from linear_range_sentences(scene, assembly, outcome.result)
-    yield from compressed_sentences(scene, assembly, outcome.result)
-    yield from creeping_sentences(assembly, outcome.result)
-    yield from turned_over(outcome.result)
+        yield message("W-restless", f"{assembly.name}: {outcome.restless}")
+    yield from coded("W-preload", lost_preloads(assembly, outcome.result))
+    yield from coded("W-preload", moved_starts(assembly, outcome.result))
+    yield from coded("W-event", idle_events(assembly, outcome.result))
+    yield from coded("W-joint-opened", open_joint_sentences(scene, assembly, outcome.result))
+    yield from coded("W-large-rotation", linear_range_sentences(scene, assembly, outcome.result))
+    yield from coded("W-compression", compressed_sentences(scene, assembly, outcome.result))
+    yield from coded("W-creep", creeping_sentences(assembly, outcome.result))
+    yield from coded("W-attitude", turned_over(outcome.result))
 
 
 def _divided(assembly: Assembly, step: float, outcome: Outcome) -> str:
@@ -281,32 +311,6 @@ def _refuse_wings(assembly: Assembly) -> None:
 def _held_sentences(assembly: Assembly, bending: Collection[str]) -> Iterator[str]:
     for name in sorted({*bending} - {"all", *assembly.flexible, *assembly.large_deformation}):
         yield f"{assembly.name}: {name} is part of a piece that held hinge lines join, which is rigid"
-
-
-def _damped_sentences(scene: CheckedScene, assembly: Assembly, outcome: Outcome) -> Iterator[str]:
-    """Lines of rigid bodies that latched with much more damping than their ratio says: others were not deployed yet.
-
-    Not those whose effective inertia the scene states.
-    """
-    rigid = {line.name for line in assembly.hinge_lines if line.rigid and scene.structural_damping is None}
-    for line in scene.hinge_lines:
-        frequency, latch = outcome.latch_frequencies.get(line.name), line.latch
-        if not frequency or latch is None or latch.effective_inertia is not None or line.name not in rigid:
-            continue
-        damping = 0.5 * frequency * _damping_time(assembly, line.hinges[0].name)
-        if damping > max(_DAMPED, _TIMES_DAMPED * latch.damping_ratio):
-            yield (
-                f"{line.name} latched with {damping:.0%} of critical damping instead of {latch.damping_ratio:.1%}, "
-                "which lowers its torque peak: bodies that were not deployed turn less with it; "
-                f"hinge_line.{line.name}.latch.effective_inertia says what turns when it latches"
-            )
-
-
-def _damping_time(assembly: Assembly, hinge: str) -> float:
-    """Damping over stiffness of a hinge's latch, s, which all hinges of a line have alike; 0 without a spring."""
-    start = next(part.start for part in assembly.parts if part.name == hinge)
-    damping, stiffness = (np.sum(start.get(f"latch_{what}", 0.0)) for what in ("damping", "stiffness"))
-    return float(damping / stiffness) if stiffness else 0.0
 
 
 def result_file(name: str, variants: Sequence[str]) -> Path:

@@ -13,6 +13,7 @@ from components.hold_down import HoldDown
 from components.load import Load
 from components.rail import Rail
 
+from ...messages import coded
 from ...scene.bodies import scene_points
 from ...scene.component_connections import first_number, seated
 from ...scene.connection_tables import Connection
@@ -39,17 +40,17 @@ _NO_RATE = 1e-9
 
 def start_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
-    yield from _bolted_on_the_way(scene)
-    yield from _strained_rails(scene)
-    yield from _wound_drives(scene)
-    yield from _open_at_the_start(scene)
-    yield from _turned_to_close(scene)
-    yield from _moving_from_rest(scene)
-    yield from _turned_from_the_world(scene)
+    yield from coded("W-hold-down-start", _bolted_on_the_way(scene))
+    yield from coded("W-rail-start", _strained_rails(scene))
+    yield from coded("W-drive-start", _wound_drives(scene))
+    yield from coded("W-open-loop", _open_at_the_start(scene))
+    yield from coded("W-turned-start", _turned_to_close(scene))
+    yield from coded("W-start-rate", _moving_from_rest(scene))
+    yield from coded("W-base-turned", _turned_from_the_world(scene))
     if not scene.header.preload and "preload" not in scene.header.model_fields_set:
-        yield from _struck_by_preload(scene)
-        yield from _struck_by_weight(scene)
-        yield from _ringing_rails(scene)
+        yield from coded("W-start-blow", _struck_by_preload(scene))
+        yield from coded("W-start-blow", _struck_by_weight(scene))
+        yield from coded("W-start-blow", _ringing_rails(scene))
 
 
 def _struck_by_preload(scene: CheckedScene) -> Iterator[str]:

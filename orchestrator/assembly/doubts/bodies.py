@@ -9,6 +9,7 @@ import numpy as np
 from components.contract.frames import Vector3, norm, subtract
 from components.flexible.plate import Panel, Plate
 
+from ...messages import coded
 from ...scene.bodies import body_definition, body_model
 from ...scene.body_tables import Body, Inertial
 from ...scene.schema import CheckedScene
@@ -43,10 +44,10 @@ _BEYOND_POINTS = 5.0
 
 def body_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
-    yield from _large_inertias(scene)
-    yield from _unlikely_panels(scene)
-    yield from _coarse_membranes(scene)
-    yield from _unlikely_beams(scene)
+    yield from coded("W-body-data", _large_inertias(scene))
+    yield from coded("W-panel-data", _unlikely_panels(scene))
+    yield from coded("W-membrane-mesh", _coarse_membranes(scene))
+    yield from coded("W-beam-data", _unlikely_beams(scene))
 
 
 def unlike_twins(scene: CheckedScene, bending: Collection[str]) -> Iterator[str]:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from components.contract.frames import Vector3, cross, dot, norm
 
+from ...messages import coded
 from ...scene.connection_tables import Ccl
 from ...scene.loops.coupled_lines import body_between
 from ...scene.schema import CheckedScene
@@ -20,9 +21,9 @@ _ASKEW = 1e-3
 
 def loop_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
-    yield from _unlike_travels(scene)
-    yield from _askew_loops(scene)
-    yield from _stiffest(scene)
+    yield from coded("W-loop-data", _unlike_travels(scene))
+    yield from coded("W-loop-data", _askew_loops(scene))
+    yield from coded("W-loop-data", _stiffest(scene))
 
 
 def _stiffest(scene: CheckedScene) -> Iterator[str]:

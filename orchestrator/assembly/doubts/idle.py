@@ -6,15 +6,16 @@ from collections.abc import Iterator
 
 from components.hold_down import HoldDown
 
+from ...messages import coded
 from ...scene.component_connections import first_number
 from ...scene.schema import CheckedScene
 
 
 def idle_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
-    yield from _without_load(scene)
-    yield from _never_stepped(scene)
-    yield from _released_too_late(scene)
+    yield from coded("W-idle-load", _without_load(scene))
+    yield from coded("W-fmu-step", _never_stepped(scene))
+    yield from coded("W-idle-load", _released_too_late(scene))
 
 
 def _without_load(scene: CheckedScene) -> Iterator[str]:

@@ -12,6 +12,7 @@ from components.contract.component import Vector
 from components.end_stop import EndStop
 from components.numerics.laws import Linear
 
+from ...messages import coded
 from ...scene.bodies import scene_points
 from ...scene.connection_tables import Connection
 from ...scene.hinge_line_tables import HingeLine
@@ -40,16 +41,16 @@ _ROUGHEST = 2.0
 
 def line_doubts(scene: CheckedScene) -> Iterator[str]:
     """Sentences with their keys."""
-    yield from _unstopped(scene)
-    yield from _unlikely_friction(scene)
-    yield from _held_by_friction(scene)
-    yield from _beyond_tables(scene)
-    yield from _through_one_another(scene)
-    yield from _stopped_before_latch(scene)
-    yield from _unlikely_ends(scene)
-    yield from _damped_by_few(scene)
-    yield from contradicted_curves(scene)
-    yield from _free_along_the_line(scene)
+    yield from coded("W-no-end", _unstopped(scene))
+    yield from coded("W-friction-data", _unlikely_friction(scene))
+    yield from coded("W-motor-short", _held_by_friction(scene))
+    yield from coded("W-table-range", _beyond_tables(scene))
+    yield from coded("W-overlap", _through_one_another(scene))
+    yield from coded("W-stop-before-latch", _stopped_before_latch(scene))
+    yield from coded("W-end-data", _unlikely_ends(scene))
+    yield from coded("W-latch-inertia", _damped_by_few(scene))
+    yield from coded("W-latch-curve", contradicted_curves(scene))
+    yield from coded("W-free-slide", _free_along_the_line(scene))
 
 
 def _unstopped(scene: CheckedScene) -> Iterator[str]:

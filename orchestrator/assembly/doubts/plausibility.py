@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
+from ...messages import coded, message
 from ...scene.schema import CheckedScene
 from .. import Assembly
 from ..hinges import unfollowed_curves
@@ -28,15 +29,16 @@ def assembled_doubts(scene: CheckedScene, assembly: Assembly, bending: Collectio
     """The same, and what is hardly meant of it as assembled with these bodies flexible."""
     yield from doubts(scene)
     yield from signal_sentences(assembly, scene)
-    yield from unfollowed_curves(scene, bending)
-    yield from unlike_twins(scene, bending)
+    yield from coded("W-latch-curve", unfollowed_curves(scene, bending))
+    yield from coded("W-rigid-twin", unlike_twins(scene, bending))
 
 
 def _many_steps(scene: CheckedScene) -> Iterator[str]:
     """Runs that are long beside the largest step that the scene allows."""
     steps = scene.header.until / scene.header.largest_step
     if steps > _MOST_STEPS:
-        yield (
+        yield message(
+            "W-steps",
             f"scene.largest_step: is {scene.header.largest_step:g} s, with which {scene.header.until:g} s take "
-            f"{steps:.2g} steps at the least; give a larger one, which the tolerance keeps to where motion is slow"
+            f"{steps:.2g} steps at the least; give a larger one, which the tolerance keeps to where motion is slow",
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from ...messages import coded
 from ...scene.schema import CheckedScene
 from ...scene.signals.tables import Fmu
 from .. import Assembly, Event, HingeLine, SignalFmu
@@ -19,12 +20,12 @@ def signal_sentences(assembly: Assembly, scene: CheckedScene) -> Iterator[str]:
     tables: Mapping[str, Fmu] = {table.name: table for table in scene.fmus}
     for fmu in assembly.signal_fmus:
         if (table := tables.get(fmu.name)) is not None:
-            yield from _bare_units(fmu)
-            yield from _all_too_often(table, scene.header.until)
-            yield from _of_several_hinges(fmu, table, assembly.hinge_lines)
-            yield from _set_by_events(fmu, assembly.events)
+            yield from coded("W-fmu-unit", _bare_units(fmu))
+            yield from coded("W-fmu-step", _all_too_often(table, scene.header.until))
+            yield from coded("W-fmu-hinges", _of_several_hinges(fmu, table, assembly.hinge_lines))
+            yield from coded("W-fmu-events", _set_by_events(fmu, assembly.events))
             if fmu.is_wing:
-                yield from _driven_wing(fmu, table, assembly.hinge_lines)
+                yield from coded("W-fmu-wing", _driven_wing(fmu, table, assembly.hinge_lines))
 
 
 def _bare_units(fmu: SignalFmu) -> Iterator[str]:
