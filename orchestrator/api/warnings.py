@@ -5,9 +5,16 @@ from __future__ import annotations
 import sys
 import warnings
 
+from ..messages import code_of
+
 
 class FanfoldWarning(UserWarning):
-    """A sentence on a run that is not as it should be."""
+    """A problem that a careful engineer acts on; `code` names its kind, such as "W-motor-short"."""
+
+    @property
+    def code(self) -> str:
+        """Code of the message, which stays when its wording changes."""
+        return code_of(str(self))
 
 
 def warn(sentence: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,7 +37,7 @@ SCENE_CHANNELS = (
 class Statistics:
     """What a run cost; fmu_time: seconds inside FMUs in steps that the native solver made.
 
-    latch_frequencies: of lines, by name, that latched with a spring, as wholes, rad/s. restless: what does not start at
+    restless: what does not start at
     rest though it should, a sentence, empty where all does.
     """
 
@@ -45,7 +45,6 @@ class Statistics:
     sweeps: int = 0
     rejected: int = 0
     fmu_time: float = 0.0
-    latch_frequencies: dict[str, float] = field(default_factory=dict)
     restless: str = ""
 
 

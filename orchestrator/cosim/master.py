@@ -445,8 +445,6 @@ class Master(CoSimulation):
         self._command(LATCH_COMMAND.name, 0.0, line.hinges)
         hinges = latch_up.stiffenings(solver, line.hinges, before, after, h)
         if hinges:
-            whole, _ = latch_up.swinging(solver, self.time, hinges, self.settings.largest_step)
-            self.statistics.latch_frequencies[line.name] = whole.frequency
             slow, size = latch_up.swinging(solver, self.time, hinges, self._sizes.largest)
             self._judged.add_latched(slow)
             self._judge_loads()

@@ -6,7 +6,7 @@ import json
 import platform
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import version
@@ -84,7 +84,6 @@ class Costs:
 class Outcome:
     """A finished run: its result, which master made it at which order, headline, costs, step sizes taken.
 
-    latch_frequencies: of lines, by name, that latched with a spring, as wholes, as far as the master saw, rad/s.
     restless: what did not start at rest though it should, a sentence.
     """
 
@@ -94,7 +93,6 @@ class Outcome:
     headline: Headline
     costs: Costs
     segments: tuple[tuple[float, ...], ...]
-    latch_frequencies: Mapping[str, float] = field(default_factory=dict)
     restless: str = ""
 
     @property
@@ -353,8 +351,7 @@ def _follow(
         checkpoint_file(output).unlink(missing_ok=True)
     segments = tuple(tuple(segment) for segment in runner.segments)
     result = recorder.result()
-    seen = statistics.latch_frequencies, statistics.restless
-    return Outcome(result, kind, network.order, headline(result), costs, segments, *seen)
+    return Outcome(result, kind, network.order, headline(result), costs, segments, statistics.restless)
 
 
 def _runner(

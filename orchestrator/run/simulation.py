@@ -30,7 +30,7 @@ from .errors import InterruptedRunError
 from .idle_events import idle_events
 from .limits.compression import compressed_sentences
 from .limits.creep import creeping_sentences
-from .limits.linear_range import linear_range_sentences
+from .limits.linear_range import linear_range_messages
 from .limits.open_joints import open_joint_sentences
 from .limits.sampled_loops import sampled_loop_sentences
 from .load_energy import with_energy_of_loads
@@ -257,7 +257,7 @@ def _after(scene: CheckedScene, options: Options, assembly: Assembly, outcome: O
     yield from coded("W-preload", moved_starts(assembly, outcome.result))
     yield from coded("W-event", idle_events(assembly, outcome.result))
     yield from coded("W-joint-opened", open_joint_sentences(scene, assembly, outcome.result))
-    yield from coded("W-large-rotation", linear_range_sentences(scene, assembly, outcome.result))
+    yield from linear_range_messages(scene, assembly, outcome.result)
     yield from coded("W-compression", compressed_sentences(scene, assembly, outcome.result))
     yield from coded("W-creep", creeping_sentences(assembly, outcome.result))
     yield from coded("W-attitude", turned_over(outcome.result))

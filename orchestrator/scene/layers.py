@@ -65,14 +65,16 @@ class Layers:
 def read_layers(path: Path, find: Callable[[str], Path]) -> Layers:
     """The layers of a scene file; find: the file that a name after `extends` means.
 
-    SceneError where a layer is missing or cannot be read.
+    A variant with `remove = true` is one of an extended scene that this one does not have. SceneError where a layer is
+    missing or cannot be read.
     """
     added: set[str] = set()
     tree = _with_extended(path, find, (), added)
     known = tree.pop(_VARIANT, {})
     if not isinstance(known, dict) or not all(isinstance(layer, dict) for layer in known.values()):
         raise SceneError([f"{path.name}: variant: give a table [variant.NAME] for each variant"])
-    return Layers(path.name, tree, known, frozenset(added))
+    variants = {name: layer for name, layer in known.items() if layer.get(_REMOVE) is not True}
+    return Layers(path.name, tree, variants, frozenset(added))
 
 
 def _merged_layer(place: str, below: Tree, above: Tree, added: set[str]) -> Tree:

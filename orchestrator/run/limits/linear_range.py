@@ -15,6 +15,7 @@ from components.flexible.plate import Panel
 from ...assembly import Assembly, Part
 from ...assembly.fidelities import has_beam
 from ...assembly.spin import unstiffened_rates, unstiffened_spins
+from ...messages import coded, message
 from ...results.result import Result
 from ...scene import CheckedScene
 from ...scene.bodies import body_definition
@@ -46,13 +47,13 @@ class _Turn(NamedTuple):
     time: float
 
 
-def linear_range_sentences(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each body that bent further than its theory goes."""
+def linear_range_messages(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
+    """A message for each body that deformed or spun beyond the range of its model."""
     yield from _bent_plates(scene, assembly, result)
-    yield from _turned_bodies(scene, assembly, result)
-    if not any(unstiffened_spins(scene, assembly)):  # which are told before the run
+    yield from coded("W-large-rotation", _turned_bodies(scene, assembly, result))
+    if not any(unstiffened_spins(scene, assembly)):  # which warn before the run
         rates = {name: _mean_rate(result, name) for name in assembly.flexible}
-        yield from unstiffened_rates(scene, assembly, rates, "a mean of")
+        yield from coded("W-spin", unstiffened_rates(scene, assembly, rates, "a mean of"))
 
 
 def _mean_rate(result: Result, body: str) -> float:
@@ -102,7 +103,10 @@ def _some_rows(count: int) -> NDArray[np.int64]:
 
 
 def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Iterator[str]:
-    """A sentence for each plate without stretching that bent by more than its thickness between its joints."""
+    """A message for each linear plate that bent by more than its thickness between its joints.
+
+    It is a note where the scene states that the plate is linear.
+    """
     bodies = {body.name: body for body in scene.bodies}
     for part in assembly.parts:
         panel = _linear_panel(bodies.get(part.name)) if part.name in assembly.flexible else None
@@ -112,11 +116,12 @@ def _bent_plates(scene: CheckedScene, assembly: Assembly, result: Result) -> Ite
         thickness = float(np.sqrt(12.0 * panel.plate.bending[0] / panel.plate.membrane[0]))
         if bend.deflection <= _THICKNESSES * thickness:
             continue
-        yield (
+        states_linear = "geometry" in (bodies[part.name].panel or {})
+        yield message(
+            "N-linear-plate" if states_linear else "W-linear-plate",
             f"{part.name} bent by {1e3 * bend.deflection:.3g} mm between its joints, at {bend.time:.4g} s, "
-            f"{bend.deflection / thickness:.2g} times the {1e3 * thickness:.3g} mm of its plate, which is linear: "
-            "bending gives it no tension, which would hold it back as far as its joints do not give way; compare with "
-            'geometry = "von_karman" of its panel'
+            f"{bend.deflection / thickness:.2g} times its thickness of {1e3 * thickness:.3g} mm, and its linear model "
+            f'has no tension from bending. Compare with body.{part.name}.panel.geometry = "von_karman".',
         )
 
 
