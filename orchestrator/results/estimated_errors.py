@@ -113,7 +113,7 @@ def error_messages(
 ) -> list[str]:
     """Warnings of headline numbers (key and value) with large errors, and notes on those beyond ten tolerances.
 
-    Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
+    Only promised quantities warn. Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
     largest, stops and contacts relative to the one that is struck the hardest. refined: the smaller tolerance of the
     repetition, if there was one. fixed_step: whether steps do not follow from the tolerance.
     """
@@ -121,7 +121,9 @@ def error_messages(
         return []
     shares = _shares(numbers, errors, VOUCHED)
     notable = max(_NOTABLE, MOST_TOLERANCES * tolerance)
-    large = {key: share.likely for key, share in shares.items() if share.likely > notable}
+    large = {
+        key: share.likely for key, share in shares.items() if key[0] in PROMISED and share.likely > notable
+    }
     smaller = f"a smaller --{'step' if fixed_step else 'tolerance'}"
     advice = (
         f"Run again with {smaller}."

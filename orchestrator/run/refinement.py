@@ -202,13 +202,19 @@ def _again(
 def _left(before: Outcome, after: Outcome, part: float) -> dict[Key, EstimatedError]:
     """What is left of errors at a part of the tolerance, from what numbers moved by.
 
-    A repetition is made for its estimates to be small, and some of these are so by chance.
+    A repetition is made for its estimates to be small, and some of these are so by chance. A number that moved by more
+    than its error could be does not converge, and its error is all of that: no tolerance determines it.
     """
     left = _PER_DECADE ** log10(part)
     share = left / (1.0 - left)
-    values = dict(_numbers(before))
-    moved = {key: abs(value - values[key]) for key, value in _numbers(after) if key in values}
-    return {key: EstimatedError(share * d, _AT_THE_MOST * share * d) for key, d in moved.items()}
+    values, errors = dict(_numbers(before)), estimated_errors(before.result)
+    remaining = {}
+    for key, value in _numbers(after):
+        moved = abs(value - values.get(key, value))
+        converges = key not in errors or moved <= errors[key].most
+        likely = (share if converges else 1.0) * moved
+        remaining[key] = EstimatedError(likely, _AT_THE_MOST * likely)
+    return remaining
 
 
 def _moved(outcome: Outcome, source: Path, target: Path) -> Outcome:
