@@ -113,7 +113,9 @@ def error_messages(
 ) -> list[str]:
     """Warnings of headline numbers (key and value) with large errors, and notes on those beyond ten tolerances.
 
-    Only promised quantities warn. Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
+    Only promised quantities warn.
+
+    Latch times, impulses and torques are judged relative to their own values, components of a load relative to the
     largest, stops and contacts relative to the one that is struck the hardest. refined: the smaller tolerance of the
     repetition, if there was one. fixed_step: whether steps do not follow from the tolerance.
     """
