@@ -133,6 +133,14 @@ def doubtful(
     return {key: share.most for key, share in shares.items() if share.most > MOST_TOLERANCES * tolerance}
 
 
+def errors_told(
+    numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, EstimatedError], tolerance: float | None
+) -> dict[Key, float]:
+    """The error of each number that tables tell: what a sentence of `doubts` says, of all others what is likely."""
+    warned = {} if tolerance is None else doubtful(numbers, errors, tolerance)
+    return {key: error.most if key in warned else error.likely for key, error in errors.items()}
+
+
 def _together(shares: Mapping[Key, float]) -> Iterator[tuple[str, float, str]]:
     """In words what is off, all that is judged beside one value at once, by the largest part, and of what it is one."""
     for quantity, of in shares:

@@ -13,8 +13,8 @@
 
 #define SAME_EVENT 1e-9 /* s */
 
-/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, whether
-   latched, and peaks. */
+/* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates
+   at latch-up, whether latched, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
 
 /* Numbers of the master that are in no array, to or from `scalars`. */
@@ -77,6 +77,7 @@ static size_t arrange_standing(Assembly *a, double *first) {
         TAKE(line->pending, 1);
         TAKE(line->sensor, 1);
         TAKE(line->latch_time, 1);
+        TAKE(line->latch_rate, 1);
         TAKE(line->released, line->hinges);
         TAKE(line->stiffened, sizeof(StiffenedLine) / sizeof(double));
     }
@@ -830,6 +831,7 @@ static void outputs(void *self, const double *x, const double *u, double *y) {
         const double latch_time = standing[line->latch_time - a->standing];
         const int is_latched = has_latched(x, latch_time);
         *y++ = is_latched ? latch_time : -1.0;
+        *y++ = is_latched ? standing[line->latch_rate - a->standing] : 0.0;
         *y++ = is_latched;
     }
     /* what stands at the communication point itself is between two rows */
