@@ -274,15 +274,19 @@ class Headline:
         for quantity, values, unit in vectors:
             yield from (Number(quantity, axis, v, unit) for axis, v in zip("xyz", values, strict=False))
             if values and unit in self.base_load_peaks:
-                yield Number(_magnitude_of(quantity), "", self.base_load_peaks[unit], unit)
+                yield Number(magnitude_of(quantity), "", self.base_load_peaks[unit], unit)
         for quantity, peaks in _point_peaks(self):
             unit = "N" if "force" in quantity else "N.m"
             yield from (Number(quantity, point, load, unit) for point, load in peaks.items())
 
-    def _numbers_of_loads(self) -> Iterator[Number]:
+    def torque_numbers(self) -> Iterator[Number]:
+        """Peaks of the torques of single parts, such as dampers and stops, without their errors."""
         for name, torques in self.torque_peaks.items():
             for variable, torque in torques.items():
                 yield Number(peak_of(variable), name, torque, "N.m")
+
+    def _numbers_of_loads(self) -> Iterator[Number]:
+        yield from self.torque_numbers()
         for name, forces in self.force_extremes.items():
             for variable, (low, high) in forces.items():
                 yield Number(f"{variable.replace('_', ' ')} lowest", name, low, "N")
@@ -361,7 +365,7 @@ def headline(result: Result) -> Headline:
     )
 
 
-def _magnitude_of(load: str) -> str:
+def magnitude_of(load: str) -> str:
     """What the headline calls the peak of a vector's magnitude."""
     return load.replace(" peak", " magnitude peak")
 
@@ -371,7 +375,7 @@ def _with_magnitudes(errors: Mapping[Key, float]) -> dict[Key, float]:
     found = dict(errors)
     for load in ("interface force peak", "interface torque peak"):
         parts = [error for key, error in errors.items() if key[0] == load]
-        key = _magnitude_of(load), ""
+        key = magnitude_of(load), ""
         if parts:
             found[key] = max(found.get(key, 0.0), float(np.linalg.norm(parts)))
     return found
@@ -403,7 +407,7 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
 
     Round-off beside the largest of a load's components reads 0; forces that are nothing are left out.
     """
-    floors = _floors(found)
+    floors = round_off_floors(found)
     absent = {
         (f"{variable.replace('_', ' ')} {extreme}", name)
         for name, forces in found.force_extremes.items()
@@ -422,10 +426,10 @@ def headline_rows(found: Headline) -> Iterator[tuple[str, str, str, str, str]]:
         digits = ".6f" if unit == "s" else ".5g"
         value = format(size * without_noise(number.value, floor), digits)
         error = "" if number.error is None else format(size * number.error, ".1g")
-        yield number.quantity, of, value, unit, error
+        yield number.quantity.replace(" magnitude", ""), of, value, unit, error
 
 
-def _floors(found: Headline) -> dict[str, float]:
+def round_off_floors(found: Headline) -> dict[str, float]:
     """Magnitudes of round-off: of loads at the base and at points by quantity, of forces by component."""
     beside = round_off_of_loads((number.key, number.value) for number in found.numbers())
 

@@ -50,7 +50,7 @@ class Sample:
     """How one run went.
 
     message: why it failed, empty where it did not. numbers: value, unit and estimated error (None for none) of
-    headline numbers, by their identifiers. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
+    headline numbers, by identifier. latched: of every line with a latch. signals: (times,) by COMPONENT.VARIABLE.
     """
 
     index: int

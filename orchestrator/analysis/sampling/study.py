@@ -45,8 +45,8 @@ class Study:
 
     asked: what the study was asked for. finished: of every sample, whether its run came to its end; messages: why not,
     empty where it did or where it has not run. parameters (samples,): drawn values by name. numbers, errors (samples,):
-    headline numbers and their estimated errors by identifier, such as `latch_time.HL1`, units likewise. latched (samples,): 1, 0 or NaN of every line
-    with a latch. signals (samples, T) at times (T,), s.
+    headline numbers and their estimated errors, units, by identifier such as `latch_time.HL1`. latched (samples,): 1, 0
+    or NaN of every line with a latch. signals (samples, T) at times (T,), s.
     """
 
     asked: Asked

@@ -6,6 +6,7 @@ import csv
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
 from math import isfinite, sqrt
 from pathlib import Path
 
@@ -191,6 +192,13 @@ def signals_of(task: Task) -> list[str]:
     return [f"{name}.{scalar}" for name, layout in layouts for scalar in layout.scalar_names()]
 
 
+def _nearest_order(text: str, names: Sequence[str]) -> str:
+    """An unknown identifier with its parts in the order in which it resembles one of the names most."""
+    first, _, last = text.rpartition(".")
+    orders = (text, f"{last}.{first}")
+    return max(orders, key=lambda one: max(SequenceMatcher(None, one, name).ratio() for name in names))
+
+
 def _unknown(
     targets: Sequence[Target], measured: Sequence[Curve], sample: Sample, task: Task
 ) -> Iterator[str]:
@@ -213,7 +221,8 @@ def _unknown(
                 "where it does"
             )
         elif one.number not in sample.numbers:
-            yield f"target {one.number}: {unknown(one.number, [*sample.numbers, *missing], 'number')}"
+            names = [*sample.numbers, *missing]
+            yield f"target {one.number}: {unknown(_nearest_order(one.number, names), names, 'number')}"
     for curve in measured:
         if curve.signal not in sample.signals:
             yield f"curve {curve.signal}: {unknown(curve.signal, signals_of(task), 'signal')}"
