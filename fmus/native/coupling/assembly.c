@@ -16,6 +16,7 @@
 /* What an output tells, in the order of `Told` in orchestrator/run/as_one/component.py; then latch times, rates
    at latch-up, whether latched, and peaks. */
 enum { STORED_ENERGY, DISSIPATED_ENERGY, NUMERICAL_ENERGY, SUPPLIED_ENERGY, ENERGY_RESIDUAL, STEPS, REJECTED_STEPS, TOLD };
+enum { OF_LINE = 3 }; /* outputs of each */
 
 /* Numbers of the master that are in no array, to or from `scalars`. */
 static void exchange_scalars(Assembly *a, int write) {
@@ -434,7 +435,7 @@ static int furnish(Assembly *a, const Data *data, const Sizes *sizes, Memory *me
     a->parameter_count = a->first_parameter[a->participants];
     a->input_count = a->first_input[a->participants];
     const size_t own = a->driven.is_there ? 2 : 1;
-    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + 2 * m->lines + a->peak_count)
+    if (sizes->parameters != a->parameter_count + own || sizes->outputs != TOLD + OF_LINE * m->lines + a->peak_count)
         return refuse(why, "the assembly declares %lu parameters, its components and its master have %lu",
                       (unsigned long)sizes->parameters, (unsigned long)(a->parameter_count + own));
     a->standing_size = arrange_standing(a, NULL);

@@ -196,14 +196,14 @@ def test_amos3_against_runs_of_their_own(rigid, until, monkeypatch):
             wanted = np.array([one[number.key] for one in true]) * found.values
             off = np.linalg.norm(row * found.values - wanted) / np.linalg.norm(wanted)
             exact = 1e-5 if rigid else 2e-5  # the smallest component of the interface force has 1.4e-5
-            assert off < (ROUNDED if "latch torque" in name and not rigid else exact), name
+            assert off < (ROUNDED if "latch_torque" in name and not rigid else exact), name
 
 
 def test_a_run_with_neighbours_is_the_run():
     """Its numbers are those of a run without, but for iterations and a step more before a latch-up."""
     found = fanfold.gradients(flap(), MOTOR, verify=False)
     run = fanfold.simulate(flap(), estimate=False)
-    numbers = {" ".join(filter(None, one.key)): one.value for one in found.numbers}
+    numbers = {one.id: one.value for one in found.numbers}
     assert numbers["latch_time.line"] == pytest.approx(run.latch_times["line"], rel=of_steps(1e-6))
 
 
