@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -186,22 +187,21 @@ def report(result: Result, verified: list[Verified] | None, *, every: bool = Fal
         console.print(table)
     for sentence in result.headline.warnings:
         console.print(f"Warning: {sentence}")
-    console.print(
-        f"{costs['steps']} steps ({costs['rejected_steps']} rejected), {costs['iterations']} iterations, "
-        f"{costs['wall_time_s']:.1f} s wall time, {costs['fmu_time_share']:.0%} of it in FMUs, "
-        f"{costs['real_time_factor']:.2f} times real time"
+    say = partial(console.print, soft_wrap=True, highlight=False)  # one line each, whatever the width
+    say(
+        f"{costs['steps']} steps, {costs['rejected_steps']} rejected, {costs['iterations']} iterations, "
+        f"{costs['wall_time_s']:.1f} s wall time, {costs['real_time_factor']:.3g} times real time"
     )
     if verified is not None:
         console.print(_verification_table(verified))
-    # as it is copied: no line is broken
-    console.print(f"next: fanfold report {shlex.quote(str(result.path))}", soft_wrap=True, highlight=False)
+    say(f"next: fanfold report {shlex.quote(str(result.path))}")
 
 
 def _verification_table(verified: list[Verified]) -> Table:
     from rich.table import Table
 
     table = Table(title="verification: steps halved and quartered, errors estimated")
-    table.add_column("quantity")
+    table.add_column("number", overflow="fold")
     for heading in ("value", "extrapolated", "error", "order"):
         table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("unit")

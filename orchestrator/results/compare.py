@@ -137,7 +137,7 @@ def _rate_rows(a: Result, b: Result) -> Iterator[Compared]:
         ("latch rate", "latch energy"), ("rad/s", "J"), zip(*found, strict=True), strict=True
     ):
         for line in in_either(*(tuple(one) for one in values)):
-            yield Compared(quantity, line, unit, *(one.get(line) for one in values), None, None)
+            yield Compared(quantity, line, unit, values[0].get(line), values[1].get(line), None, None)
 
 
 def _torque_rows(a: Result, b: Result) -> Iterator[Compared]:

@@ -63,6 +63,8 @@ def line_rows(found: Headline) -> list[LineRow]:
     numbers = {number.id: number for number in found.numbers()}
 
     def cell(quantity: str, line: str) -> str:
+        if line in found.unlatched_angles and quantity == "latch_time":
+            return "not latched"
         number = numbers.get(f"{quantity}.{line}")
         return "-" if number is None else rounded(*_as_shown(number))
 
@@ -162,9 +164,9 @@ def _forces(found: Headline, numbers: Sequence[Number], floors: Mapping[str, flo
             value_of = {label: by_key[f"{words} {ending}", name] for name, label, words in members}
             label = choose(value_of, key=lambda one: value_of[one].value)
             ends.append((rounded(value_of[label].value, value_of[label].error), label))
-        (low, of_low), (high, of_high) = ends
+        (lowest, of_low), (highest, of_high) = ends
         note = of_low if of_low == of_high else f"{of_low} / {of_high}"
-        yield ShortRow(f"{kind} min/max", f"{low} / {high}", "N", note)
+        yield ShortRow(f"{kind} min/max", f"{lowest} / {highest}", "N", note)
     for one in sorted(found.slack, key=lambda one: one.start - one.end)[:_MOST_SLACK]:
         strand = one.strand.removeprefix(_TENSION).replace("_", " ")
         yield ShortRow("slack", f"{one.start:.3g} s to {one.end:.3g} s", "", f"{one.component}{strand}")

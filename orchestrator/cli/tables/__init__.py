@@ -77,8 +77,8 @@ def headline_tables(found: Headline, *, every: bool) -> Iterator[Table]:
         title = None
     table = plain_table(title)
     table.show_header = False
-    for _ in range(4):
-        table.add_column()
+    for heading in ("quantity", "value", "unit", "of"):
+        table.add_column(heading, no_wrap=heading != "of")
     for row in short_rows(found):
         table.add_row(*row)
     yield table

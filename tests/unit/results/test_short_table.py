@@ -46,7 +46,7 @@ def test_every_line_has_a_row(found):
     assert float(rows["hl2"].torque) == pytest.approx(line.torque_peak, rel=1e-3)
     assert (rows["hl2"].energy, rows["hl2"].impulse) == ("-", "-")
     waits = line_rows(replace(found, latch_times={}, latch_rates={}, unlatched_angles={"hl1": 1.0}))
-    assert [row.latched for row in waits] == ["-"]
+    assert [row.latched for row in waits] == ["not latched"]
 
 
 def test_kinds_of_loads_have_a_row_each(found):
