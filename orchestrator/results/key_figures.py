@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import degrees
 from typing import Any, NamedTuple, TypeVar
@@ -361,7 +361,7 @@ def headline(result: Result) -> Headline:
     return replace(
         found,
         warnings=(*found.warnings, *unknown_errors(result), *told),
-        estimated_errors=_with_magnitudes(errors_told(numbers, errors, asked)),
+        estimated_errors=_with_magnitudes(numbers, errors_told(numbers, errors, asked)),
     )
 
 
@@ -370,14 +370,16 @@ def magnitude_of(load: str) -> str:
     return load.replace(" peak", " magnitude peak")
 
 
-def _with_magnitudes(errors: Mapping[Key, float]) -> dict[Key, float]:
-    """The errors; a vector's magnitude is off by as much as the vector, which its components are off by together."""
-    found = dict(errors)
+def _with_magnitudes(numbers: Sequence[tuple[Key, float]], errors: Mapping[Key, float]) -> dict[Key, float]:
+    """The errors; a vector's magnitude is off by what its components are off by, as far as they are part of it."""
+    found, values = dict(errors), dict(numbers)
     for load in ("interface force peak", "interface torque peak"):
-        parts = [error for key, error in errors.items() if key[0] == load]
-        key = magnitude_of(load), ""
-        if parts:
-            found[key] = max(found.get(key, 0.0), float(np.linalg.norm(parts)))
+        whole = values.get((magnitude_of(load), ""), 0.0)
+        parts = [(values.get(key, 0.0), error) for key, error in errors.items() if key[0] == load]
+        if parts and whole:
+            key = magnitude_of(load), ""
+            off = sum(min(1.0, (value + error) / whole) * error for value, error in parts)
+            found[key] = max(found.get(key, 0.0), off)
     return found
 
 

@@ -121,11 +121,13 @@ def _vector(
     if not any(without_noise(n.value, floors[load]) for n in parts):
         return
     magnitude = next((n for n in numbers if n.quantity == magnitude_of(load)), None)
-    errors = [n.error for n in ([magnitude] if magnitude else parts) if n.error is not None]
     unit, factor = shown(parts[0].unit)
-    values = ((n.of, factor * without_noise(n.value, floors[load])) for n in parts)
-    error = factor * max(errors, default=0.0)
-    of_parts = ", ".join(f"{axis} {_to_error(value, error) if value else '0'}" for axis, value in values)
+    of_whole = (magnitude and magnitude.error) or 0.0
+    texts = []
+    for n in parts:
+        value, error = without_noise(n.value, floors[load]), max(n.error or 0.0, of_whole)
+        texts.append(f"{n.of} {_to_error(factor * value, factor * error) if value else '0'}")
+    of_parts = ", ".join(texts)
     if magnitude is None:
         yield ShortRow(name, of_parts, unit, "")
     else:

@@ -38,6 +38,8 @@ def test_a_latch_time_in_closed_form():
     assert found.of("latch_time.line", MOTOR) == pytest.approx(-0.5 * latch_time(), rel=of_steps(1e-6))
     relative = found.relative[found.names.index("latch_time.line")]
     assert relative == pytest.approx([-0.5, 0.5], rel=of_steps(1e-6))
+    rate = found.names.index("latch_rate.line")  # sqrt(2 angle T / J)
+    assert found.relative[rate] == pytest.approx([0.5, -0.5], rel=of_steps(1e-6))
     assert found.units == ("", "")
     assert found.values == (1.0, 1.0)
 

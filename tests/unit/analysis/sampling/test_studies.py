@@ -74,7 +74,7 @@ def test_a_sample_is_the_run_of_its_values(here):
         scene.with_settings(settings), rigid="all", until=0.3, tolerance=1e-2, estimate=False
     )
     for number in result.headline.numbers():
-        assert here.numbers[" ".join(filter(None, number.key))][2] == number.value
+        assert here.numbers[number.id][2] == number.value
     np.testing.assert_array_equal(
         here.signals["root.angle"][2],
         np.interp(np.linspace(0.0, 0.3, 7), result.time, result["root", "angle"]),
