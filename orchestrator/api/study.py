@@ -71,7 +71,8 @@ def study(
 
     vary: distributions by key, such as {"friction.coefficient": "uniform(0.05, 0.2)"}; a key that ends in * is
     multiplied by what is drawn, keys with commas between get the same. Distributions are uniform, normal,
-    truncated_normal, lognormal, triangular and values. method: "latin-hypercube", "random", "sobol", "sobol-indices",
+    truncated_normal, lognormal, triangular and values; "lognormal(0.15 N.m, 40 %)" has its mean and its coefficient of
+    variation. method: "latin-hypercube", "random", "sobol", "sobol-indices",
     "grid", "one-at-a-time" or "corners", the last two between bounds, or three standard deviations. runs, seed: of
     random methods, which draw the same on every machine. levels: of a grid. workers: processes; cluster: address of a
     Dask scheduler instead. rigid ... tolerance: as for `simulate`. estimate: errors of headline numbers in every run.

@@ -16,9 +16,12 @@ import pytest
 from click.testing import CliRunner
 
 from components import LAGGED, REGISTRY
+from orchestrator.analysis.sampling.distributions import FORMS
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
+from orchestrator.scene.builder import Scene
+from orchestrator.scene.keys.listing import tables_called
 from tests.references.edits import edited
 
 ROOT = Path(__file__).parents[3]
@@ -90,7 +93,37 @@ def test_list_tells_all_of_a_component(kind):
 
 
 def test_list_of_what_is_no_component():
-    assert "there is no component 'damper'; components are" in " ".join(refused("list", "damper").split())
+    assert "did you mean latch" in " ".join(refused("list", "latsh").split())
+    assert "leave NAME out" in refused("list", "ccl", "--names")
+
+
+@pytest.mark.parametrize(
+    "name", ["hinge_line", "hinge_line.latch", "latch", "panel", "ccl", "frame", "damper"]
+)
+def test_list_shows_the_keys_of_a_table(name):
+    """Completeness: every key of every table of that name, and its example; of a component as well its keys."""
+    told, tables = fanfold("list", name).output, tables_called(name)
+    assert tables
+    for table in tables:
+        assert {key.name for key in table.keys} <= set(told.split())
+        assert " ".join(table.example.split()) in " ".join(told.split())
+    assert ("recorded signals" in told) == (name in REGISTRY)
+
+
+def test_list_names_are_arguments_of_run():
+    """Every scene and each of its variants once; each line loads."""
+    lines = fanfold("list", "--names").output.splitlines()
+    assert len(lines) == len(set(lines)) > len(list_scenes())
+    assert {line.split()[0] for line in lines} == set(list_scenes())
+    for name, *option in map(str.split, lines):
+        assert option[:1] in ([], ["--variant"])
+        Scene.load(name, option[1:])
+
+
+def test_list_distributions_has_every_form():
+    """Completeness: every distribution that `study` accepts."""
+    told = fanfold("list", "distributions").output
+    assert all(form in told for form, _ in FORMS.values())
 
 
 def test_run_shows_numbers_and_writes_the_result():
