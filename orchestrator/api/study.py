@@ -19,7 +19,7 @@ from ..analysis.sampling.varied import varied
 from ..results.signal import matches
 from ..scene.builder import Names, listed
 from .quantities import Quantity
-from .simulate import SceneLike, load, options_of
+from .simulate import SceneLike, as_scene, options_of
 from .warnings import warn
 
 
@@ -85,7 +85,7 @@ def study(
     texts = [f"{key}={text}" for key, text in vary.items()] if isinstance(vary, Mapping) else list(vary)
     plan = Plan(tuple(map(varied, texts)), method, runs, levels, seed)
     options = options_of(rigid, flexible, large_deformation, until, tolerance)
-    task = Task(load(scene), options, estimate, listed(signals), points)
+    task = Task(as_scene(scene), options, estimate, listed(signals), points)
     _tell_of_unknown_signals(task)
     found = begin(task, plan, None if save is None else Path(save), workers, cluster, progress or _silent)
     return Study.of_record(found)

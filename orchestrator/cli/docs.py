@@ -18,7 +18,10 @@ from .types import OutputFile
     "--browser/--no-browser", default=True, help="Whether the first page is opened, or its path only told."
 )
 @click.option(
+    "-o",
     "--out",
+    "--output",
+    "out",
     type=click.Path(path_type=Path, file_okay=False),
     help="Folder of the pages; by default beside the cache.",
 )

@@ -13,7 +13,9 @@ from .options import plugin_option
 
 @click.command("plot")
 @click.argument("result", type=click.Path(path_type=Path, exists=True, dir_okay=False))
-@click.option("--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures.")
+@click.option(
+    "-o", "--output", type=click.Path(path_type=Path, file_okay=False), help="Folder for the pictures."
+)
 @plugin_option
 def command(result: Path, output: Path | None) -> None:
     """Draw the pictures of RESULT."""

@@ -18,7 +18,7 @@ from .types import OutputFile
     "--with", "others", type=click.Path(path_type=Path, exists=True, dir_okay=False), multiple=True,
     help="Another result to set against it; repeatable.",
 )  # fmt: skip
-@click.option("--output", type=OutputFile(), help="HTML file.")
+@click.option("-o", "--output", type=OutputFile(), help="HTML file.")
 @click.option(
     "--frames", "count", type=click.IntRange(min=0, max=300), default=6, show_default=True,
     help="Still pictures for browsers without WebGL2; 0 for nothing that plays either.",

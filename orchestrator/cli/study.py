@@ -60,7 +60,9 @@ _LINES = 12
 @click.option(
     "--points", type=click.IntRange(min=2), default=201, show_default=True, help="Times of signals."
 )
-@click.option("--output", type=OutputFile(), help="File of the study (HDF5), by default SCENE.study.h5.")
+@click.option(
+    "-o", "--output", type=OutputFile(), help="File of the study (HDF5), by default SCENE.study.h5."
+)
 @click.option("--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for figures.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON object on standard output.")
 def command(

@@ -69,7 +69,8 @@ def distribution(text: str) -> Distribution:
 
 def _numbers(text: str, inside: str, kind: str) -> tuple[list[float], str]:
     """Numbers between commas and the unit of all of them; a deviation in % is converted to that unit."""
-    numbers, units = [], set()
+    numbers: list[float] = []
+    units: set[str] = set()
     for part in inside.split(","):
         found = QUANTITY.fullmatch(part)
         if found is None or not np.isfinite(float(found[1])):

@@ -37,7 +37,10 @@ _TOLD = 4
 )  # fmt: skip
 @click.option("--count", type=Count(min=1), default=15, show_default=True, help="Modes to list.")
 @click.option(
-    "--plot", type=click.Path(path_type=Path, file_okay=False), help="Folder for pictures of mode shapes."
+    "-o",
+    "--plot",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for pictures of mode shapes.",
 )
 @click.option(
     "--shapes", type=Count(min=1), default=4, show_default=True, help="Mode shapes to draw, with --plot."
