@@ -26,7 +26,7 @@ from .warnings import warn
 class Study(Record):
     """What a study found; `study` returns one, `Study.open` reads one.
 
-    `parameters`, `numbers`, `latched` and `signals` are arrays over the samples by name, `units` their units, `failed`
+    `parameters`, `numbers`, `opened` and `signals` are arrays over the samples by name, `units` their units, `failed`
     says which samples did not come to their end, and why.
     """
 

@@ -65,6 +65,10 @@ class Number(NamedTuple):
         return self.quantity, self.of
 
 
+UNLATCHED = "angle, not latched"
+"""Headline number of a line with a latch that has not latched."""
+
+
 @dataclass(frozen=True)
 class Headline:
     """What a deployment is judged by; SI units, components and hinge lines by name.
@@ -219,7 +223,7 @@ class Headline:
         for line, time in self.latch_times.items():
             yield Number("latch time", line, time, "s")
         for line, angle in self.unlatched_angles.items():
-            yield Number("angle, not latched", line, angle, "rad")
+            yield Number(UNLATCHED, line, angle, "rad")
         for line, passed in self.overruns.items():
             yield Number("largest angle, no latch", line, passed.largest, "rad")
         for line, short in self.short_of_deployed.items():

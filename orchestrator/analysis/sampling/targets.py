@@ -15,6 +15,7 @@ from components.contract.component import Vector
 from components.contract.errors import unknown
 
 from ...cosim.rows import recorded_layout
+from ...results.key_figures import UNLATCHED
 from ...scene.units import QUANTITY, UNITS, to_si
 from .distributions import StudyError
 from .sample import Sample, Task
@@ -198,9 +199,9 @@ def _unknown(
     # what a line has of it once it latches
     missing = {
         f"{quantity} {line}": (line, unit)
-        for line, latched in sample.latched.items()
+        for line in sample.opened
         for quantity, unit in _OF_A_LATCH_UP.items()
-        if not latched
+        if f"{UNLATCHED} {line}" in sample.numbers
     }
     for one in targets:
         line, unit = missing.get(one.number, ("", ""))

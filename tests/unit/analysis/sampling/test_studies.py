@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 import signal
 from contextlib import contextmanager
 from dataclasses import replace
@@ -20,9 +21,10 @@ from orchestrator.analysis.sampling.influence import influence
 from orchestrator.analysis.sampling.journal import Journal, journal_file
 from orchestrator.analysis.sampling.plan import Plan
 from orchestrator.analysis.sampling.sample import Sample, Task, run_sample
-from orchestrator.analysis.sampling.study import Study
+from orchestrator.analysis.sampling.study import Share, Study, runs_for
 from orchestrator.analysis.sampling.varied import varied
 from orchestrator.cli.main import main
+from orchestrator.cli.study import _report as report
 from orchestrator.run.errors import InterruptedRunError
 from orchestrator.run.simulation import Options
 from tests.unit.scene.scene_cases import SCENES
@@ -53,7 +55,7 @@ def settings_of(study, index):
 
 def same(one, other):
     assert one.parameters.keys() == other.parameters.keys()
-    for table in ("parameters", "numbers", "latched", "signals"):
+    for table in ("parameters", "numbers", "opened", "signals"):
         a, b = getattr(one, table), getattr(other, table)
         assert a.keys() == b.keys()
         for name in a:
@@ -192,7 +194,7 @@ def test_shares_of_variance_and_what_lets_lines_latch_are_told(tmp_path):
     assert moved["variance_shares"].keys() == moved["changes"].keys() == set(VARY)
     study = fanfold.Study.open(file)
     assert len(study.messages) == 8
-    assert all(share.among == 4 for share in study.not_latching().values())
+    assert all(share.among == 4 for share in study.not_opening().values())
 
 
 def test_worst_cases_are_told_with_their_samples(tmp_path):
@@ -248,7 +250,7 @@ def synthetic(here, method, numbers, runs=256, texts=("a=uniform(0, 1)", "b=unif
     plan = Plan(tuple(map(varied, texts)), method, runs)
     asked = {**here.asked, "varied": texts, "method": method, "runs": runs}
     samples = [
-        Sample(k, numbers={name: (f(*row), "N", None) for name, f in numbers.items()}, latched={"L": k > 0})
+        Sample(k, numbers={name: (f(*row), "N", None) for name, f in numbers.items()}, opened={"L": k > 0})
         for k, row in enumerate(plan.samples().tolist())
     ]
     return fanfold.Study.of_record(Study.of(asked, samples))
@@ -298,11 +300,28 @@ def test_all_variance_is_that_of_the_only_key(here):
 
 def test_the_share_that_does_not_latch_has_clopper_pearson_bounds(here):
     """Closed form for 1 of 256: 1 - 0.975^(1/256) below, and the root of P(X <= 1) = 0.025 above."""
-    share = synthetic(here, "random", {"latch time L": lambda a, b: a}).not_latching()["L"]
+    share = synthetic(here, "random", {"latch time L": lambda a, b: a}).not_opening()["L"]
     assert (share.samples, share.among) == (1, 256)
     assert share.low == pytest.approx(1.0 - 0.975 ** (1 / 256), rel=1e-9)
     p = share.high
     assert (1 - p) ** 256 + 256 * p * (1 - p) ** 255 == pytest.approx(0.025, rel=1e-6)
+    assert (1 - share.below) ** 256 + 256 * share.below * (1 - share.below) ** 255 == pytest.approx(0.05)
+
+
+def test_the_wing_fails_where_any_line_does(here):
+    """Counts by hand: lines fail in samples 0 and 1 of four, another has not finished; 1 - 0.05^(1/n) for none of n."""
+    lines = {"a": np.array([0.0, 1.0, 1.0, np.nan]), "b": np.array([1.0, 0.0, 1.0, np.nan])}
+    wing = replace(here, opened=lines).wing_not_opening()
+    assert (wing.samples, wing.among) == (2, 3)
+    assert replace(here, opened={}).wing_not_opening() is None
+    assert Share.of(0, 200).below == pytest.approx(1.0 - 0.05 ** (1 / 200), rel=1e-9)
+
+
+@pytest.mark.parametrize("bound", [0.1, 1e-3, 1e-6])
+def test_runs_for_a_bound_are_the_fewest_that_show_it(bound):
+    """Definition, by the bound of Clopper and Pearson: so many runs without a failure are below it, less are not."""
+    runs = runs_for(bound)
+    assert Share.of(0, runs).below <= bound < Share.of(0, runs - 1).below
 
 
 def test_command(tmp_path, monkeypatch):
@@ -323,7 +342,29 @@ def test_command(tmp_path, monkeypatch):
     assert "it is written uniform(LOW, HIGH)" in shown.stderr
     again = CliRunner().invoke(main, ["study", told["output"]])
     assert again.exit_code == 0, again.stderr
-    assert "moved most by" in again.stdout
+    assert "most sensitive to" in again.stdout
+
+
+def test_command_says_how_often_the_wing_opens(here, tmp_path, capsys):
+    """Numbers: 1 of 256 fails, interval and bound of Clopper and Pearson; long keys keep their ends."""
+    drawn = synthetic(here, "random", {"latch time L": lambda a, b: a})
+    names = dict(
+        zip(
+            (f"table.{'long_' * 20}name.a", f"table.{'long_' * 20}name.b"),
+            drawn.parameters.values(),
+            strict=True,
+        )
+    )
+    report(replace(drawn, parameters=names, path=tmp_path / "a.h5"), [])
+    told = " ".join(capsys.readouterr().out.split())
+    wing, line = drawn.wing_not_opening(), drawn.not_opening()["L"]
+    assert "255 of 256" in told
+    assert f"{100 * wing.below:.2g} % (95 %" in told
+    assert f"{100 * line.low:.2g} % to {100 * line.high:.2g} %" in told
+    assert re.search(r"…\S*name\.a", told)
+    whole = replace(drawn, opened={"L": np.ones(256)}, path=tmp_path / "a.h5")
+    report(whole, [])
+    assert f"{runs_for(0.01):,} runs" in " ".join(capsys.readouterr().out.split())
 
 
 def test_figures_are_drawn(here, tmp_path):
