@@ -5,16 +5,20 @@ import json
 import os
 import re
 import signal
-from contextlib import contextmanager
-from dataclasses import replace
+import subprocess
+import sys
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import orchestrator as fanfold
+from orchestrator.analysis.sampling import carry_out, workers
 from orchestrator.analysis.sampling import sample as one_sample
-from orchestrator.analysis.sampling import workers
 from orchestrator.analysis.sampling.carry_out import asked_of
 from orchestrator.analysis.sampling.distributions import StudyError
 from orchestrator.analysis.sampling.influence import influence
@@ -31,6 +35,7 @@ from tests.unit.scene.scene_cases import SCENES
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*neither a latch nor an end_stop")  # nothing stops it
 
+ROOT = Path(__file__).parents[4]
 WING = SCENES / "two_panels.toml"
 VARY = {"friction.coefficient": "uniform(0.05, 0.2)", "hinge_line.root_line.motor.stowed*": "normal(1, 0.05)"}
 ASKED = {"rigid": "all", "until": 0.3, "tolerance": 1e-2, "runs": 4}
@@ -151,6 +156,68 @@ def test_an_interrupted_study_goes_on(here, tmp_path):
     rows = list(csv.reader(path.with_suffix(".csv").open()))
     assert rows[0][:3] == ["sample", "friction.coefficient", "hinge_line.root_line.motor.stowed*, 1"]
     assert [float(row[1]) for row in rows[1:]] == here.parameters["friction.coefficient"].tolist()
+
+
+def test_a_damaged_line_of_a_journal_is_drawn_again(here, tmp_path):
+    """Flips: whichever byte of a journal changes, no sample is read that is not one that was written."""
+    path, generator = tmp_path / "study.h5", np.random.default_rng(1)
+    written = [Sample(k, numbers={"latch time": (0.1 * k, "s", None)}, opened={"L": True}) for k in range(3)]
+    with Journal.begin(path, here.asked) as journal:
+        for sample in written:
+            journal.append(sample)
+    text = journal_file(path).read_bytes()
+    first = text.index(b"\n") + 1
+    lines = {json.dumps(asdict(sample)) for sample in written}
+    for place in generator.integers(first, len(text), 100):
+        damaged = bytearray(text)
+        damaged[place] ^= 1 << int(generator.integers(0, 8))
+        journal_file(path).write_bytes(damaged)
+        journal, _, samples = Journal.resume(path)
+        with journal:
+            journal.append(written[0])  # what follows stands on a line of its own
+        again, _, more = Journal.resume(path)
+        with again:
+            assert {json.dumps(asdict(sample)) for sample in samples} < lines
+            assert len(samples) >= 1
+            assert 0 in [sample.index for sample in more]
+    journal_file(path).write_bytes(b"{" + text)
+    with pytest.raises(StudyError, match="delete it and begin again"):
+        Journal.resume(path)
+
+
+def test_a_cluster_without_its_scheduler_is_a_sentence(tmp_path, monkeypatch):
+    """Regression: CancelledError as a traceback; the journal stays, and the sentence has the command to go on with."""
+
+    class Gone(Executor):
+        def submit(self, *_):
+            future = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    monkeypatch.setattr(carry_out, "dask", lambda address: lambda count: nullcontext(Gone()))
+    path = tmp_path / "study.h5"
+    with pytest.raises(StudyError, match="no longer answers") as refused:
+        fanfold.study(WING, VARY, cluster="tcp://host:1", save=path, **ASKED)
+    assert f"fanfold study {path}" in str(refused.value)
+    assert journal_file(path).exists()
+
+
+def test_a_killed_worker_prints_nothing(tmp_path):
+    """Regression: the traceback of loky's tracker of semaphores, on the terminal of a study that went on."""
+    code = """
+import os, signal
+from orchestrator.analysis.sampling import carry_out, workers
+with workers.local(2) as pool:
+    pool.submit(int).result()
+    os.kill(next(iter(pool._processes)), signal.SIGKILL)
+    try:
+        [pool.submit(int).result() for _ in range(2)]
+    except Exception:
+        pass
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=ROOT)
+    assert done.stderr == ""
 
 
 def test_an_interrupted_run_is_no_failed_sample(here, tmp_path, monkeypatch):
