@@ -10,6 +10,7 @@ import click
 
 import orchestrator as fanfold
 
+from .progress import working
 from .types import OutputFile
 
 
@@ -40,7 +41,8 @@ def command(browser: bool, out: Path | None, gallery: bool, rebuild: bool, schem
         schema.write_text(f"{text}\n", encoding="utf-8")
         click.echo(schema)
         return
-    page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
+    with working("docs"):
+        page = fanfold.docs(out, gallery=gallery, rebuild=rebuild)
     click.echo(page)
     if browser:
         webbrowser.open(page.resolve().as_uri())

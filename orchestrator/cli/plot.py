@@ -9,6 +9,7 @@ import click
 import orchestrator as fanfold
 
 from .options import plugin_option
+from .progress import working
 
 
 @click.command("plot")
@@ -19,5 +20,7 @@ from .options import plugin_option
 @plugin_option
 def command(result: Path, output: Path | None) -> None:
     """Draw the pictures of RESULT."""
-    for path in fanfold.Result.open(result).plot_all(output or result.with_suffix("")):
+    with working("plot") as watch:
+        paths = fanfold.Result.open(result).plot_all(output or result.with_suffix(""), watch=watch)
+    for path in paths:
         click.echo(path)

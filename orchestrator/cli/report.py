@@ -9,6 +9,7 @@ import click
 import orchestrator as fanfold
 
 from .options import plugin_option
+from .progress import working
 from .types import OutputFile
 
 
@@ -26,4 +27,6 @@ from .types import OutputFile
 @plugin_option
 def command(result: Path, others: tuple[Path, ...], output: Path | None, count: int) -> None:
     """Write RESULT as one HTML file with everything inside."""
-    click.echo(fanfold.report(result, output, others, count))
+    with working("report"):
+        path = fanfold.report(result, output, others, count)
+    click.echo(path)

@@ -19,7 +19,7 @@ from components.flexible.stress import Indices
 
 from ..analysis.stress.hot_spots import PanelStress
 from ..results.key_figures import latch_times
-from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure
+from .style import COLOURS, DASHES, STYLE, WIDTH, empty_figure, save_figure
 
 _LEVELS = 16
 _MEGA = 1e-6
@@ -30,8 +30,8 @@ def plot_stress(found: PanelStress, folder: Path) -> list[Path]:
     """Pictures of the peak field and of the hottest nodes' histories; the paths written."""
     paths = [folder / f"{found.body}_stress_{what}.png" for what in ("field", "histories")]
     with mpl.rc_context(STYLE):
-        field_figure(found).savefig(paths[0])
-        hottest_figure(found).savefig(paths[1])
+        save_figure(field_figure(found), paths[0])
+        save_figure(hottest_figure(found), paths[1])
     return paths
 
 

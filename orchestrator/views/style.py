@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from io import BytesIO
 from math import ceil
+from pathlib import Path
 from typing import Any, Final, Literal
 
 from matplotlib.axes import Axes
@@ -11,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.transforms import offset_copy
 
+from components.cache.disk import replace_file
 from components.contract.component import Vector
 
 from ..results.result import Result
@@ -176,3 +179,13 @@ def _label_events(axes: Axes, events: Sequence[tuple[float, str]]) -> None:
                 "patchA": None, "relpos": (0.5, 0.0),  # from below the name, sooner than cut off at its box
             },
         )  # fmt: skip
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's ending, whole or not at all."""
+    content = BytesIO()
+    figure.savefig(content, format=path.suffix[1:] or None)
+    try:
+        replace_file(path, content.getvalue())
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None

@@ -5,6 +5,7 @@ Samples that were under way when a process died are run again one by one, so tha
 
 from __future__ import annotations
 
+import logging
 import os
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -126,7 +127,15 @@ def dask(address: str) -> Pool:
             client = Client(address, timeout=ANSWER)
         except (OSError, ValueError) as error:
             raise StudyError(f"{address}: no Dask scheduler answers there ({error})") from None
-        with client:
-            yield client.get_executor(pure=False)
+        log = logging.getLogger(
+            "distributed.client"
+        )  # it logs tracebacks of what the study says in a sentence
+        level = log.level
+        log.setLevel(logging.CRITICAL + 1)
+        try:
+            with client:
+                yield client.get_executor(pure=False)
+        finally:
+            log.setLevel(level)
 
     return cluster

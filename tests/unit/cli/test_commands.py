@@ -17,11 +17,13 @@ from click.testing import CliRunner
 
 from components import LAGGED, REGISTRY
 from orchestrator.analysis.sampling.distributions import FORMS
+from orchestrator.cli import listing
 from orchestrator.cli.main import main
 from orchestrator.results.result import Result
 from orchestrator.scene import list_scenes
 from orchestrator.scene.builder import Scene
 from orchestrator.scene.keys.listing import tables_called
+from orchestrator.views.style import empty_figure, save_figure
 from tests.references.edits import edited
 
 ROOT = Path(__file__).parents[3]
@@ -469,3 +471,31 @@ def test_an_explicit_master_needs_a_step():
     refusal = fanfold("run", SCENE, "--master", "jacobi")
     assert refusal.exit_code == 2
     assert "needs a --step" in refusal.stderr
+
+
+def test_an_interruption_while_libraries_load_is_a_sentence(monkeypatch):
+    """Regression: pybind11 raises ImportError, "initialization failed", of Ctrl-C within an import: a traceback."""
+
+    def interrupted(*_):
+        raise ImportError("initialization failed") from KeyboardInterrupt()
+
+    monkeypatch.setattr(listing.fanfold, "scenes", interrupted)
+    assert "list: interrupted" in refused("list")
+
+
+def test_an_interrupted_picture_leaves_no_file(tmp_path, monkeypatch):
+    """Regression: Ctrl-C during `plot` left a PNG of 124 bytes, or cut an earlier one off."""
+    path, figure = tmp_path / "a.png", empty_figure(1.0, 1.0)
+    save_figure(figure, path)
+    whole = path.read_bytes()
+
+    def cut_off(stream, **_):
+        stream.write(b"PNG")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(figure, "savefig", cut_off)
+    with pytest.raises(KeyboardInterrupt):
+        save_figure(figure, path)
+    assert [one.name for one in tmp_path.iterdir()] == ["a.png"]
+    assert path.read_bytes() == whole
+    assert path.stat().st_mode & 0o777 == 0o644
